@@ -9,7 +9,7 @@ static const double SLACK = 1e-4;
 enum { SIDE_LIMIT = 4096, CELLS_PER_LIGHT = 8, CELLS_LEAST = 4096 };
 
 struct world_grid_params world_grid_params_default(void) {
-    return (struct world_grid_params){.cell_limit = 1u << 20, .entry_limit = 1u << 28};
+    return (struct world_grid_params){.cell_limit = 1u << 20, .span_limit = 1u << 26, .entry_limit = 1u << 28};
 }
 
 void world_grid_init(struct world_grid *grid, const fnl_host *host) {
@@ -32,47 +32,6 @@ static bool has_place(const struct gpu_entity_bounds *bounds) {
     return vec3_finite(bounds->center) && isfinite(bounds->radius);
 }
 
-static void lay_grid(struct world_grid *grid, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
-                     const struct box *scene, const struct world_grid_params *params) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, extent[3];
-    for (uint32_t i = 0; i < count; i++) {
-        if (!bounds_are_listed(&bounds[i], kinds) || !has_place(&bounds[i])) continue;
-        for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], axis(bounds[i].center, k) - (double)bounds[i].radius);
-            high[k] = fmax(high[k], axis(bounds[i].center, k) + (double)bounds[i].radius);
-        }
-    }
-    for (int k = 0; k < 3; k++) {
-        if (!box_is_empty(scene) && isfinite(axis(scene->low, k)) && isfinite(axis(scene->high, k))) {
-            low[k] = fmax(low[k], axis(scene->low, k));
-            high[k] = fmin(high[k], axis(scene->high, k));
-        }
-        if (!(high[k] - low[k] > 0)) low[k] = isfinite(low[k]) ? low[k] : 0, high[k] = low[k];
-        extent[k] = fmin(high[k] - low[k], 1e18);
-    }
-    if (params->flat) extent[1] = 0;
-    double size = (double)params->cell_size;
-    if (!(size > 0)) {
-        double cells = fmin(fmax((double)count * CELLS_PER_LIGHT, CELLS_LEAST), params->cell_limit);
-        double least = 1e-3 * fmax(extent[0], fmax(extent[1], extent[2])) + 1e-6;
-        size = params->flat ? 4 : cbrt(fmax(extent[0], least) * fmax(extent[1], least) * fmax(extent[2], least) / cells);
-    }
-    for (;; size *= 2) {
-        double total = 1;
-        bool fits = true;
-        for (int k = 0; k < 3; k++) {
-            double side = floor(extent[k] / size) + 1;
-            fits = fits && side <= SIDE_LIMIT;
-            grid->size[k] = (uint32_t)fmin(side, SIDE_LIMIT);
-            total *= side;
-        }
-        if (fits && total <= MAX(params->cell_limit, 1u)) break;
-    }
-    grid->cell_size = (float)size;
-    grid->inverse_size = 1 / grid->cell_size;
-    grid->origin = vec3_make((float)low[0], (float)low[1], (float)low[2]);
-}
-
 static uint32_t place_on(double position, double origin, double inverse_size, uint32_t count) {
     double at = (position - origin) * inverse_size;
     return at > 0 ? (uint32_t)fmin(at, count - 1.0) : 0; /* NaN: 0 */
@@ -84,8 +43,6 @@ uint32_t world_grid_cell(const struct world_grid *grid, vec3 position) {
         at[k] = place_on(axis(position, k), axis(grid->origin, k), (double)grid->inverse_size, grid->size[k]);
     return (at[2] * grid->size[1] + at[1]) * grid->size[0] + at[0];
 }
-
-/* ---- the lists ---- */
 
 struct span {
     uint32_t first[3], last[3];
@@ -110,6 +67,64 @@ static struct span span_of(const struct world_grid *grid, const struct gpu_entit
     }
     return s;
 }
+
+/* Cells in the spans of all; stops beyond `most`. */
+static uint64_t spanned(const struct world_grid *grid, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
+                        uint64_t most) {
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < count && sum <= most; i++) {
+        if (!bounds_are_listed(&bounds[i], kinds)) continue;
+        struct span s = span_of(grid, &bounds[i]);
+        uint64_t cells = 1;
+        for (int k = 0; k < 3; k++) cells *= s.last[k] - s.first[k] + 1;
+        sum += cells;
+    }
+    return sum;
+}
+
+static void lay_grid(struct world_grid *grid, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
+                     const struct box *scene, const struct world_grid_params *params) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, extent[3];
+    for (uint32_t i = 0; i < count; i++) {
+        if (!bounds_are_listed(&bounds[i], kinds) || !has_place(&bounds[i])) continue;
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], axis(bounds[i].center, k) - (double)bounds[i].radius);
+            high[k] = fmax(high[k], axis(bounds[i].center, k) + (double)bounds[i].radius);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        if (!box_is_empty(scene) && isfinite(axis(scene->low, k)) && isfinite(axis(scene->high, k))) {
+            low[k] = fmax(low[k], axis(scene->low, k));
+            high[k] = fmin(high[k], axis(scene->high, k));
+        }
+        if (!(high[k] - low[k] > 0)) low[k] = isfinite(low[k]) ? low[k] : 0, high[k] = low[k];
+        extent[k] = fmin(high[k] - low[k], 1e18);
+    }
+    if (params->flat) extent[1] = 0;
+    grid->origin = vec3_make((float)low[0], (float)low[1], (float)low[2]);
+    double size = (double)params->cell_size;
+    if (!(size > 0)) {
+        double cells = fmin(fmax((double)count * CELLS_PER_LIGHT, CELLS_LEAST), params->cell_limit);
+        double least = 1e-3 * fmax(extent[0], fmax(extent[1], extent[2])) + 1e-6;
+        size = params->flat ? 4 : cbrt(fmax(extent[0], least) * fmax(extent[1], least) * fmax(extent[2], least) / cells);
+    }
+    for (;; size *= 2) {
+        double total = 1;
+        bool fits = true;
+        for (int k = 0; k < 3; k++) {
+            double side = floor(extent[k] / size) + 1;
+            fits = fits && side <= SIDE_LIMIT;
+            grid->size[k] = (uint32_t)fmin(side, SIDE_LIMIT);
+            total *= side;
+        }
+        grid->cell_size = (float)size;
+        grid->inverse_size = 1 / grid->cell_size;
+        if (!fits || total > MAX(params->cell_limit, 1u)) continue;
+        if (total <= 1 || spanned(grid, bounds, count, kinds, params->span_limit) <= params->span_limit) break;
+    }
+}
+
+/* ---- the lists ---- */
 
 /* Squared distance of the sphere's centre from a row of cells on one axis; those at the border never end. */
 static double outside(const struct world_grid *grid, const struct span *s, int k, uint32_t at) {
@@ -217,7 +232,7 @@ struct light_list world_grid_add(struct world_grid *grid, struct graph *graph, g
     struct upload_data upload = {0};
     const struct world_grid_params *p = &grid->params;
     bool stale = grid->version != version || p->flat != params->flat || p->cell_size != params->cell_size ||
-                 p->cell_limit != params->cell_limit || p->entry_limit != params->entry_limit;
+                 p->cell_limit != params->cell_limit || p->span_limit != params->span_limit || p->entry_limit != params->entry_limit;
     if (stale) {
         fnl_result result = rebuild(grid, device, input, bounds, scene, params, &upload);
         if (result != FNL_OK) {

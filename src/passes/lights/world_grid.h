@@ -12,8 +12,9 @@
 struct world_grid_params {
     bool flat; /* one cell for all heights: the grid is seen from above; default false */
     float
-        cell_size; /* metres; 0: by the number of lights; default 0, with `flat` 4. Doubled while there would be more than cell_limit */
+        cell_size; /* metres; 0: by the number of lights; default 0, with `flat` 4. Doubled while a limit on cells or spans is exceeded */
     uint32_t cell_limit;  /* default 2^20 */
+    uint64_t span_limit;  /* cells in the boxes round all lights, each as often as it lies in one; default 2^26 */
     uint64_t entry_limit; /* entries that may be stored: cells beyond use all lights; default 2^28 */
 };
 struct world_grid_params world_grid_params_default(void);

@@ -160,6 +160,34 @@ static void test_limits_ES_67_ES_8(void **state) {
     world_grid_finish(&g, harness_device());
 }
 
+/* Lights that all reach far take larger cells in place of millions of steps. */
+static void test_large_lights_get_large_cells_ES_67_ES_8(void **state) {
+    UNUSED(state);
+    struct random_state random = {6};
+    random_lights(&random, vec3_make(0, 0, 0), 50, 200);
+    struct world_grid g;
+    struct world_grid_params params = world_grid_params_default();
+    struct box none = box_empty();
+    world_grid_init(&g, gpu_host(harness_device()));
+    assert_int_equal(world_grid_build(&g, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &none, &params), FNL_OK);
+    const uint64_t entries = g.entry_count;
+    const float cell_size = g.cell_size;
+    assert_true(entries > 200000);
+    params.span_limit = 50000;
+    for (int flat = 0; flat < 2; flat++) {
+        params.flat = flat;
+        assert_int_equal(world_grid_build(&g, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &none, &params), FNL_OK);
+        check_form(&g, LIGHTS);
+        assert_true(g.entry_count <= 50000 && g.entry_count > 50000 / 16 && g.overflow_cells == 0);
+        if (!flat) assert_true(g.cell_size == 2 * cell_size || g.cell_size == 4 * cell_size);
+    }
+    params.span_limit = 0; /* then one cell is left */
+    assert_int_equal(world_grid_build(&g, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &none, &params), FNL_OK);
+    assert_int_equal(g.cells.count, 1);
+    check_form(&g, LIGHTS);
+    world_grid_finish(&g, harness_device());
+}
+
 /* Cells that do not fit use all lights and are counted, the same ones every time. */
 static void test_overflow_CL_10_ES_8(void **state) {
     UNUSED(state);
@@ -274,6 +302,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_sets_ES_67_ES_8, harness_check),
         cmocka_unit_test_teardown(test_limits_ES_67_ES_8, harness_check),
+        cmocka_unit_test_teardown(test_large_lights_get_large_cells_ES_67_ES_8, harness_check),
         cmocka_unit_test_teardown(test_overflow_CL_10_ES_8, harness_check),
         cmocka_unit_test_teardown(test_kept_while_the_camera_moves_ES_67, harness_check),
         cmocka_unit_test_teardown(test_four_lights_a_cell_ES_8, harness_check),
