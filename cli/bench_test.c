@@ -464,7 +464,7 @@ static void test_likely_ways_are_those_of_auto(void **state) {
                 wanted += likely;
             }
         assert_int_equal(plan.cases->candidate_count, wanted);
-        assert_true(wanted >= 10 && wanted <= 22);
+        assert_true(wanted >= 10 && wanted <= 30);
         assert_int_equal(json_array_size(plan.skipped), 0);
         bench_plan_free(&plan);
     }
@@ -484,7 +484,7 @@ static void test_named_ways_are_planned(void **state) {
     m.shading[m.shading_count++] = FNL_SHADING_VISIBILITY;
     m.shading[m.shading_count++] = FNL_SHADING_DEFERRED_VOLUMES;
     assert_true(bench_plan_matrix(&m, scenes, lights, 1, &plan) && plan.likely);
-    assert_true(planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_ALL) && planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_BVH));
+    assert_true(planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_ALL) && planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_WORLD));
     assert_false(planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_MESH) || planned(plan.cases, FNL_SHADING_DEFERRED, FNL_LISTS_TILED));
     uint32_t volumes = 0;
     for (uint32_t l = 0; l < FNL_LISTS_COUNT; l++) volumes += planned(plan.cases, FNL_SHADING_DEFERRED_VOLUMES, (fnl_light_lists)l);

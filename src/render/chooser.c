@@ -8,7 +8,7 @@
 
 enum {
     FEW_LIGHTS = 64,     /* up to here visiting all may be best */
-    MANY_LIGHTS = 16384, /* beyond, most lists that test blocks of cells against each light are not tried */
+    MANY_LIGHTS = 16384, /* beyond, some lists that test blocks of cells against each light are not tried */
     SETTLE_FRAMES = 240, /* a decision stands at least as long when only the view changes */
     SLOW_FRAMES = 30,    /* so many frames in a row that are slower by SLOW_FACTOR end a decision */
 };
@@ -21,6 +21,7 @@ static bool is_deferred(fnl_shading shading) { return shading_is(shading, SHADIN
 /* Whether a pair is worth a try in this case, and gives the very same picture. */
 static bool worth(const struct choice_case *at, struct choice c) {
     if (!fnl_shading_supports(c.shading, c.lists, at->msaa)) return false;
+    if (c.lists == FNL_LISTS_WORLD && at->moves) return false; /* the processor would build them for each frame */
     /* Edges are lit at other points of their pixels than with forward shading: taken only if asked for. */
     if (is_deferred(c.shading) && at->msaa > 1 && at->asked.shading == FNL_SHADING_AUTO) return false;
     bool splits = c.lists == FNL_LISTS_HALFZ || c.lists == FNL_LISTS_25D || c.lists == FNL_LISTS_BACKFACE;
@@ -33,13 +34,13 @@ static bool worth(const struct choice_case *at, struct choice c) {
 
 /* Lists in the order of their chances. */
 static const fnl_light_lists few[] = {FNL_LISTS_ALL,  FNL_LISTS_TILED,    FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
-                                      FNL_LISTS_FINE, FNL_LISTS_BACKFACE, FNL_LISTS_ENHANCED};
+                                      FNL_LISTS_FINE, FNL_LISTS_BACKFACE, FNL_LISTS_ENHANCED,  FNL_LISTS_WORLD};
 static const fnl_light_lists some[] = {FNL_LISTS_TILED,  FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
-                                       FNL_LISTS_BVH,    FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
+                                       FNL_LISTS_WORLD,  FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
                                        FNL_LISTS_SPARSE, FNL_LISTS_HALFZ,     FNL_LISTS_25D};
-static const fnl_light_lists many[] = {FNL_LISTS_BVH,  FNL_LISTS_SPARSE, FNL_LISTS_ZBIN,
-                                       FNL_LISTS_FINE, FNL_LISTS_TILED,  FNL_LISTS_CLUSTERED,
-                                       FNL_LISTS_CLUSTERED_CPU};
+static const fnl_light_lists many[] = {FNL_LISTS_HALFZ, FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
+                                       FNL_LISTS_WORLD, FNL_LISTS_TILED,     FNL_LISTS_FINE,
+                                       FNL_LISTS_BVH,   FNL_LISTS_SPARSE,    FNL_LISTS_CLUSTERED_CPU};
 
 static const fnl_light_lists *lists_for(const struct choice_case *at, uint32_t *count) {
     if (at->light_count <= FEW_LIGHTS) {
@@ -139,7 +140,8 @@ uint64_t chooser_key(const struct choice_case *at) {
                         step_of(at->pixel_count),
                         at->msaa,
                         at->depth_first,
-                        at->close};
+                        at->close,
+                        at->moves};
     return hash_bytes(parts, sizeof parts, HASH_SEED);
 }
 
@@ -375,7 +377,7 @@ static bool ratio_beyond(double a, double b, double factor) { return a > b * fac
 /* Other things are asked for, or the work is of another size. */
 static bool case_differs(const struct choice_case *a, const struct choice_case *b) {
     return a->asked.shading != b->asked.shading || a->asked.lists != b->asked.lists || a->scene != b->scene ||
-           a->msaa != b->msaa || a->depth_first != b->depth_first || a->close != b->close ||
+           a->msaa != b->msaa || a->depth_first != b->depth_first || a->close != b->close || a->moves != b->moves ||
            ratio_beyond((double)a->light_count + 8, (double)b->light_count + 8, 2) ||
            ratio_beyond((double)a->pixel_count, (double)b->pixel_count, 1.5);
 }
@@ -485,14 +487,14 @@ void chooser_asked(struct chooser *c, uint64_t ticket) {
     }
 }
 
-void chooser_note(struct chooser *c, uint64_t frame) {
+void chooser_note(struct chooser *c, uint64_t frame, double cpu_milliseconds) {
     bool measures = c->last < CHOOSER_CANDIDATES || c->state == CHOOSER_DECIDED;
     if (!measures || c->pending_count == CHOOSER_PENDING) return;
     if (c->last < CHOOSER_CANDIDATES) {
         c->candidates[c->last].given++;
         c->frames++;
     }
-    c->pending[c->pending_count++] = (struct chooser_pending){frame, c->last};
+    c->pending[c->pending_count++] = (struct chooser_pending){frame, c->last, cpu_milliseconds};
 }
 
 uint64_t chooser_wants(const struct chooser *c) { return c->pending_count ? c->pending[0].frame : 0; }
@@ -504,11 +506,13 @@ bool chooser_counts(const struct choice *asked, const char *pass) {
     return asked->shading == FNL_SHADING_AUTO || !draws;
 }
 
-void chooser_feed(struct chooser *c, double milliseconds) {
+void chooser_feed(struct chooser *c, double gpu_milliseconds, double left_out) {
     if (c->pending_count == 0) return;
-    uint32_t index = c->pending[0].candidate;
+    const struct chooser_pending frame = c->pending[0];
+    uint32_t index = frame.candidate;
     memmove(&c->pending[0], &c->pending[1], --c->pending_count * sizeof c->pending[0]);
-    if (milliseconds < 0) return;
+    if (gpu_milliseconds < 0) return;
+    const double milliseconds = MAX(gpu_milliseconds, frame.cpu_milliseconds) - left_out;
     if (index >= CHOOSER_CANDIDATES) { /* after the decision: is it still good? */
         bool slow = c->milliseconds > 0 && milliseconds > c->milliseconds * SLOW_FACTOR;
         c->slow_frames = slow && c->state == CHOOSER_DECIDED ? c->slow_frames + 1 : 0;

@@ -43,6 +43,7 @@ struct choice_case {
     uint64_t pixel_count;
     bool depth_first; /* deferred: with a prepass */
     bool close;       /* the path may be one whose picture is only close to that of the others */
+    bool moves;       /* lights have changed in one of the last frames */
     vec3 eye, forward;
     float scene_size; /* diagonal of the scene's bounds, metres */
 };
@@ -90,6 +91,7 @@ struct chooser {
     struct chooser_pending {
         uint64_t frame;
         uint32_t candidate;
+        double cpu_milliseconds;
     } pending[CHOOSER_PENDING];
     uint32_t pending_count;
     uint32_t slow_frames; /* in a row, since the decision */
@@ -110,14 +112,14 @@ struct choice chooser_pick(struct chooser *chooser, const struct choice_case *at
 bool chooser_asks(const struct chooser *chooser, struct choice *out);
 /** `ticket` is 0 where they are all there already. Where they are not the frame of the last pick does not count any more. */
 void chooser_asked(struct chooser *chooser, uint64_t ticket);
-/** The frame of the last pick was submitted under this number, and is timed. */
-void chooser_note(struct chooser *chooser, uint64_t frame);
+/** The frame of the last pick was submitted under this number, and is timed. Processor and GPU work side by side: the longer time counts. */
+void chooser_note(struct chooser *chooser, uint64_t frame, double cpu_milliseconds);
 /** Oldest frame whose time is still wanted; 0: none. */
 uint64_t chooser_wants(const struct chooser *chooser);
 /** Whether the time of a pass, which may stand in a scope ("view 1/gbuffer"), is part of what is compared. */
 bool chooser_counts(const struct choice *asked, const char *pass);
-/** Time of that frame; negative: it is not known and never will be. */
-void chooser_feed(struct chooser *chooser, double milliseconds);
+/** Time of that frame's passes, negative: it is not known and never will be; and of those among them that are not compared. */
+void chooser_feed(struct chooser *chooser, double gpu_milliseconds, double left_out);
 
 /** Of what a decision is remembered by: cases of like size share it. */
 uint64_t chooser_key(const struct choice_case *at);

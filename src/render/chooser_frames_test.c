@@ -78,7 +78,7 @@ static void test_the_first_frame_has_the_likely_or_the_remembered_lists(void **s
         fnl_light_lists likely, other;
     } cases[] = {{"builtin:spheres?lights=1", FNL_LISTS_ALL, FNL_LISTS_CLUSTERED},
                  {"builtin:spheres?lights=1024", FNL_LISTS_TILED, FNL_LISTS_ZBIN},
-                 {"builtin:spheres?lights=65536", FNL_LISTS_BVH, FNL_LISTS_SPARSE}};
+                 {"builtin:spheres?lights=65536", FNL_LISTS_HALFZ, FNL_LISTS_SPARSE}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         char memory[128] = "";
         struct stage stage = stage_open(cases[i].source, 0);
@@ -104,6 +104,30 @@ static void test_the_first_frame_has_the_likely_or_the_remembered_lists(void **s
         }
         stage_close(&stage);
     }
+}
+
+/* Lights move from the frame after their change on, until they have stood still for a while; a camera that moves is no matter. */
+static void test_frames_say_whether_lights_move(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=16", 0);
+    fnl_frame frame = auto_frame(&stage);
+    frame.width = 16;
+    frame.height = 9;
+    frame.pin_choice = true;
+    fnl_light_params light = fnl_light_params_default();
+    fnl_light_id id;
+    assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    uint32_t moving = 0;
+    for (int i = 0; i < 100; i++) {
+        frame.camera.position.x += 0.01f;
+        light.position.y += 0.1f;
+        if (i == 10 || i == 12) assert_int_equal(fnl_scene_set_light(stage.scene, id, &light), FNL_OK);
+        assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+        moving += stage.renderer->chooser.at.moves;
+        if (i < 10 || i > 12 + 60) assert_false(stage.renderer->chooser.at.moves);
+    }
+    assert_int_equal(moving, 62);
+    stage_close(&stage);
 }
 
 /* What is remembered for frames that allow a close picture is taken by them alone. */
@@ -370,6 +394,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_frames, harness_check),
         cmocka_unit_test_teardown(test_the_first_frame_has_the_likely_or_the_remembered_lists, harness_check),
+        cmocka_unit_test_teardown(test_frames_say_whether_lights_move, harness_check),
         cmocka_unit_test_teardown(test_frames_say_whether_close_is_good_enough, harness_check),
         cmocka_unit_test_teardown(test_new_lights_count_in_the_very_next_frame, harness_check),
         cmocka_unit_test_teardown(test_pinned_frames_ask_for_nothing, harness_check),

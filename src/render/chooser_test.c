@@ -11,11 +11,13 @@
 #include <stdlib.h>
 
 enum { LATENCY = 2, MOST_FRAMES = 60, FOREVER = 1 << 30 };
+#define DRAWING 0.25 /* milliseconds of each frame that are not compared */
 
 /* A device that takes a known time for each pair, told LATENCY frames later. */
 struct machine {
     struct chooser *chooser;
     double lists[FNL_LISTS_COUNT], orders[FNL_SHADING_COUNT];
+    double cpu[FNL_LISTS_COUNT]; /* what lists take of the processor's time */
     double drift; /* part by which everything gets slower in each frame */
     bool mute;    /* tells no times */
     struct random_state random;
@@ -76,9 +78,9 @@ static struct choice step(struct machine *m, const struct choice_case *at, bool 
     m->tried[choice.lists] = true;
     m->times[m->frame % 4096] = (m->orders[choice.shading] + m->lists[choice.lists]) * (1 + m->drift * (double)m->frame) *
                                 (double)random_range(&m->random, 0.98f, 1.02f) * (b.done < b.asked ? 10 : 1);
-    if (!pinned) chooser_note(m->chooser, m->frame);
+    if (!pinned) chooser_note(m->chooser, m->frame, m->cpu[choice.lists]);
     for (uint64_t wanted; (wanted = chooser_wants(m->chooser)) && wanted + LATENCY <= m->frame;)
-        chooser_feed(m->chooser, m->mute ? -1 : m->times[wanted % 4096]);
+        chooser_feed(m->chooser, m->mute ? -1 : m->times[wanted % 4096], DRAWING);
     return choice;
 }
 
@@ -123,8 +125,50 @@ static void test_brute_force_is_tried_with_few_lights_only(void **state) {
         settle(&m, &at);
         assert_int_equal(m.tried[FNL_LISTS_ALL], !many);
         assert_true(m.tried[FNL_LISTS_CLUSTERED] && m.tried[FNL_LISTS_TILED]);
-        if (many) assert_false(m.tried[FNL_LISTS_HALFZ]); /* blocks of cells against each light: two of them are enough */
+        if (many) assert_false(m.tried[FNL_LISTS_25D]); /* blocks of cells against each light: three of them are enough */
         assert_false(m.tried[FNL_LISTS_MULTIPASS] || m.tried[FNL_LISTS_MESH]);
+    }
+}
+
+/* Lists that the processor builds while the GPU does something else cost nothing; what takes longer than the GPU does is the frame's time. */
+static void test_the_longer_of_both_times_counts(void **state) {
+    UNUSED(state);
+    static struct chooser c;
+    for (int late = 0; late < 2; late++) {
+        c = (struct chooser){0};
+        struct machine m = machine_make(&c);
+        struct choice_case at = some_case(1000);
+        m.lists[FNL_LISTS_WORLD] = 1; /* with the path 11 ms; the others 14 or more */
+        m.cpu[FNL_LISTS_WORLD] = late ? 40 : 10;
+        m.lists[FNL_LISTS_ZBIN] = 2;
+        settle(&m, &at);
+        assert_int_equal(c.choice.lists, late ? FNL_LISTS_ZBIN : FNL_LISTS_WORLD);
+        assert_true(fabs(c.milliseconds - ((late ? 12 : 11) - DRAWING)) < 0.3);
+    }
+}
+
+/* Lists that are built once are tried while lights stand still, and given up when these move; both decisions are kept. */
+static void test_lists_of_lights_that_stand_still(void **state) {
+    UNUSED(state);
+    static const uint32_t counts[] = {10, 1000, 100000};
+    static struct chooser c;
+    for (uint32_t k = 0; k < COUNT_OF(counts); k++) {
+        c = (struct chooser){0};
+        struct machine m = machine_make(&c);
+        struct choice_case at = some_case(counts[k]);
+        m.lists[FNL_LISTS_WORLD] = 1;
+        settle(&m, &at);
+        assert_int_equal(c.choice.lists, FNL_LISTS_WORLD);
+        at.moves = true;
+        memset(m.tried, 0, sizeof m.tried);
+        settle(&m, &at);
+        assert_false(m.tried[FNL_LISTS_WORLD]);
+        const fnl_light_lists other = c.choice.lists;
+        for (int i = 0; i < 6; i++) {
+            at.moves = i % 2;
+            assert_int_equal(step(&m, &at, false).lists, at.moves ? other : FNL_LISTS_WORLD);
+            assert_int_equal(c.state, CHOOSER_DECIDED);
+        }
     }
 }
 
@@ -493,6 +537,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_which_passes_are_compared),
         cmocka_unit_test(test_the_fastest_wins_whatever_it_is),
+        cmocka_unit_test(test_the_longer_of_both_times_counts),
+        cmocka_unit_test(test_lists_of_lights_that_stand_still),
         cmocka_unit_test(test_brute_force_is_tried_with_few_lights_only),
         cmocka_unit_test(test_likely_pairs_are_those_that_are_tried),
         cmocka_unit_test(test_slow_candidates_get_fewer_turns),

@@ -6,6 +6,8 @@
 
 /* ---- auto ---- */
 
+enum { MOVING_FRAMES = 60 }; /* for which lights count as moving after a change of any */
+
 static void load_choices(fnl_renderer *r) {
     struct file_view file;
     if (!gpu_cache_load(r->device, "choices", &file)) return;
@@ -25,13 +27,18 @@ static void save_choices(fnl_renderer *r) {
 }
 
 void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
+    const struct device_scene *d = r->device_scene;
+    if (r->light_version != d->scene->light_version && r->frame_number > 0)
+        r->moving_frames = MOVING_FRAMES;
+    else if (r->moving_frames > 0)
+        r->moving_frames--;
+    r->light_version = d->scene->light_version;
     r->asked = (struct choice){frame->shading, frame->lists};
     if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) {
         r->chooser.last = CHOOSER_CANDIDATES;
         r->measures = false;
         return;
     }
-    const struct device_scene *d = r->device_scene;
     uint64_t item_step = 0; /* a few objects more or less are the same scene */
     for (uint32_t count = d->item_count; count; count >>= 1) item_step++;
     const uint64_t parts[] = {item_step, d->buckets.count};
@@ -43,6 +50,7 @@ void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
                              .pixel_count = (uint64_t)frame->width * frame->height,
                              .depth_first = frame->gbuffer.prepass,
                              .close = frame->choose_close && gpu_info(r->device)->primitive_ids,
+                             .moves = r->moving_frames > 0,
                              .eye = camera->position,
                              .forward = vec3_normalize(vec3_sub(camera->target, camera->position)),
                              .scene_size = box_is_empty(&d->bounds) ? 1 : vec3_distance(d->bounds.low, d->bounds.high)};
@@ -79,13 +87,15 @@ static void feed_chooser(fnl_renderer *r) {
     for (uint64_t wanted; (wanted = chooser_wants(&r->chooser)) && wanted + GPU_FRAMES_IN_FLIGHT <= r->frame_number;) {
         const struct graph_timer *timers;
         uint32_t count;
-        double sum = -1;
+        double sum = -1, left_out = 0;
         if (graph_query_timers(r->graph, wanted, &timers, &count) && count > 0) {
             sum = 0;
-            for (uint32_t i = 0; i < count; i++)
-                if (chooser_counts(&r->asked, timers[i].name)) sum += timers[i].milliseconds;
+            for (uint32_t i = 0; i < count; i++) {
+                sum += timers[i].milliseconds;
+                if (!chooser_counts(&r->asked, timers[i].name)) left_out += timers[i].milliseconds;
+            }
         }
-        chooser_feed(&r->chooser, sum);
+        chooser_feed(&r->chooser, sum, left_out);
     }
     save_choices(r);
 }
@@ -231,6 +241,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     fnl_result result = prepare_counts(r, frame, slot);
     pools_prepare(r, (uint64_t)frame->width * frame->height);
     if (result == FNL_OK) result = prepare_candidate(r, frame, target);
+    const double declared = time_now(); /* what comes next is the frame's own */
     if (result == FNL_OK) result = frame_declare(r, frame, target);
     if (result != FNL_OK) {
         gpu_frame_end(r->device, NULL, 0, NULL);
@@ -248,7 +259,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     r->frame = *frame;
     r->frame.views = NULL;
     r->frame_number = gpu_frame_number(r->device);
-    if (timed) chooser_note(&r->chooser, r->frame_number);
+    if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - declared) * 1e3);
     feed_chooser(r);
     r->frame_slot = slot;
     r->slot_views[slot] = frame_view_count(frame);

@@ -90,6 +90,8 @@ struct fnl_renderer {
     struct device_scene *device_scene;     /* the user's: other renderers may have it too */
     struct chooser chooser;                /* auto */
     struct choice asked;                   /* of the last frame */
+    uint64_t light_version;                /* of the scene in the last frame */
+    uint32_t moving_frames;                /* for which lights still count as moving */
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
     bool told_of_decals;                   /* and that decals asked for in the G-buffer come by lists */
     bool measures;                         /* the frame being made has an auto that may measure */
