@@ -9,6 +9,8 @@ enum { MAX_TESTS = 1 << 26 }; /* of lights against cells in a dispatch: a fracti
 
 /* Lights are marked from so many on; fewer are tested as fast. */
 enum { MARKED_LIGHTS = 2048, MARK_BYTES = 64 << 20 };
+/* The count keeps what it finds for the fill, a bit for each light and cell, where that takes no more than this. */
+enum { KEPT_BYTES = 64 << 20 };
 
 static uint32_t blocks_of(const struct gpu_light_list *grid, uint32_t side) {
     return DIVIDE_UP(grid->tiles_x, side) * DIVIDE_UP(grid->tiles_y, side) * DIVIDE_UP(grid->slices, CELLS_BLOCK_SLICES);
@@ -55,7 +57,10 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     const uint32_t cell_count = build->header ? build->header->tiles_x * build->header->tiles_y * build->header->slices : 1;
     /* Chunks keep a big device busy; there need not be more than a few million of them. */
     const uint32_t side = block_side(build, input->local_count);
-    const struct gpu_compute_params tests = {.constant_count = 3, .constants = {GPU_LIST_ALL, build->flags, side}};
+    const uint64_t kept_bytes = cell_count * (uint64_t)DIVIDE_UP(MAX(input->local_count, 1u), 32u) * 4;
+    const bool keeps = !build->refine.add && kept_bytes <= KEPT_BYTES;
+    const struct gpu_compute_params tests = {.constant_count = 3,
+                                             .constants = {GPU_LIST_ALL, build->flags | (keeps ? CELLS_KEPT : 0), side}};
     struct gpu_compute_params pipeline = tests;
     uint32_t chunk_size = side ? CELL_MARKED_CHUNK : CELL_CHUNK;
     for (uint32_t chunks; (chunks = DIVIDE_UP(input->local_count, chunk_size)) > MAX_CHUNKS ||
@@ -69,7 +74,8 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_buffer cells =
         graph_create_buffer(graph, graph_name(graph, "%s cells", what), cell_count * sizeof(struct gpu_cell));
     graph_buffer ids = graph_create_buffer(graph, graph_name(graph, "%s ids", what), MAX(build->pool_capacity, 1u) * 4ull);
-    graph_buffer overflow = graph_create_buffer(graph, graph_name(graph, "%s overflow", what), 4), extra = {0};
+    graph_buffer overflow = graph_create_buffer(graph, graph_name(graph, "%s overflow", what), 4), extra = {0}, kept = {0};
+    if (keeps) kept = graph_create_buffer(graph, graph_name(graph, "%s kept", what), kept_bytes);
     if (build->extra_bytes) extra = graph_create_buffer(graph, graph_name(graph, "%s extra", what), build->extra_bytes);
     const bool ranges = build->flags & CELLS_RANGES; /* then fill writes what is extra, else the bounds do */
     const bool reaches = cells_use_reaches(build->flags);
@@ -133,6 +139,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
         graph_row_if(reaches, graph_reads(&push.reaches, in_view->reaches)),
         graph_writes(&push.sums, sums),
         graph_writes(&push.overflow, overflow),
+        graph_row_if(kept.id, graph_writes(&push.ids, kept)),
         graph_row_if(extra.id && !ranges, graph_reads(refine->add ? NULL : &push.extra, extra))};
     pipeline.shader = &shader_cells_count_comp;
     add_tests(graph, graph_name(graph, "%s count", what), input->queue, &pipeline, &push, cell_count + 1, count_rows,
@@ -156,7 +163,8 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     push = common;
     if (refine->add) push.extra = refine->address;
     const struct graph_row fill_rows[] = {
-        graph_row_if(side, graph_reads(&push.marks, marks)),
+        graph_row_if(side && !keeps, graph_reads(&push.marks, marks)),
+        graph_row_if(kept.id, graph_reads(&push.marks, kept)),
         graph_reads(&push.cells, bounds),
         graph_reads(&push.sums, sums),
         graph_reads(&push.visible_sums, in_view->sums),

@@ -52,7 +52,8 @@ struct cells_build tiled_build(struct graph *graph, gpu_device *device, const st
 /**
  * Adds bounds, count, sum, fill and totals, and returns the list (its kind is left to the caller). Where there are enough lights and cells, the
  * lights that touch each block of cells are marked first ("`what` blocks", "`what` mark"), so that a cell only looks at those; the lists are the
- * same bytes. Cost: a test for each light and block, a bit each of at most 64 MiB, two tests for each cell and light of its block.
+ * same bytes. The count keeps what it finds for the fill ("`what` kept"). Cost: a test for each light and block, and one for each cell and light
+ * of its block; a bit for each of these pairs, at most 64 MiB each. Where cells would need more than that, lights are tested twice.
  */
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                             const struct cells_build *build);

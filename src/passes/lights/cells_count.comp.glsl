@@ -22,8 +22,12 @@ void main() {
     gpu_cell_bounds bounds = push.cells.at[cell];
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.list.list.local_count]);
     uint count = 0u, range, marks = cells_marks_of(cell);
-    for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++)
+    for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++) {
+        uint taken = 0u;
         for (uint bits = cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u)
-            if (cell_takes_entry(bounds, cell, w * 32u + uint(findLSB(bits)), range)) count++;
+            if (cell_takes_entry(bounds, cell, w * 32u + uint(findLSB(bits)), range)) taken |= bits & ~(bits - 1u);
+        count += uint(bitCount(taken));
+        if ((FLAGS & CELLS_KEPT) != 0u) push.ids.at[cells_kept_at(cell, w)] = taken;
+    }
     push.sums.at[cell * push.chunk_count + chunk] = count;
 }

@@ -26,11 +26,14 @@ void main() {
     if (slot == slot_end) return;
     gpu_cell_bounds bounds = push.cells.at[cell];
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.list.list.local_count]);
+    const bool kept = (FLAGS & CELLS_KEPT) != 0u;
     uint range, marks = cells_marks_of(cell);
     for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++)
-        for (uint bits = cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u) {
+        for (uint bits = kept ? push.marks.at[cells_kept_at(cell, w)] : cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u) {
             uint i = w * 32u + uint(findLSB(bits));
-            if (!cell_takes_entry(bounds, cell, i, range)) continue;
+            bool takes = kept;
+            if (!kept || (FLAGS & CELLS_RANGES) != 0u) takes = cell_takes_entry(bounds, cell, i, range);
+            if (!takes) continue;
             if ((FLAGS & CELLS_RANGES) != 0u) push.extra.at[slot] = range;
             push.ids.at[slot++] = push.visible_ids.at[i];
         }

@@ -28,6 +28,9 @@ uint cells_marked(uint marks, uint word, uint end) {
     return (BLOCK == 0u ? 0xffffffffu : push.marks.at[marks + word]) & 0xffffffffu >> 32u - min(end - word * 32u, 32u);
 }
 
+// What the count keeps for the fill: of 32 lights in view, those that each cell takes; then of the next 32.
+uint cells_kept_at(uint cell, uint word) { return word * push.cell_count + cell; }
+
 // for (uint w = …; w < cells_end_word(end); w++) for (uint bits = cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u) …
 uint cells_end_word(uint end) { return (end + 31u) / 32u; }
 

@@ -15,17 +15,18 @@ struct built {
 };
 
 /* Overwritten with ones before it is read: nothing; the marks, so that every block has every light; the bounds of the first cell, which are no
-   numbers then. */
-enum spoiled { SPOIL_NOTHING, SPOIL_MARKS, SPOIL_BOUNDS };
+   numbers then. With zeros, once lights are counted: the bounds of all cells. */
+enum spoiled { SPOIL_NOTHING, SPOIL_MARKS, SPOIL_BOUNDS, SPOIL_COUNTED };
 
 static struct built build(const struct list_request *r, enum spoiled spoiled) {
-    static const char *const names[][2] = {[LIST_TILED] = {"tiled mark", "tiled marks"},
-                                           [LIST_HALFZ] = {"halfz mark", "halfz marks"},
-                                           [LIST_25D] = {"2.5d mark", "2.5d marks"},
-                                           [LIST_ENHANCED] = {"enhanced mark", "enhanced marks"},
-                                           [LIST_CLUSTERED] = {"clustered mark", "clustered marks"}};
-    const char *pass = r->front ? "tiled blend mark" : names[r->builder][0],
-               *name = r->front ? "tiled blend marks" : names[r->builder][1];
+    static const char *const names[] = {[LIST_TILED] = "tiled", [LIST_HALFZ] = "halfz", [LIST_25D] = "2.5d",
+                                        [LIST_ENHANCED] = "enhanced", [LIST_CLUSTERED] = "clustered"};
+    const char *what = r->front ? "tiled blend" : names[r->builder];
+    char pass[32], name[32], count[32], cell_bounds[32];
+    snprintf(pass, sizeof pass, "%s mark", what);
+    snprintf(name, sizeof name, "%s marks", what);
+    snprintf(count, sizeof count, "%s count", what);
+    snprintf(cell_bounds, sizeof cell_bounds, "%s cell bounds", what);
     gpu_device *device = harness_device();
     struct list_lab lab = list_lab_open(&r->view, r->lights, r->light_count);
     struct tiled_params tiled = r->tiled;
@@ -54,12 +55,14 @@ static struct built build(const struct list_request *r, enum spoiled spoiled) {
     struct gpu_buffer marks, ones;
     assert_int_equal(gpu_buffer_create(device, "captured marks", 1 << 20, GPU_MEMORY_READBACK, &marks), FNL_OK);
     assert_int_equal(gpu_buffer_create(device, "all marks", marks.size, GPU_MEMORY_UPLOAD, &ones), FNL_OK);
-    memset(ones.mapped, 0xff, ones.size);
+    memset(ones.mapped, spoiled == SPOIL_COUNTED ? 0 : 0xff, ones.size);
     spy_begin(device);
     spy_clear();
     if (spoiled == SPOIL_MARKS) spy_overwrite(lab.graph, pass, name, 0, ones.size, &ones);
     if (spoiled == SPOIL_BOUNDS)
         spy_overwrite(lab.graph, "tiled bounds", "tiled cell bounds", 0, sizeof(struct gpu_cell_bounds), &ones);
+    if (spoiled == SPOIL_COUNTED)
+        spy_overwrite(lab.graph, count, cell_bounds, 0, MIN(ones.size, list.cell_count * sizeof(struct gpu_cell_bounds)), &ones);
     spy_capture(lab.graph, pass, name, &marks);
     list_lab_run(&lab, (graph_buffer[]){list.cells, list.ids, list.totals, list.extra}, list.extra.id ? 4 : 3);
     b.mark_work = spy_count_work(pass);
@@ -89,6 +92,11 @@ static struct built build(const struct list_request *r, enum spoiled spoiled) {
 
 static void built_free(struct built *b) { list_free(&b->list); }
 
+static bool same_lists(const struct built *a, const struct built *b) {
+    return list_equal(&a->list, &b->list) && a->extra_words == b->extra_words &&
+           (!a->extra_words || memcmp(a->list.extra, b->list.extra, a->extra_words * 4ull) == 0);
+}
+
 /* Returns the part of the tests that marks leave. */
 static double check_marks(const struct list_request *r) {
     struct built marked = build(r, SPOIL_NOTHING), direct = build(r, SPOIL_MARKS);
@@ -96,9 +104,7 @@ static double check_marks(const struct list_request *r) {
     assert_int_equal(direct.tests, direct.all_tests); /* the marks are what decides */
     list_check_form(&marked.list, r->light_count);
     assert_int_equal(marked.list.totals.overflow_cells, 0);
-    assert_true(list_equal(&marked.list, &direct.list));
-    assert_int_equal(marked.extra_words, direct.extra_words);
-    if (marked.extra_words) assert_memory_equal(marked.list.extra, direct.list.extra, marked.extra_words * 4ull);
+    assert_true(same_lists(&marked, &direct));
     double part = (double)marked.tests / (double)marked.all_tests;
     built_free(&marked);
     built_free(&direct);
@@ -170,6 +176,41 @@ static void test_few_lights_are_tested(void **state) {
     free(depth);
 }
 
+/* What the count finds is copied: the fill does not look at the cells again, with few lights and with many. Where a bit for each cell and light
+   takes too much memory it does, and finds the same. */
+static void test_lights_are_tested_once(void **state) {
+    UNUSED(state);
+    struct random_state random = {24};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    list_random_lights(&view, &random, LIGHTS, params, lights);
+    float *depth = list_random_depth(&view, &random), *front = list_random_depth(&view, &random);
+    for (int n = 0; n < 2 * 5; n++) {
+        static const enum list_builder builders[] = {LIST_TILED, LIST_TILED, LIST_HALFZ, LIST_25D, LIST_CLUSTERED};
+        struct list_request r = request_of(builders[n / 2], &view, depth);
+        if (n / 2 == 1) r.front = front;
+        if (n % 2) r.light_count = 100;
+        struct built plain = build(&r, SPOIL_NOTHING), spoiled = build(&r, SPOIL_COUNTED);
+        assert_true(plain.list.totals.entries > 50);
+        assert_true(same_lists(&plain, &spoiled));
+        built_free(&plain);
+        built_free(&spoiled);
+    }
+    struct list_request r = request_of(LIST_CLUSTERED, &view, depth);
+    r.clustered.tile_size = 16;
+    r.clustered.slices = 1024;
+    r.clustered.pool_capacity = 1 << 24;
+    for (uint32_t i = 0; i < LIGHTS; i++) lights[i].bounds.radius = fminf(lights[i].bounds.radius, 0.5f);
+    struct built plain = build(&r, SPOIL_NOTHING), spoiled = build(&r, SPOIL_COUNTED);
+    assert_true(plain.list.cell_count * (uint64_t)DIVIDE_UP(LIGHTS, 32) * 4 > 64 << 20);
+    list_check_form(&plain.list, LIGHTS);
+    assert_int_equal(plain.list.totals.overflow_cells, 0);
+    assert_false(same_lists(&plain, &spoiled)); /* it looked */
+    built_free(&plain);
+    built_free(&spoiled);
+    free(depth);
+    free(front);
+}
+
 /* Such a cell takes every light, so every light is marked for it. */
 static void test_bounds_that_are_no_numbers(void **state) {
     UNUSED(state);
@@ -190,6 +231,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_bounds_that_are_no_numbers, spy_tear_down),
         cmocka_unit_test_teardown(test_lists_are_those_of_all_tests, spy_tear_down),
         cmocka_unit_test_teardown(test_few_lights_are_tested, spy_tear_down),
+        cmocka_unit_test_teardown(test_lights_are_tested_once, spy_tear_down),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

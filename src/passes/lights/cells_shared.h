@@ -56,10 +56,10 @@ struct gpu_cells_push {
     ADDRESS(bound_array) bounds;
     ADDRESS(reach_array) reaches;
     ADDRESS(uint_array) sums;      /* cell * chunk_count + chunk, and one more: counts, then their prefix sum */
-    ADDRESS(uint_array) ids;       /* the pool */
+    ADDRESS(uint_array) ids;       /* the pool; for the count, what it keeps (CELLS_KEPT) */
     ADDRESS(uint_array) extra;     /* what else the kind of list needs: see gpu_light_list */
     ADDRESS(uint_array) overflow;  /* [0]: number of cells that did not fit */
-    ADDRESS(uint_array) marks;     /* a bit for each light in view, for each block of cells; or 0 */
+    ADDRESS(uint_array) marks;     /* a bit for each light in view, for each block of cells; or 0; for the fill, what the count kept */
     uint cell_count;
     uint chunk_size;               /* lights that one thread looks at */
     uint chunk_count;
@@ -103,5 +103,6 @@ struct gpu_spare_push {
 #define CELLS_RECTANGLE 16u        /* … by their rectangle on the screen and their depth range */
 #define CELLS_MASKS 32u            /* extra holds a mask of occupied depth cells for each cell; lights must touch one of them */
 #define CELLS_RANGES 64u           /* extra gets a depth range for each entry */
+#define CELLS_KEPT 128u            /* the count keeps which lights each cell takes, and the fill makes no tests */
 
 #endif
