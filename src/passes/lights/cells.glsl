@@ -61,6 +61,9 @@ gpu_cell_bounds cluster_bounds(view_block v, light_list_block l, uint cell) {
 
 float cell_radius(gpu_bound light) { return light.radius * (1.0 + CELL_SLACK) + CELL_SLACK * (1e-2 + length(light.center) * 1e-2); }
 
+// No light touches such a cell, by any of the tests.
+bool cell_is_empty(gpu_cell_bounds b) { return b.low.z > b.high.z; }
+
 // Sphere against planes, then against the box (RTR 4, 20.3). Keeps the light when anything is NaN.
 bool cell_touches(gpu_cell_bounds b, gpu_bound light) {
     float radius = cell_radius(light);

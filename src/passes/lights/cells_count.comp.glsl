@@ -21,6 +21,7 @@ void main() {
     }
     gpu_cell_bounds bounds = push.cells.at[cell];
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.list.list.local_count]);
+    if (cell_is_empty(bounds)) end = 0u; // the fill asks for nothing that is kept of it
     uint count = 0u, range, marks = cells_marks_of(cell);
     for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++) {
         uint taken = 0u;

@@ -34,10 +34,11 @@ void main() {
     uvec3 blocks = cells_blocks();
     if (index >= blocks.x * blocks.y * blocks.z) return;
     gpu_cell_block block = BLOCKS.at[index];
+    bool empty = block.all == 0u && cell_is_empty(block.bounds);
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.list.list.local_count]);
     for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++) {
         uint bits = 0u;
-        for (uint i = w * 32u; i < min(w * 32u + 32u, end); i++)
+        for (uint i = w * 32u; i < (empty ? 0u : min(w * 32u + 32u, end)); i++)
             if (block_touches(block, i)) bits |= 1u << (i & 31u);
         push.marks.at[index * cells_mark_words() + w] = bits;
     }

@@ -121,7 +121,7 @@ graph_buffer light_totals_add(struct graph *graph, const char *what, const struc
 
 /* ---- the spare list ---- */
 
-enum { SPARE_GROUPS = 2048 };
+enum { SPARE_GROUPS = 256 };
 
 graph_buffer light_spare_add(struct graph *graph, const char *what, const struct light_input *input,
                              const struct lights_in_view *in_view, graph_buffer overflow,
