@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// The faces, levels and pages of shadow maps: where a point lies in them, and what of them a page shows. maps_shared.h says what they are.
+#ifndef SHADOWS_FACES_GLSL
+#define SHADOWS_FACES_GLSL
+
+#include "common.glsl"
+#include "lights/bounds_shared.h"
+
+layout(buffer_reference) buffer shadow_page_array;
+#include "shadows/maps_shared.h"
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_page_array { gpu_shadow_page at[]; };
+
+// Pages on a side of a level, and the texels of one without its borders.
+uint shadow_side(uint level) { return level < SHADOW_SQUARE_LEVELS ? 16u >> level : 1u; }
+uint shadow_page_size(uint level) { return level < SHADOW_SQUARE_LEVELS ? SHADOW_PAGE : SHADOW_PAGE >> (level - SHADOW_SQUARE_LEVELS + 1u); }
+uint shadow_page_texels(uint level) { return shadow_page_size(level) - 2u * SHADOW_BORDER; }
+// Texels across a face.
+float shadow_width(uint level) { return float(shadow_side(level) * shadow_page_texels(level)); }
+
+// Bits of a face before those of a level: 0, 256, 320, 336, 340, 341, 342, 343.
+uint shadow_first_bit(uint level) {
+    if (level >= SHADOW_SQUARE_LEVELS) return 341u + level - SHADOW_SQUARE_LEVELS;
+    uint side = shadow_side(level);
+    return (1024u - 4u * side * side) / 3u;
+}
+uint shadow_bit(uint face, uint level, uvec2 at) {
+    return face * SHADOW_FACE_WORDS * 32u + shadow_first_bit(level) + at.y * shadow_side(level) + at.x;
+}
+
+struct shadow_page {
+    uint face, level;
+    uvec2 at; // which of the level's pages
+};
+shadow_page shadow_page_of(uint bit) {
+    shadow_page p;
+    p.face = bit / (SHADOW_FACE_WORDS * 32u);
+    bit %= SHADOW_FACE_WORDS * 32u;
+    p.level = 0u;
+    while (p.level + 1u < SHADOW_LEVELS && bit >= shadow_first_bit(p.level + 1u)) p.level++;
+    bit -= shadow_first_bit(p.level);
+    p.at = uvec2(bit % shadow_side(p.level), bit / shadow_side(p.level));
+    return p;
+}
+
+// The face that a point is seen in; `ray` leads from the light's position to it.
+uint shadow_face_of(uint kind, vec3 ray) {
+    if (kind == GPU_SHAPE_BOX) return 0u;
+    vec3 size = abs(ray);
+    uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+    return 2u * axis + (ray[axis] < 0.0 ? 1u : 0u);
+}
+
+// A point in the space of a face: xy / w is -1 .. 1 across it, z / w the depth, 1 (nearest) .. 0; w is the distance along the axis in metres, of box
+// lights 1.
+vec4 shadow_face_clip(gpu_shape shape, uint face, vec3 ray) {
+    if (shape.kind == GPU_SHAPE_BOX) {
+        vec3 up = cross(shape.side, shape.direction);
+        return vec4(dot(ray, shape.side) / shape.size.x, dot(ray, up) / shape.size.y, 0.5 - 0.5 * dot(ray, shape.direction) / shape.size.z, 1.0);
+    }
+    uint axis = face >> 1u;
+    float along = (face & 1u) != 0u ? -ray[axis] : ray[axis];
+    return vec4(ray[(axis + 1u) % 3u], ray[(axis + 2u) % 3u], SHADOW_NEAR, along);
+}
+
+// The coarsest level whose texels are no wider than a pixel; `across`: how many pixels wide the face is where the point lies.
+uint shadow_level_for(float across) {
+    if (!(across > 120.0)) return across > 56.0 ? 4u : across > 24.0 ? 5u : across > 8.0 ? 6u : 7u;
+    return across > 960.0 ? 0u : across > 480.0 ? 1u : across > 240.0 ? 2u : 3u;
+}
+
+// Bits of the pages of a level that hold the square of half size `slack` (in faces' widths of 2) round a point of the face: its least and greatest page.
+void shadow_pages_round(uint level, vec2 ndc, float slack, out uvec2 low, out uvec2 high) {
+    float side = float(shadow_side(level));
+    vec2 at = ndc * 0.5 + 0.5;
+    low = uvec2(clamp((at - slack * 0.5) * side, vec2(0.0), vec2(side - 1.0)));
+    high = uvec2(clamp((at + slack * 0.5) * side, vec2(0.0), vec2(side - 1.0)));
+}
+
+// The texel of a page's memory, counted from its least corner with the border, on which a point of its face lies; not rounded.
+vec2 shadow_page_texel(shadow_page p, vec2 ndc) {
+    float texels = float(shadow_page_texels(p.level)), width = shadow_width(p.level);
+    return (ndc * 0.5 + 0.5) * width - vec2(p.at) * texels + float(SHADOW_BORDER);
+}
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Shadow maps in pages. Every local light that is a sphere, a cone, a wedge or a box has a row of SHADOW_FACES square faces: those of a cube along
+ * the world's axes round its position; a box light uses the first face alone, seen along its direction. A face is a virtual map of SHADOW_LEVELS
+ * levels: 1920, 960, 480, 240 and 120 texels wide in pages of 120, then 56, 24 and 8 wide as one small page each. Only pages that pixels ask for
+ * are there: a bit for each, the sums of the bits before each word, and the pages in that order (so page number = sum + bits below). They lie in
+ * one depth image, the atlas, with a border on each side that shows what lies beside them.
+ */
+#ifndef FNL_SHADERS_SHADOW_MAPS_SHARED_H
+#define FNL_SHADERS_SHADOW_MAPS_SHARED_H
+
+#include "shared.h"
+
+#define SHADOW_FACES 6u
+#define SHADOW_LEVELS 8u
+#define SHADOW_SQUARE_LEVELS 5u   /* of 16, 8, 4, 2, 1 pages on a side; the others are one page of half the size of the last */
+#define SHADOW_PAGE 128u          /* texels of the side of a page of those, with borders; the atlas is cut into cells of this size */
+#define SHADOW_BORDER 4u          /* texels on each side of a page of any size */
+#define SHADOW_UNIT 16u           /* texels: side of the smallest page, and the unit of places */
+#define SHADOW_FACE_WORDS 11u     /* words of 32 pages; 344 are used: 256 + 64 + 16 + 4 + 1, then 1 + 1 + 1 */
+#define SHADOW_ROW_WORDS 66u
+#define SHADOW_MOST_ROWS 65536u
+#define SHADOW_NEAR 1e-4f         /* metres from the light along the axis of a face: what is nearer casts no shadow. Depth is this / that distance */
+
+#define SHADOW_PAGE_DRAW 1u       /* the atlas does not hold what the page shows in this frame: it is to be drawn */
+
+struct gpu_shadow_page {
+    uint row;   /* of the light: its index among the local lights */
+    uint bit;   /* of the row, 0 .. SHADOW_ROW_WORDS * 32 - 1: which face, level and page; shadow_page_of() */
+    uint place; /* least corner in the atlas, in units: x | y << 16 */
+    uint flags; /* SHADOW_PAGE_… */
+};
+
+/* By row: how many levels coarser than asked for its pages are. */
+#define SHADOW_TRACED 0xffu       /* it has no pages: there was no room for even its coarsest */
+
+/* What this frame did, as numbers. */
+struct gpu_shadow_counts {
+    uint wanted;    /* pages that pixels asked for, before any were made coarser */
+    uint pages;     /* that there are */
+    uint drawn;     /* of them, not there before or no longer true */
+    uint evicted;   /* that were there before and are not any more */
+    uint coarsened; /* lights whose pages are coarser than asked for */
+    uint traced;    /* lights without pages */
+    uint cells;     /* of the atlas that are in use */
+    uint pairs;     /* of a page and an item that was drawn into it */
+};
+
+/* What shading reads. */
+struct gpu_shadow_maps {
+    ADDRESS(const_uint_array) held;   /* SHADOW_ROW_WORDS words for each row: a bit for each page that is there */
+    ADDRESS(const_uint_array) before; /* for each of those words: pages before it */
+    ADDRESS(shadow_page_array) pages;
+    ADDRESS(const_uint_array) biases; /* by row: levels coarser, or SHADOW_TRACED */
+    uint atlas;                       /* sampled index of the depth image */
+    uint row_count;
+};
+
+#endif
