@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/shadow/pages.h"
+
+#include "passes/geometry/prefix_sum.h"
+#include "passes/shadow/pages_shared.h"
+#include "shaders.h"
+
+enum {
+    CELL_PAGES = (SHADOW_PAGE / SHADOW_UNIT) * (SHADOW_PAGE / SHADOW_UNIT), /* that a cell of the atlas holds at most */
+    ROWS_AT_FIRST = 64,
+};
+
+/* ---- what is kept ---- */
+
+void shadow_state_finish(gpu_device *device, struct shadow_state *state) {
+    for (int i = 0; i < 2; i++) {
+        gpu_buffer_destroy(device, &state->held[i]);
+        gpu_buffer_destroy(device, &state->before[i]);
+        gpu_buffer_destroy(device, &state->pages[i]);
+    }
+    gpu_buffer_destroy(device, &state->shapes);
+    gpu_buffer_destroy(device, &state->counts);
+    gpu_image_destroy(device, &state->atlas);
+    *state = (struct shadow_state){0};
+}
+
+void shadow_state_forget(struct shadow_state *state) { state->known = false; }
+
+static uint32_t cell_count(uint32_t atlas_side) { return (atlas_side / SHADOW_PAGE) * (atlas_side / SHADOW_PAGE); }
+
+static fnl_result create(gpu_device *device, struct shadow_state *state, uint32_t row_room, uint32_t atlas_side) {
+    const uint64_t words = row_room * (uint64_t)SHADOW_ROW_WORDS * 4,
+                   pages = cell_count(atlas_side) * (uint64_t)CELL_PAGES * sizeof(struct gpu_shadow_page);
+    for (int i = 0; i < 2; i++) {
+        TRY(gpu_buffer_create(device, "shadow held", words, GPU_MEMORY_DEVICE, &state->held[i]));
+        TRY(gpu_buffer_create(device, "shadow before", words, GPU_MEMORY_DEVICE, &state->before[i]));
+        TRY(gpu_buffer_create(device, "shadow pages", pages, GPU_MEMORY_DEVICE, &state->pages[i]));
+    }
+    TRY(gpu_buffer_create(device, "shadow shapes", row_room * sizeof(struct gpu_shadow_shape), GPU_MEMORY_DEVICE,
+                          &state->shapes));
+    TRY(gpu_buffer_create(device, "shadow counts", sizeof(struct gpu_shadow_counts), GPU_MEMORY_DEVICE, &state->counts));
+    const struct gpu_image_params atlas = {.name = "shadow atlas",
+                                           .format = VK_FORMAT_D32_SFLOAT,
+                                           .width = atlas_side,
+                                           .height = atlas_side,
+                                           .layers = 1,
+                                           .mips = 1,
+                                           .samples = 1,
+                                           .usage =
+                                               VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    TRY(gpu_image_create(device, &atlas, &state->atlas));
+    state->row_room = row_room;
+    return FNL_OK;
+}
+
+fnl_result shadow_pages_prepare(gpu_device *device, struct shadow_state *state, uint32_t row_count, uint32_t atlas_side) {
+    REQUIRE(gpu_host(device), row_count >= 1 && row_count <= SHADOW_MOST_ROWS);
+    REQUIRE(gpu_host(device), atlas_side >= SHADOW_PAGE && atlas_side % SHADOW_PAGE == 0);
+    if (state->row_room >= row_count && state->atlas.params.width == atlas_side) return FNL_OK;
+    uint32_t room = state->row_room;
+    if (room < row_count) room = MIN(MAX(row_count + row_count / 4, (uint32_t)ROWS_AT_FIRST), SHADOW_MOST_ROWS);
+    shadow_state_finish(device, state);
+    fnl_result result = create(device, state, room, atlas_side);
+    if (result != FNL_OK) shadow_state_finish(device, state);
+    return result;
+}
+
+/* ---- a frame ---- */
+
+/* What the steps pass on. */
+struct build {
+    struct graph *graph;
+    const struct shadow_pages_input *input;
+    struct shadow_pages out;
+    graph_buffer rows;    /* a word for each light: SHADOW_ROW_… */
+    graph_buffer tallies; /* pages by importance, bias and class */
+    graph_buffer choice;  /* struct gpu_shadow_choice */
+    graph_buffer sums;    /* by face: pages before it; and one more */
+    uint32_t face_count;
+    bool fresh; /* there is no last frame */
+    struct {
+        graph_buffer held, before, pages;
+        uint32_t row_count;
+    } last;
+};
+
+static graph_image add_atlas(struct graph *graph, struct shadow_state *state) {
+    const VkImageLayout layout = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL;
+    const bool clear = !state->cleared;
+    state->cleared = true;
+    graph_image atlas = graph_import_image(graph, &state->atlas, clear ? VK_IMAGE_LAYOUT_UNDEFINED : layout, layout);
+    if (clear)
+        graph_depth(graph_add_pass(graph, "shadow clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0), atlas,
+                    VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    return atlas;
+}
+
+/* How coarse the pages of each light are. */
+static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes, uint32_t cells) {
+    struct graph *graph = b->graph;
+    const struct light_input *lights = b->input->lights;
+    b->rows = graph_create_buffer(graph, "shadow rows", b->out.row_count * 4ull);
+    b->tallies = graph_create_buffer(graph, "shadow tallies", SHADOW_TALLIES * 4ull);
+    b->choice = graph_create_buffer(graph, "shadow choice", sizeof(struct gpu_shadow_choice));
+    graph_add_clear(graph, "shadow tallies clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b->tallies}});
+    struct gpu_shadow_rows_push rows = {.row_count = b->out.row_count};
+    light_list_header(device, lights, &rows.list);
+    graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "shadow rows",
+                                        .pipeline = {.shader = &shader_pages_rows_comp},
+                                        .groups = {DIVIDE_UP(b->out.row_count, 64u)},
+                                        GRAPH_PUSH(rows),
+                                        GRAPH_ROWS(graph_reads(NULL, lights->buffer), graph_changes(&rows.shapes, shapes),
+                                                   graph_writes(&rows.rows, b->rows))});
+    struct gpu_shadow_count_push count = {.face_count = b->face_count};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow count",
+                                                   .pipeline = {.shader = &shader_pages_count_comp},
+                                                   .groups = {DIVIDE_UP(b->face_count, 64u)},
+                                                   GRAPH_PUSH(count),
+                                                   GRAPH_ROWS(graph_reads(&count.wanted, b->input->wanted),
+                                                              graph_reads(&count.rows, b->rows),
+                                                              graph_changes(&count.tallies, b->tallies))});
+    struct gpu_shadow_pick_push pick = {.cell_count = cells, .fresh = b->fresh};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow pick",
+                                                   .pipeline = {.shader = &shader_pages_pick_comp},
+                                                   .groups = {1},
+                                                   GRAPH_PUSH(pick),
+                                                   GRAPH_ROWS(graph_reads(&pick.tallies, b->tallies),
+                                                              graph_writes(&pick.choice, b->choice),
+                                                              graph_changes(&pick.counts, b->out.counts))});
+}
+
+/* The pages there are, in order. */
+static void add_list(struct build *b) {
+    struct graph *graph = b->graph;
+    const uint32_t groups = DIVIDE_UP(b->face_count, 64u);
+    b->out.biases = graph_create_buffer(graph, "shadow biases", b->out.row_count * 4ull);
+    b->sums = graph_create_buffer(graph, "shadow faces", (b->face_count + 1) * 4ull);
+    struct gpu_shadow_hold_push hold = {.face_count = b->face_count};
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "shadow hold",
+                              .pipeline = {.shader = &shader_pages_hold_comp},
+                              .groups = {groups},
+                              GRAPH_PUSH(hold),
+                              GRAPH_ROWS(graph_reads(&hold.wanted, b->input->wanted), graph_reads(&hold.choice, b->choice),
+                                         graph_changes(&hold.rows, b->rows), graph_writes(&hold.held, b->out.held),
+                                         graph_writes(&hold.biases, b->out.biases), graph_writes(&hold.sums, b->sums),
+                                         graph_changes(&hold.counts, b->out.counts))});
+    prefix_sum_add(graph, "shadow faces", GRAPH_QUEUE_GRAPHICS, b->sums, b->face_count + 1);
+    struct gpu_shadow_list_push list = {.face_count = b->face_count};
+    graph_dispatch(graph,
+                   &(struct graph_dispatch){
+                       .name = "shadow list",
+                       .pipeline = {.shader = &shader_pages_list_comp},
+                       .groups = {groups},
+                       GRAPH_PUSH(list),
+                       GRAPH_ROWS(graph_reads(&list.held, b->out.held), graph_reads(&list.sums, b->sums),
+                                  graph_writes(&list.before, b->out.before), graph_writes(&list.pages, b->out.pages))});
+}
+
+static struct graph_pass *add_step(const struct build *b, const char *name, const struct gpu_shader *shader, uint32_t groups,
+                                   const void *push, size_t push_size, struct gpu_shadow_places *places, graph_buffer cells,
+                                   graph_buffer sums, enum graph_use use) {
+    return graph_dispatch(
+        b->graph,
+        &(struct graph_dispatch){.name = name,
+                                 .pipeline = {.shader = shader},
+                                 .groups = {groups},
+                                 .push = push,
+                                 .push_size = push_size,
+                                 GRAPH_ROWS(graph_changes(&places->pages, b->out.pages),
+                                            graph_row_at(b->face_count * 4ull, graph_reads(&places->total, b->sums)),
+                                            graph_changes(&places->cells, cells), graph_buffer_row(&places->sums, sums, use),
+                                            graph_changes(&places->counts, b->out.counts))});
+}
+
+/* Where they are. */
+static void add_places(const struct build *b, uint32_t side) {
+    struct graph *graph = b->graph;
+    const uint32_t blocks = DIVIDE_UP(b->out.page_limit, SHADOW_BLOCK), cell_count = side * side,
+                   sum_count = 2 * SHADOW_CLASSES * blocks + (SHADOW_CLASSES + 1) * cell_count + 1;
+    graph_buffer cells = graph_create_buffer(graph, "shadow cells", cell_count * sizeof(struct gpu_shadow_cell)),
+                 sums = graph_create_buffer(graph, "shadow places", sum_count * 4ull);
+    graph_add_clear(graph, "shadow cells clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {cells}});
+    struct gpu_shadow_find_push find = {.places = {.block_count = blocks, .side = side},
+                                        .row_count = b->fresh ? 0 : b->last.row_count};
+    struct graph_pass *pass = add_step(b, "shadow find", &shader_pages_find_comp, blocks, &find, sizeof find, &find.places,
+                                       cells, sums, GRAPH_WRITE_COMPUTE);
+    const struct graph_row rows[] = {graph_reads(&find.rows, b->rows), graph_reads(&find.held, b->last.held),
+                                     graph_reads(&find.before, b->last.before), graph_reads(&find.pages, b->last.pages)};
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) graph_add_row(pass, rows[i]);
+    struct gpu_shadow_place_push place = {find.places};
+    add_step(b, "shadow cells", &shader_pages_cells_comp, DIVIDE_UP(cell_count, 64u), &place, sizeof place, &place.places,
+             cells, sums, GRAPH_WRITE_COMPUTE);
+    prefix_sum_add(graph, "shadow places", GRAPH_QUEUE_GRAPHICS, sums, sum_count);
+    add_step(b, "shadow place", &shader_pages_place_comp, blocks, &place, sizeof place, &place.places, cells, sums,
+             GRAPH_READ_COMPUTE);
+}
+
+struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
+                                     const struct shadow_pages_input *input) {
+    const uint32_t last = state->turn, now = 1 - last, row_count = input->lights->local_count,
+                   side = state->atlas.params.width / SHADOW_PAGE;
+    struct build b = {.graph = graph,
+                      .input = input,
+                      .out = {.held = graph_import_buffer(graph, "shadow held", &state->held[now]),
+                              .before = graph_import_buffer(graph, "shadow before", &state->before[now]),
+                              .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
+                              .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
+                              .atlas = add_atlas(graph, state),
+                              .row_count = row_count,
+                              .page_limit = side * side * CELL_PAGES},
+                      .face_count = row_count * SHADOW_FACES,
+                      .fresh = !state->known,
+                      .last = {.held = graph_import_buffer(graph, "shadow last held", &state->held[last]),
+                               .before = graph_import_buffer(graph, "shadow last before", &state->before[last]),
+                               .pages = graph_import_buffer(graph, "shadow last pages", &state->pages[last]),
+                               .row_count = state->row_count}};
+    if (row_count > state->row_room) {
+        gpu_fail(device, FNL_ERROR_INVALID);
+        return b.out;
+    }
+    add_choice(&b, device, graph_import_buffer(graph, "shadow shapes", &state->shapes), side * side);
+    add_list(&b);
+    add_places(&b, side);
+    state->turn = now;
+    state->row_count = row_count;
+    state->known = true;
+    return b.out;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Which pages of shadow maps there are (shadows/maps_shared.h), and where in the atlas. Pixels have asked for pages at the level that suits
+ * them; here every light with a page to be shown is given some, however many there are. If all that was asked for does not fit, pages become
+ * coarser, those of the least important lights first: under a pressure of p a light with offset o gets pages min(max(p - o, 0), 7) levels
+ * coarser, where o is half the logarithm to base 2 of how many times more important than the least important one it is, rounded down, at most
+ * 8. Importance is flux times the part of the directions round the viewer that the light's volume takes. The least pressure under which all
+ * fit is taken; it depends on this frame alone, so the choice cannot swing. Only where even the coarsest pages of all lights do not fit, from
+ * pressure 16 on, do the least important lights have none (SHADOW_TRACED).
+ *
+ * A page that was there in the last frame stays in its place and is drawn again only if its light has changed; one that nobody asks for any
+ * more goes. Where the free places are scattered so that the new pages do not fit, all pages are laid out anew, and drawn. Everything is done
+ * by counts and prefix sums, so two runs give the same bytes.
+ *
+ * Cost: 1120 bytes for each light (and the atlas, and 2 KiB for each of its cells of 128 x 128 texels); a few dozen operations for each face of a
+ * light, and for each page that there is room for.
+ */
+#ifndef FNL_PASSES_SHADOW_PAGES_H
+#define FNL_PASSES_SHADOW_PAGES_H
+
+#include "passes/lights/light_list.h"
+#include "shadows/maps_shared.h"
+
+/** What a view keeps between frames. Zeroed: nothing yet. */
+struct shadow_state {
+    struct gpu_buffer held[2], before[2], pages[2]; /* of the last frame and of this one, in turns */
+    struct gpu_buffer shapes, counts;
+    struct gpu_image atlas; /* D32_SFLOAT; an attachment, and sampled */
+    uint32_t row_room;      /* rows that there is memory for */
+    uint32_t row_count;     /* of the last frame */
+    uint32_t turn;          /* which of the two are this frame's */
+    bool known;             /* the pages of the last frame are in the atlas */
+    bool cleared;           /* the atlas is */
+};
+void shadow_state_finish(gpu_device *device, struct shadow_state *state);
+/** All pages of the next frame are drawn: after what they show has changed as a whole, and after a frame that was declared and not executed. */
+void shadow_state_forget(struct shadow_state *state);
+
+/**
+ * Memory for a frame; before it begins. `row_count` is at most SHADOW_MOST_ROWS, `atlas_side` a multiple of SHADOW_PAGE, in texels. Where one
+ * outgrows what there is, or the atlas changes, all pages are drawn anew. After an error the state is empty.
+ */
+fnl_result shadow_pages_prepare(gpu_device *device, struct shadow_state *state, uint32_t row_count, uint32_t atlas_side);
+
+struct shadow_pages_input {
+    graph_buffer wanted; /* SHADOW_ROW_WORDS words for each row: a bit for each page that a pixel asks for */
+    const struct light_input
+        *lights; /* its local lights are the rows, at least one, as many as the state was prepared for or fewer */
+};
+struct shadow_pages {
+    graph_buffer held, before, pages, biases; /* as struct gpu_shadow_maps has them */
+    graph_buffer counts;                      /* struct gpu_shadow_counts, whose `pairs` is 0 */
+    graph_image atlas; /* holds what pages without SHADOW_PAGE_DRAW show; others are to be cleared and drawn */
+    uint32_t row_count;
+    uint32_t page_limit; /* room in `pages` */
+};
+/** Once a frame, after shadow_pages_prepare(). All passes are on the graphics queue. */
+struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
+                                     const struct shadow_pages_input *input);
+
+#endif

@@ -1,0 +1,46 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// The least pressure under which all pages fit into the atlas. One work group.
+#include "passes/shadow/pages.glsl"
+
+layout(local_size_x = SHADOW_IMPORTANCES) in;
+layout(push_constant, scalar) uniform push_block { gpu_shadow_pick_push push; };
+
+shared uint least, best, wanted, totals[SHADOW_PRESSURES * SHADOW_CLASSES];
+
+uint tally(uint importance, uint bias, uint c) { return push.tallies.at[(importance * SHADOW_BIASES + bias) * SHADOW_CLASSES + c]; }
+
+void main() {
+    uint thread = gl_LocalInvocationIndex;
+    if (thread < SHADOW_PRESSURES * SHADOW_CLASSES) totals[thread] = 0u;
+    if (thread == 0u) {
+        least = SHADOW_IMPORTANCES - 1u;
+        best = SHADOW_PRESSURES - 1u;
+        wanted = 0u;
+    }
+    barrier();
+    uint own = 0u;
+    for (uint c = 0u; c < SHADOW_CLASSES; c++) own += tally(thread, 0u, c);
+    if (own > 0u) {
+        atomicMin(least, thread);
+        atomicAdd(wanted, own);
+    }
+    barrier();
+    for (uint pressure = 0u; own > 0u && pressure < SHADOW_PRESSURES; pressure++) {
+        uint bias = shadow_bias(pressure, least, thread);
+        for (uint c = 0u; c < SHADOW_CLASSES && bias != SHADOW_TRACED; c++)
+            atomicAdd(totals[pressure * SHADOW_CLASSES + c], tally(thread, bias, c));
+    }
+    barrier();
+    if (thread < SHADOW_PRESSURES) {
+        uint cells = 0u;
+        for (uint c = 0u; c < SHADOW_CLASSES; c++) cells += (totals[thread * SHADOW_CLASSES + c] + (1u << 2u * c) - 1u) >> 2u * c;
+        if (cells <= push.cell_count) atomicMin(best, thread);
+    }
+    barrier();
+    if (thread != 0u) return;
+    push.choice.choice = gpu_shadow_choice(best, least);
+    uint pages_before = push.fresh != 0u ? 0u : push.counts.counts.pages;
+    push.counts.counts = gpu_shadow_counts(wanted, 0u, 0u, pages_before, 0u, 0u, 0u, 0u); // the pages that stay are taken off `evicted`
+}

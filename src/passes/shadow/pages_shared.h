@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/** Choosing the pages of shadow maps: pages.h says how. */
+#ifndef FNL_PASSES_SHADOW_PAGES_SHARED_H
+#define FNL_PASSES_SHADOW_PAGES_SHARED_H
+
+#include "shadows/maps_shared.h"
+#include "lights/bounds_shared.h"
+
+#define SHADOW_CLASSES 4u       /* sizes of pages: class c is SHADOW_PAGE >> c texels wide, and a cell of the atlas holds 4^c of it */
+#define SHADOW_BIASES 8u        /* levels that pages may be coarser: 0 .. 7 */
+#define SHADOW_MOST_OFFSET 8u
+#define SHADOW_PRESSURES 25u    /* pressure 0: nothing is coarser than asked for; the last: nothing has pages */
+#define SHADOW_BLOCK 256u       /* pages that a work group takes */
+#define SHADOW_NO_PLACE 0xffffffffu
+
+/* What decides how much detail a light gets: pages by class at each bias, summed over the lights whose importance has the same exponent. */
+#define SHADOW_IMPORTANCES 256u
+#define SHADOW_TALLIES (SHADOW_IMPORTANCES * SHADOW_BIASES * SHADOW_CLASSES)
+
+/* By row, while pages are chosen. */
+#define SHADOW_ROW_IMPORTANCE 0xffu  /* the exponent, as a float has it */
+#define SHADOW_ROW_CHANGED 0x100u    /* its pages of the last frame show something else */
+#define SHADOW_ROW_COARSENED 0x200u
+#define SHADOW_ROW_TRACED 0x400u
+
+/* What the pages of a row depend on besides the scene. The directions and the size are those of box lights, of others 0. */
+struct gpu_shadow_shape {
+    vec3 position;
+    float range;
+    uint kind;
+    vec3 direction;
+    vec3 side;
+    vec3 size;
+};
+
+struct gpu_shadow_choice {
+    uint pressure; /* 0 .. SHADOW_PRESSURES - 1 */
+    uint least;    /* exponent of the least importance of a light that has a page to be shown */
+};
+
+/* A cell of the atlas: what it holds of pages that were there before. */
+struct gpu_shadow_cell {
+    uint size;     /* class + 1; 0: nothing */
+    uvec2 taken;   /* a bit for each place */
+};
+
+struct gpu_shadow_rows_push {
+    ADDRESS(light_list_block) list;
+    ADDRESS(shadow_shape_array) shapes; /* those that the last frame's pages were drawn for; those of this frame come in their place */
+    ADDRESS(uint_array) rows;
+    uint row_count;
+};
+
+struct gpu_shadow_count_push {
+    ADDRESS(const_uint_array) wanted;
+    ADDRESS(const_uint_array) rows;
+    ADDRESS(uint_array) tallies;
+    uint face_count;
+};
+
+struct gpu_shadow_pick_push {
+    ADDRESS(const_uint_array) tallies;
+    ADDRESS(shadow_choice_block) choice;
+    ADDRESS(shadow_counts_block) counts;
+    uint cell_count;
+    uint fresh;    /* 1: there are no pages of a last frame */
+};
+
+struct gpu_shadow_hold_push {
+    ADDRESS(const_uint_array) wanted;
+    ADDRESS(shadow_choice_block) choice;
+    ADDRESS(uint_array) rows;
+    ADDRESS(uint_array) held;
+    ADDRESS(uint_array) biases;
+    ADDRESS(uint_array) sums;           /* pages of each face */
+    ADDRESS(shadow_counts_block) counts;
+    uint face_count;
+};
+
+struct gpu_shadow_list_push {
+    ADDRESS(const_uint_array) held;
+    ADDRESS(const_uint_array) sums;     /* pages before each face */
+    ADDRESS(uint_array) before;
+    ADDRESS(shadow_page_array) pages;
+    uint face_count;
+};
+
+/* In `sums`, parts one after the other: of each class the new pages in each block, of each class all pages in each block, of each class the
+   free places in each cell that holds that class, the free cells; and one more. */
+struct gpu_shadow_places {
+    ADDRESS(shadow_page_array) pages;
+    ADDRESS(const_uint_array) total;    /* how many pages there are */
+    ADDRESS(shadow_cell_array) cells;
+    ADDRESS(uint_array) sums;
+    ADDRESS(shadow_counts_block) counts;
+    uint block_count;
+    uint side;     /* cells */
+};
+
+struct gpu_shadow_find_push {
+    STRUCT(gpu_shadow_places) places;
+    ADDRESS(const_uint_array) rows;
+    ADDRESS(const_uint_array) held;     /* of the last frame, as the next two */
+    ADDRESS(const_uint_array) before;
+    ADDRESS(shadow_page_array) pages;
+    uint row_count; /* of the last frame */
+};
+
+struct gpu_shadow_place_push {
+    STRUCT(gpu_shadow_places) places;
+};
+
+#endif
