@@ -118,7 +118,7 @@ static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes,
                                                    .groups = {DIVIDE_UP(b->face_count, 64u)},
                                                    GRAPH_PUSH(count),
                                                    GRAPH_ROWS(graph_reads(&count.wanted, b->input->wanted),
-                                                              graph_reads(&count.rows, b->rows),
+                                                              graph_changes(&count.rows, b->rows),
                                                               graph_changes(&count.tallies, b->tallies))});
     struct gpu_shadow_pick_push pick = {.cell_count = cells, .fresh = b->fresh};
     graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow pick",
@@ -136,6 +136,7 @@ static void add_list(struct build *b) {
     const uint32_t groups = DIVIDE_UP(b->face_count, 64u);
     b->out.biases = graph_create_buffer(graph, "shadow biases", b->out.row_count * 4ull);
     b->sums = graph_create_buffer(graph, "shadow faces", (b->face_count + 1) * 4ull);
+    graph_add_clear(graph, "shadow held clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b->out.held}});
     struct gpu_shadow_hold_push hold = {.face_count = b->face_count};
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = "shadow hold",
@@ -143,7 +144,7 @@ static void add_list(struct build *b) {
                               .groups = {groups},
                               GRAPH_PUSH(hold),
                               GRAPH_ROWS(graph_reads(&hold.wanted, b->input->wanted), graph_reads(&hold.choice, b->choice),
-                                         graph_changes(&hold.rows, b->rows), graph_writes(&hold.held, b->out.held),
+                                         graph_changes(&hold.rows, b->rows), graph_changes(&hold.held, b->out.held),
                                          graph_writes(&hold.biases, b->out.biases), graph_writes(&hold.sums, b->sums),
                                          graph_changes(&hold.counts, b->out.counts))});
     prefix_sum_add(graph, "shadow faces", GRAPH_QUEUE_GRAPHICS, b->sums, b->face_count + 1);

@@ -48,9 +48,10 @@ struct shadow_pages_input {
         *lights; /* its local lights are the rows, at least one, as many as the state was prepared for or fewer */
 };
 struct shadow_pages {
-    graph_buffer held, before, pages, biases; /* as struct gpu_shadow_maps has them */
-    graph_buffer counts;                      /* struct gpu_shadow_counts, whose `pairs` is 0 */
-    graph_image atlas; /* holds what pages without SHADOW_PAGE_DRAW show; others are to be cleared and drawn */
+    graph_buffer held, before, pages,
+        biases;          /* as struct gpu_shadow_maps has them; `before` is undefined for words without pages */
+    graph_buffer counts; /* struct gpu_shadow_counts, whose `pairs` is 0 */
+    graph_image atlas;   /* holds what pages without SHADOW_PAGE_DRAW show; others are to be cleared and drawn */
     uint32_t row_count;
     uint32_t page_limit; /* room in `pages` */
 };

@@ -14,7 +14,7 @@ void main() {
     shadow_load_face(push.wanted, face, words);
     for (uint i = 0u; i < SHADOW_FACE_WORDS; i++) any_bits |= words[i];
     if (any_bits == 0u) return;
-    uint importance = push.rows.at[face / SHADOW_FACES] & SHADOW_ROW_IMPORTANCE;
+    uint importance = atomicOr(push.rows.at[face / SHADOW_FACES], SHADOW_ROW_FACE << face % SHADOW_FACES) & SHADOW_ROW_IMPORTANCE;
     for (uint bias = 0u; bias < SHADOW_BIASES; bias++) {
         if (bias > 0u) shadow_coarsen_face(words);
         uvec4 counts = shadow_count_face(words);

@@ -18,11 +18,15 @@ uint place_before(gpu_shadow_page page) {
 
 void main() {
     if (LINEAR_GROUP >= push.places.block_count) return;
-    uint index = LINEAR_INVOCATION, thread = gl_LocalInvocationIndex;
+    uint index = LINEAR_INVOCATION, thread = gl_LocalInvocationIndex, total = push.places.total.at[0];
+    if (LINEAR_GROUP * SHADOW_BLOCK >= total) { // the whole group has nothing to do
+        if (thread < 2u * SHADOW_CLASSES) push.places.sums.at[thread * push.places.block_count + LINEAR_GROUP] = 0u;
+        return;
+    }
     if (thread < 2u * SHADOW_CLASSES) counts[thread] = 0u;
     if (thread == 0u) stay = 0u;
     barrier();
-    if (index < push.places.total.at[0]) {
+    if (index < total) {
         gpu_shadow_page page = push.places.pages.at[index];
         uint c = shadow_class_of(page.bit), place = place_before(page);
         atomicAdd(counts[SHADOW_CLASSES + c], 1u);

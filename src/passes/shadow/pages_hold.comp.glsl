@@ -13,26 +13,23 @@ bool is_first(uint row, uint flag) { return (atomicOr(push.rows.at[row], flag) &
 void main() {
     uint face = LINEAR_INVOCATION, row = face / SHADOW_FACES;
     if (face >= push.face_count) return;
-    uint words[SHADOW_FACE_WORDS], asked = 0u, count = 0u, bits[SHADOW_FACE_WORDS];
-    shadow_load_face(push.wanted, face, words);
     gpu_shadow_choice choice = push.choice.choice;
-    uint bias = shadow_bias(choice.pressure, choice.least, push.rows.at[row] & SHADOW_ROW_IMPORTANCE);
-    bool is_traced = bias == SHADOW_TRACED, is_coarser = false;
+    uint flags = push.rows.at[row], bias = shadow_bias(choice.pressure, choice.least, flags & SHADOW_ROW_IMPORTANCE), count = 0u;
+    bool is_asked = (flags & SHADOW_ROW_FACE << face % SHADOW_FACES) != 0u, is_coarser = false;
     if (face % SHADOW_FACES == 0u) push.biases.at[row] = bias;
-    for (uint i = 0u; i < SHADOW_FACE_WORDS; i++) asked |= words[i];
-    bits = words;
-    if (asked != 0u && !is_traced)
+    if (is_asked && bias == SHADOW_TRACED) {
+        if (is_first(row, SHADOW_ROW_TRACED)) atomicAdd(push.counts.counts.traced, 1u);
+    } else if (is_asked) {
+        uint words[SHADOW_FACE_WORDS], bits[SHADOW_FACE_WORDS];
+        shadow_load_face(push.wanted, face, words);
+        bits = words;
         for (uint i = 0u; i < bias; i++) shadow_coarsen_face(bits);
-    for (uint i = 0u; i < SHADOW_FACE_WORDS; i++) {
-        if (is_traced) bits[i] = 0u;
-        is_coarser = is_coarser || bits[i] != words[i];
-        count += bitCount(bits[i]);
-        push.held.at[face * SHADOW_FACE_WORDS + i] = bits[i];
+        for (uint i = 0u; i < SHADOW_FACE_WORDS; i++) {
+            is_coarser = is_coarser || bits[i] != words[i];
+            count += bitCount(bits[i]);
+            push.held.at[face * SHADOW_FACE_WORDS + i] = bits[i];
+        }
     }
     push.sums.at[face] = count;
-    if (asked != 0u && is_traced) {
-        if (is_first(row, SHADOW_ROW_TRACED)) atomicAdd(push.counts.counts.traced, 1u);
-    } else if (is_coarser && is_first(row, SHADOW_ROW_COARSENED)) {
-        atomicAdd(push.counts.counts.coarsened, 1u);
-    }
+    if (is_coarser && is_first(row, SHADOW_ROW_COARSENED)) atomicAdd(push.counts.counts.coarsened, 1u);
 }

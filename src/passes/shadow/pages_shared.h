@@ -22,6 +22,7 @@
 #define SHADOW_ROW_CHANGED 0x100u    /* its pages of the last frame show something else */
 #define SHADOW_ROW_COARSENED 0x200u
 #define SHADOW_ROW_TRACED 0x400u
+#define SHADOW_ROW_FACE 0x10000u      /* times 2^face: pixels look up pages of it */
 
 /* What the pages of a row depend on besides the scene. The directions and the size are those of box lights, of others 0. */
 struct gpu_shadow_shape {
@@ -53,7 +54,7 @@ struct gpu_shadow_rows_push {
 
 struct gpu_shadow_count_push {
     ADDRESS(const_uint_array) wanted;
-    ADDRESS(const_uint_array) rows;
+    ADDRESS(uint_array) rows;
     ADDRESS(uint_array) tallies;
     uint face_count;
 };
@@ -70,7 +71,7 @@ struct gpu_shadow_hold_push {
     ADDRESS(const_uint_array) wanted;
     ADDRESS(shadow_choice_block) choice;
     ADDRESS(uint_array) rows;
-    ADDRESS(uint_array) held;
+    ADDRESS(uint_array) held;           /* 0 */
     ADDRESS(uint_array) biases;
     ADDRESS(uint_array) sums;           /* pages of each face */
     ADDRESS(shadow_counts_block) counts;

@@ -284,10 +284,11 @@ static void check(struct bench *b, const struct answer *a) {
     }
     for (uint32_t row = 0; row < b->row_count; row++)
         for (uint32_t bit = 0; bit < ROW_BITS; bit++) {
-            if (bit % 32 == 0) assert_int_equal(a->before[row * SHADOW_ROW_WORDS + bit / 32], counts.pages);
             assert_int_equal(bit_of(a->held, row, bit), now[row * ROW_BITS + bit]);
             if (!now[row * ROW_BITS + bit]) continue;
             assert_true(counts.pages < a->page_limit);
+            const uint32_t word = row * SHADOW_ROW_WORDS + bit / 32, below = a->held[word] & ((1u << bit % 32) - 1);
+            assert_int_equal(a->before[word] + (uint32_t)__builtin_popcount(below), counts.pages);
             assert_int_equal(a->pages[counts.pages].row, row);
             assert_int_equal(a->pages[counts.pages].bit, bit);
             counts.pages++;
@@ -474,7 +475,7 @@ static void test_same_bytes(void **state) {
         struct answer *a = &runs[0][i], *b = &runs[1][i];
         const size_t words = a->row_count * SHADOW_ROW_WORDS * 4ull;
         assert_memory_equal(a->held, b->held, words);
-        assert_memory_equal(a->before, b->before, words);
+        for (size_t k = 0; k < words / 4; k++) assert_true(a->held[k] == 0 || a->before[k] == b->before[k]);
         assert_memory_equal(a->biases, b->biases, a->row_count * 4ull);
         assert_memory_equal(a->pages, b->pages, a->counts.pages * sizeof *a->pages);
         assert_memory_equal(&a->counts, &b->counts, sizeof a->counts);
