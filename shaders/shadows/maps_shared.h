@@ -23,6 +23,7 @@
 #define SHADOW_NEAR 1e-4f         /* metres from the light along the axis of a face: what is nearer casts no shadow. Depth is this / that distance */
 
 #define SHADOW_PAGE_DRAW 1u       /* the atlas does not hold what the page shows in this frame: it is to be drawn */
+#define SHADOW_PAGE_IDLE 2u       /* nothing looks it up in this frame: it need not be drawn, and is gone in the next one if it had to be */
 
 struct gpu_shadow_page {
     uint row;   /* of the light: its index among the local lights */
@@ -37,7 +38,7 @@ struct gpu_shadow_page {
 /* What this frame did, as numbers. */
 struct gpu_shadow_counts {
     uint wanted;    /* pages that pixels asked for, before any were made coarser */
-    uint pages;     /* that there are */
+    uint pages;     /* that there are, idle ones too */
     uint drawn;     /* of them, not there before or no longer true */
     uint evicted;   /* that were there before and are not any more */
     uint coarsened; /* lights whose pages are coarser than asked for */

@@ -75,12 +75,14 @@ struct build {
     graph_buffer rows;    /* a word for each light: SHADOW_ROW_… */
     graph_buffer tallies; /* pages by importance, bias and class */
     graph_buffer choice;  /* struct gpu_shadow_choice */
-    graph_buffer sums;    /* by face: pages before it; and one more */
-    uint32_t face_count;
-    bool fresh; /* there is no last frame */
+    graph_buffer rooms;   /* of SHADOW_ROOMS */
+    graph_buffer cells;   /* struct gpu_shadow_cell */
+    graph_buffer faces;   /* pages of each face, then those before it; and one more */
+    graph_buffer places;  /* gpu_shadow_places.sums */
+    uint32_t face_count, side, cell_count, block_count;
     struct {
         graph_buffer held, before, pages;
-        uint32_t row_count;
+        uint32_t row_count; /* 0: there is no last frame */
     } last;
 };
 
@@ -96,13 +98,9 @@ static graph_image add_atlas(struct graph *graph, struct shadow_state *state) {
 }
 
 /* How coarse the pages of each light are. */
-static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes, uint32_t cells) {
+static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes) {
     struct graph *graph = b->graph;
     const struct light_input *lights = b->input->lights;
-    b->rows = graph_create_buffer(graph, "shadow rows", b->out.row_count * 4ull);
-    b->tallies = graph_create_buffer(graph, "shadow tallies", SHADOW_TALLIES * 4ull);
-    b->choice = graph_create_buffer(graph, "shadow choice", sizeof(struct gpu_shadow_choice));
-    graph_add_clear(graph, "shadow tallies clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b->tallies}});
     struct gpu_shadow_rows_push rows = {.row_count = b->out.row_count};
     light_list_header(device, lights, &rows.list);
     graph_dispatch(
@@ -120,7 +118,7 @@ static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes,
                                                    GRAPH_ROWS(graph_reads(&count.wanted, b->input->wanted),
                                                               graph_changes(&count.rows, b->rows),
                                                               graph_changes(&count.tallies, b->tallies))});
-    struct gpu_shadow_pick_push pick = {.cell_count = cells, .fresh = b->fresh};
+    struct gpu_shadow_pick_push pick = {.cell_count = b->cell_count, .fresh = b->last.row_count == 0};
     graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow pick",
                                                    .pipeline = {.shader = &shader_pages_pick_comp},
                                                    .groups = {1},
@@ -130,100 +128,145 @@ static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes,
                                                               graph_changes(&pick.counts, b->out.counts))});
 }
 
-/* The pages there are, in order. */
-static void add_list(struct build *b) {
+/* The pages that pixels look up. */
+static void add_wanted(struct build *b) {
     struct graph *graph = b->graph;
-    const uint32_t groups = DIVIDE_UP(b->face_count, 64u);
-    b->out.biases = graph_create_buffer(graph, "shadow biases", b->out.row_count * 4ull);
-    b->sums = graph_create_buffer(graph, "shadow faces", (b->face_count + 1) * 4ull);
-    graph_add_clear(graph, "shadow held clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b->out.held}});
-    struct gpu_shadow_hold_push hold = {.face_count = b->face_count};
+    struct gpu_shadow_hold_push hold = {.face_count = b->face_count, .last_rows = b->last.row_count};
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = "shadow hold",
                               .pipeline = {.shader = &shader_pages_hold_comp},
-                              .groups = {groups},
+                              .groups = {DIVIDE_UP(b->face_count, 64u)},
                               GRAPH_PUSH(hold),
                               GRAPH_ROWS(graph_reads(&hold.wanted, b->input->wanted), graph_reads(&hold.choice, b->choice),
                                          graph_changes(&hold.rows, b->rows), graph_changes(&hold.held, b->out.held),
-                                         graph_writes(&hold.biases, b->out.biases), graph_writes(&hold.sums, b->sums),
+                                         graph_writes(&hold.biases, b->out.biases), graph_writes(&hold.sums, b->faces),
+                                         graph_changes(&hold.rooms, b->rooms), graph_reads(&hold.last_held, b->last.held),
                                          graph_changes(&hold.counts, b->out.counts))});
-    prefix_sum_add(graph, "shadow faces", GRAPH_QUEUE_GRAPHICS, b->sums, b->face_count + 1);
+}
+
+static void add_stay_step(const struct build *b, const char *name, const struct gpu_shader *shader) {
+    struct gpu_shadow_stay_push push = {.side = b->side, .row_count = b->out.row_count};
+    graph_dispatch(b->graph,
+                   &(struct graph_dispatch){
+                       .name = name,
+                       .pipeline = {.shader = shader},
+                       .groups = {DIVIDE_UP(b->out.page_limit, 64u)},
+                       GRAPH_PUSH(push),
+                       GRAPH_ROWS(graph_changes(&push.last_pages, b->last.pages), graph_reads(&push.choice, b->choice),
+                                  graph_reads(&push.rows, b->rows), graph_changes(&push.held, b->out.held),
+                                  graph_changes(&push.sums, b->faces), graph_changes(&push.cells, b->cells))});
+}
+
+static void add_room_step(const struct build *b, const char *name, const struct gpu_shader *shader, uint32_t groups) {
+    struct gpu_shadow_room_push push = {.cell_count = b->cell_count};
+    graph_dispatch(b->graph, &(struct graph_dispatch){.name = name,
+                                                      .pipeline = {.shader = shader},
+                                                      .groups = {groups},
+                                                      GRAPH_PUSH(push),
+                                                      GRAPH_ROWS(graph_reads(&push.cells, b->cells),
+                                                                 graph_changes(&push.rooms, b->rooms),
+                                                                 graph_changes(&push.choice, b->choice))});
+}
+
+/* The pages of the last frame that stay beside them although nothing looks them up. */
+static void add_idle(struct build *b) {
+    add_stay_step(b, "shadow stay", &shader_pages_stay_comp);
+    add_room_step(b, "shadow room", &shader_pages_room_comp, DIVIDE_UP(b->cell_count, 64u));
+    add_room_step(b, "shadow fit", &shader_pages_fit_comp, 1);
+    add_stay_step(b, "shadow keep", &shader_pages_keep_comp);
+}
+
+/* All pages, in order. */
+static void add_list(struct build *b) {
+    struct graph *graph = b->graph;
+    prefix_sum_add(graph, "shadow faces", GRAPH_QUEUE_GRAPHICS, b->faces, b->face_count + 1);
     struct gpu_shadow_list_push list = {.face_count = b->face_count};
     graph_dispatch(graph,
                    &(struct graph_dispatch){
                        .name = "shadow list",
                        .pipeline = {.shader = &shader_pages_list_comp},
-                       .groups = {groups},
+                       .groups = {DIVIDE_UP(b->face_count, 64u)},
                        GRAPH_PUSH(list),
-                       GRAPH_ROWS(graph_reads(&list.held, b->out.held), graph_reads(&list.sums, b->sums),
+                       GRAPH_ROWS(graph_reads(&list.held, b->out.held), graph_reads(&list.sums, b->faces),
                                   graph_writes(&list.before, b->out.before), graph_writes(&list.pages, b->out.pages))});
 }
 
-static struct graph_pass *add_step(const struct build *b, const char *name, const struct gpu_shader *shader, uint32_t groups,
-                                   const void *push, size_t push_size, struct gpu_shadow_places *places, graph_buffer cells,
-                                   graph_buffer sums, enum graph_use use) {
+static struct graph_pass *add_place_step(const struct build *b, const char *name, const struct gpu_shader *shader,
+                                         uint32_t groups, const void *push, size_t push_size,
+                                         struct gpu_shadow_places *places, enum graph_use sums) {
     return graph_dispatch(
-        b->graph,
-        &(struct graph_dispatch){.name = name,
-                                 .pipeline = {.shader = shader},
-                                 .groups = {groups},
-                                 .push = push,
-                                 .push_size = push_size,
-                                 GRAPH_ROWS(graph_changes(&places->pages, b->out.pages),
-                                            graph_row_at(b->face_count * 4ull, graph_reads(&places->total, b->sums)),
-                                            graph_changes(&places->cells, cells), graph_buffer_row(&places->sums, sums, use),
-                                            graph_changes(&places->counts, b->out.counts))});
+        b->graph, &(struct graph_dispatch){
+                      .name = name,
+                      .pipeline = {.shader = shader},
+                      .groups = {groups},
+                      .push = push,
+                      .push_size = push_size,
+                      GRAPH_ROWS(graph_changes(&places->pages, b->out.pages),
+                                 graph_row_at(b->face_count * 4ull, graph_reads(&places->total, b->faces)),
+                                 graph_changes(&places->cells, b->cells), graph_buffer_row(&places->sums, b->places, sums),
+                                 graph_changes(&places->counts, b->out.counts), graph_reads(&places->choice, b->choice))});
 }
 
 /* Where they are. */
-static void add_places(const struct build *b, uint32_t side) {
-    struct graph *graph = b->graph;
-    const uint32_t blocks = DIVIDE_UP(b->out.page_limit, SHADOW_BLOCK), cell_count = side * side,
-                   sum_count = 2 * SHADOW_CLASSES * blocks + (SHADOW_CLASSES + 1) * cell_count + 1;
-    graph_buffer cells = graph_create_buffer(graph, "shadow cells", cell_count * sizeof(struct gpu_shadow_cell)),
-                 sums = graph_create_buffer(graph, "shadow places", sum_count * 4ull);
-    graph_add_clear(graph, "shadow cells clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {cells}});
-    struct gpu_shadow_find_push find = {.places = {.block_count = blocks, .side = side},
-                                        .row_count = b->fresh ? 0 : b->last.row_count};
-    struct graph_pass *pass = add_step(b, "shadow find", &shader_pages_find_comp, blocks, &find, sizeof find, &find.places,
-                                       cells, sums, GRAPH_WRITE_COMPUTE);
-    const struct graph_row rows[] = {graph_reads(&find.rows, b->rows), graph_reads(&find.held, b->last.held),
-                                     graph_reads(&find.before, b->last.before), graph_reads(&find.pages, b->last.pages)};
-    for (uint32_t i = 0; i < COUNT_OF(rows); i++) graph_add_row(pass, rows[i]);
+static void add_places(const struct build *b, uint32_t sum_count) {
+    struct gpu_shadow_find_push find = {.places = {.block_count = b->block_count, .side = b->side},
+                                        .row_count = b->last.row_count};
+    struct graph_pass *pass = add_place_step(b, "shadow find", &shader_pages_find_comp, b->block_count, &find, sizeof find,
+                                             &find.places, GRAPH_WRITE_COMPUTE);
+    graph_add_row(pass, graph_reads(&find.held, b->last.held));
+    graph_add_row(pass, graph_reads(&find.before, b->last.before));
+    graph_add_row(pass, graph_reads(&find.pages, b->last.pages));
     struct gpu_shadow_place_push place = {find.places};
-    add_step(b, "shadow cells", &shader_pages_cells_comp, DIVIDE_UP(cell_count, 64u), &place, sizeof place, &place.places,
-             cells, sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, "shadow places", GRAPH_QUEUE_GRAPHICS, sums, sum_count);
-    add_step(b, "shadow place", &shader_pages_place_comp, blocks, &place, sizeof place, &place.places, cells, sums,
-             GRAPH_READ_COMPUTE);
+    add_place_step(b, "shadow cells", &shader_pages_cells_comp, DIVIDE_UP(b->cell_count, 64u), &place, sizeof place,
+                   &place.places, GRAPH_WRITE_COMPUTE);
+    prefix_sum_add(b->graph, "shadow places", GRAPH_QUEUE_GRAPHICS, b->places, sum_count);
+    add_place_step(b, "shadow place", &shader_pages_place_comp, b->block_count, &place, sizeof place, &place.places,
+                   GRAPH_READ_COMPUTE);
 }
 
 struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
                                      const struct shadow_pages_input *input) {
     const uint32_t last = state->turn, now = 1 - last, row_count = input->lights->local_count,
-                   side = state->atlas.params.width / SHADOW_PAGE;
+                   face_count = row_count * SHADOW_FACES, side = state->atlas.params.width / SHADOW_PAGE,
+                   cells = side * side, page_limit = cells * CELL_PAGES, blocks = DIVIDE_UP(page_limit, SHADOW_BLOCK),
+                   sum_count = 2 * SHADOW_CLASSES * blocks + (SHADOW_CLASSES + 1) * cells + 1;
+    if (row_count > state->row_room) {
+        gpu_fail(device, FNL_ERROR_INVALID);
+        return (struct shadow_pages){0};
+    }
     struct build b = {.graph = graph,
                       .input = input,
                       .out = {.held = graph_import_buffer(graph, "shadow held", &state->held[now]),
                               .before = graph_import_buffer(graph, "shadow before", &state->before[now]),
                               .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
+                              .biases = graph_create_buffer(graph, "shadow biases", row_count * 4ull),
                               .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
                               .atlas = add_atlas(graph, state),
                               .row_count = row_count,
-                              .page_limit = side * side * CELL_PAGES},
-                      .face_count = row_count * SHADOW_FACES,
-                      .fresh = !state->known,
+                              .page_limit = page_limit},
+                      .rows = graph_create_buffer(graph, "shadow rows", row_count * 4ull),
+                      .tallies = graph_create_buffer(graph, "shadow tallies", SHADOW_TALLIES * 4ull),
+                      .choice = graph_create_buffer(graph, "shadow choice", sizeof(struct gpu_shadow_choice)),
+                      .rooms = graph_create_buffer(graph, "shadow rooms", (SHADOW_ROOMS + SHADOW_CLASSES) * 4ull),
+                      .cells = graph_create_buffer(graph, "shadow cells", cells * sizeof(struct gpu_shadow_cell)),
+                      .faces = graph_create_buffer(graph, "shadow faces", (face_count + 1) * 4ull),
+                      .places = graph_create_buffer(graph, "shadow places", sum_count * 4ull),
+                      .face_count = face_count,
+                      .side = side,
+                      .cell_count = cells,
+                      .block_count = blocks,
                       .last = {.held = graph_import_buffer(graph, "shadow last held", &state->held[last]),
                                .before = graph_import_buffer(graph, "shadow last before", &state->before[last]),
                                .pages = graph_import_buffer(graph, "shadow last pages", &state->pages[last]),
-                               .row_count = state->row_count}};
-    if (row_count > state->row_room) {
-        gpu_fail(device, FNL_ERROR_INVALID);
-        return b.out;
-    }
-    add_choice(&b, device, graph_import_buffer(graph, "shadow shapes", &state->shapes), side * side);
+                               .row_count = state->known ? state->row_count : 0}};
+    graph_add_clear(graph, "shadow tallies clear", GRAPH_QUEUE_GRAPHICS,
+                    (struct graph_clear){.buffers = {b.tallies, b.rooms, b.cells}});
+    graph_add_clear(graph, "shadow held clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b.out.held}});
+    add_choice(&b, device, graph_import_buffer(graph, "shadow shapes", &state->shapes));
+    add_wanted(&b);
+    add_idle(&b);
     add_list(&b);
-    add_places(&b, side);
+    add_places(&b, sum_count);
     state->turn = now;
     state->row_count = row_count;
     state->known = true;

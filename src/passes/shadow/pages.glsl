@@ -79,4 +79,21 @@ uint shadow_class_of(uint bit) {
     return bit < 341u ? 0u : bit - 340u;
 }
 
+uint shadow_youth(gpu_shadow_cell cell) { return (cell.taken.x | cell.taken.y) != 0u ? SHADOW_YOUTHS : cell.youth; }
+
+const uint CELL_UNITS = SHADOW_PAGE / SHADOW_UNIT; // on a side
+
+uint places_of_cell(uint c) { return 1u << 2u * c; }
+
+// Of an atlas `side` cells wide, the cell that a place lies in; and which of the cell's places of class c it is, in rows of 2^c.
+uint cell_of(uint side, uint place) { return (place >> 16) / CELL_UNITS * side + (place & 0xffffu) / CELL_UNITS; }
+uint slot_of(uint place, uint c) {
+    uvec2 at = uvec2(place & 0xffffu, place >> 16) % CELL_UNITS / (CELL_UNITS >> c);
+    return at.y << c | at.x;
+}
+uint place_of(uint side, uint cell, uint c, uint slot) {
+    uvec2 at = uvec2(cell % side, cell / side) * CELL_UNITS + uvec2(slot & (1u << c) - 1u, slot >> c) * (CELL_UNITS >> c);
+    return at.x | at.y << 16;
+}
+
 #endif

@@ -9,11 +9,11 @@ layout(push_constant, scalar) uniform push_block { gpu_shadow_find_push push; };
 
 shared uint counts[2u * SHADOW_CLASSES], stay;
 
-uint place_before(gpu_shadow_page page) {
+// Where the page is among those of the last frame, or SHADOW_NO_PLACE.
+uint index_before(gpu_shadow_page page) {
     if (page.row >= push.row_count) return SHADOW_NO_PLACE;
     uint word = page.row * SHADOW_ROW_WORDS + page.bit / 32u, bits = push.held.at[word], bit = 1u << page.bit % 32u;
-    if ((bits & bit) == 0u) return SHADOW_NO_PLACE;
-    return push.pages.at[push.before.at[word] + bitCount(bits & bit - 1u)].place;
+    return (bits & bit) != 0u ? push.before.at[word] + bitCount(bits & bit - 1u) : SHADOW_NO_PLACE;
 }
 
 void main() {
@@ -28,17 +28,14 @@ void main() {
     barrier();
     if (index < total) {
         gpu_shadow_page page = push.places.pages.at[index];
-        uint c = shadow_class_of(page.bit), place = place_before(page);
+        uint c = shadow_class_of(page.bit), last = index_before(page);
         atomicAdd(counts[SHADOW_CLASSES + c], 1u);
-        if (place == SHADOW_NO_PLACE) {
+        if (last == SHADOW_NO_PLACE) {
             atomicAdd(counts[c], 1u);
         } else {
             atomicAdd(stay, 1u);
-            push.places.pages.at[index].place = place;
-            push.places.pages.at[index].flags = (push.rows.at[page.row] & SHADOW_ROW_CHANGED) != 0u ? SHADOW_PAGE_DRAW : 0u;
-            uint cell = cell_of(push.places, place), slot = slot_of(place, c);
-            push.places.cells.at[cell].size = c + 1u; // the same from all that are in it
-            atomicOr(push.places.cells.at[cell].taken[slot / 32u], 1u << slot % 32u);
+            push.places.pages.at[index].place = push.pages.at[last].place;
+            push.places.pages.at[index].flags = push.pages.at[last].flags;
         }
     }
     barrier();

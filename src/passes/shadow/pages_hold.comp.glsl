@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// The pages that there will be, as bits, and how many each face has.
+// The pages that pixels will look up, as bits, how many each face has, and how many were not there before.
 #include "passes/shadow/pages.glsl"
 
 layout(local_size_x = 64) in;
@@ -28,7 +28,11 @@ void main() {
             is_coarser = is_coarser || bits[i] != words[i];
             count += bitCount(bits[i]);
             push.held.at[face * SHADOW_FACE_WORDS + i] = bits[i];
+            if (row < push.last_rows) bits[i] &= ~push.last_held.at[face * SHADOW_FACE_WORDS + i];
         }
+        uvec4 fresh = shadow_count_face(bits);
+        for (uint c = 0u; c < SHADOW_CLASSES; c++)
+            if (fresh[c] > 0u) atomicAdd(push.rooms.at[SHADOW_ROOMS + c], fresh[c]);
     }
     push.sums.at[face] = count;
     if (is_coarser && is_first(row, SHADOW_ROW_COARSENED)) atomicAdd(push.counts.counts.coarsened, 1u);

@@ -40,7 +40,7 @@ void main() {
     }
     barrier();
     if (thread != 0u) return;
-    push.choice.choice = gpu_shadow_choice(best, least);
-    uint pages_before = push.fresh != 0u ? 0u : push.counts.counts.pages;
-    push.counts.counts = gpu_shadow_counts(wanted, 0u, 0u, pages_before, 0u, 0u, 0u, 0u); // the pages that stay are taken off `evicted`
+    uint last = push.fresh != 0u ? 0u : push.counts.counts.pages;
+    push.choice.choice = gpu_shadow_choice(best, least, last, 0u);
+    push.counts.counts = gpu_shadow_counts(wanted, 0u, 0u, last, 0u, 0u, 0u, 0u); // the pages that stay are taken off `evicted`
 }

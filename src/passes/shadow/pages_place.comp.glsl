@@ -81,12 +81,12 @@ void main() {
         uint rank = sum_from(first, first + LINEAR_GROUP) + ((ranks[thread] - own)[c / 2u] >> 16u * (c % 2u) & 0xffffu);
         if (rank < found[c]) {
             uvec2 at = find_cell(first_free(push.places, c), rank);
-            page.place = place_of(push.places, at.x, c, free_slot(push.places.cells.at[at.x].taken, at.y));
+            page.place = place_of(push.places.side, at.x, c, free_slot(push.places.cells.at[at.x].taken, at.y));
         } else {
             rank -= found[c];
             uint number = first_cell[c] + (rank >> 2u * c);
             uint cell = anew ? number : find_cell(first_free(push.places, SHADOW_CLASSES), number).x;
-            page.place = place_of(push.places, cell, c, rank & places_of_cell(c) - 1u);
+            page.place = place_of(push.places.side, cell, c, rank & places_of_cell(c) - 1u);
         }
         page.flags = SHADOW_PAGE_DRAW;
         push.places.pages.at[index] = page;

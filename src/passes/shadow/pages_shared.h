@@ -13,6 +13,11 @@
 #define SHADOW_BLOCK 256u       /* pages that a work group takes */
 #define SHADOW_NO_PLACE 0xffffffffu
 
+/* Flags of an idle page hold its youth besides: one less than SHADOW_YOUTHS in the first frame that nobody looks it up, and then one less with each,
+   down to 1. */
+#define SHADOW_YOUTH_SHIFT 8u
+#define SHADOW_YOUTHS 32u
+
 /* What decides how much detail a light gets: pages by class at each bias, summed over the lights whose importance has the same exponent. */
 #define SHADOW_IMPORTANCES 256u
 #define SHADOW_TALLIES (SHADOW_IMPORTANCES * SHADOW_BIASES * SHADOW_CLASSES)
@@ -37,13 +42,22 @@ struct gpu_shadow_shape {
 struct gpu_shadow_choice {
     uint pressure; /* 0 .. SHADOW_PRESSURES - 1 */
     uint least;    /* exponent of the least importance of a light that has a page to be shown */
+    uint last;     /* pages in the last frame */
+    uint youth;    /* idle pages stay in cells of at least this youth; SHADOW_YOUTHS + 1: nowhere */
 };
 
 /* A cell of the atlas: what it holds of pages that were there before. */
 struct gpu_shadow_cell {
     uint size;     /* class + 1; 0: nothing */
-    uvec2 taken;   /* a bit for each place */
+    uvec2 taken;   /* a bit for each place: of pages that are wanted; of all that stay, once it is known which do */
+    uvec2 idle;    /* of pages that are not */
+    uint youth;    /* the greatest of them. Where a cell has wanted pages, its youth counts as SHADOW_YOUTHS */
 };
+
+/* What room there is for new pages, for each youth of cells from 0 (free cells) to SHADOW_YOUTHS: by class the places that are free beside wanted and
+   idle pages, then how many such cells there are. Behind all of them, by class, how many pages are new. */
+#define SHADOW_ROOM_WORDS (SHADOW_CLASSES + 1u)
+#define SHADOW_ROOMS ((SHADOW_YOUTHS + 1u) * SHADOW_ROOM_WORDS)
 
 struct gpu_shadow_rows_push {
     ADDRESS(light_list_block) list;
@@ -74,8 +88,30 @@ struct gpu_shadow_hold_push {
     ADDRESS(uint_array) held;           /* 0 */
     ADDRESS(uint_array) biases;
     ADDRESS(uint_array) sums;           /* pages of each face */
+    ADDRESS(uint_array) rooms;
+    ADDRESS(const_uint_array) last_held;
     ADDRESS(shadow_counts_block) counts;
     uint face_count;
+    uint last_rows;
+};
+
+/* For each page of the last frame. */
+struct gpu_shadow_stay_push {
+    ADDRESS(shadow_page_array) last_pages; /* flags become those that the pages have if they stay */
+    ADDRESS(shadow_choice_block) choice;
+    ADDRESS(const_uint_array) rows;
+    ADDRESS(uint_array) held;              /* gets the bits of the idle pages that stay */
+    ADDRESS(uint_array) sums;
+    ADDRESS(shadow_cell_array) cells;
+    uint side;
+    uint row_count;
+};
+
+struct gpu_shadow_room_push {
+    ADDRESS(shadow_cell_array) cells;
+    ADDRESS(uint_array) rooms;
+    ADDRESS(shadow_choice_block) choice;
+    uint cell_count;
 };
 
 struct gpu_shadow_list_push {
@@ -94,13 +130,13 @@ struct gpu_shadow_places {
     ADDRESS(shadow_cell_array) cells;
     ADDRESS(uint_array) sums;
     ADDRESS(shadow_counts_block) counts;
+    ADDRESS(shadow_choice_block) choice;
     uint block_count;
     uint side;     /* cells */
 };
 
 struct gpu_shadow_find_push {
     STRUCT(gpu_shadow_places) places;
-    ADDRESS(const_uint_array) rows;
     ADDRESS(const_uint_array) held;     /* of the last frame, as the next two */
     ADDRESS(const_uint_array) before;
     ADDRESS(shadow_page_array) pages;

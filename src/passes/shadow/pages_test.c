@@ -3,7 +3,14 @@
 #include "passes/shadow/pages.h"
 #include "tests/list_bench.h"
 
-enum { ROW_BITS = SHADOW_ROW_WORDS * 32, FACE_BITS = SHADOW_FACE_WORDS * 32, DIRECTIONAL = 3, CLASSES = 4, PRESSURES = 25 };
+enum {
+    ROW_BITS = SHADOW_ROW_WORDS * 32,
+    FACE_BITS = SHADOW_FACE_WORDS * 32,
+    DIRECTIONAL = 3,
+    CLASSES = 4,
+    PRESSURES = 25,
+    OLDEST = 31
+};
 
 /* ---- what the device is asked, and says ---- */
 
@@ -34,9 +41,14 @@ struct bench {
     /* The reference's: what was there in the last frame, by row and bit. */
     bool *was;
     uint32_t *places; /* of what was there */
+    uint8_t *ages;    /* frames for which nobody has looked it up, up to OLDEST */
+    bool *lost;       /* it was idle and had to be drawn */
     struct gpu_shape *shapes;
     bool known;
-    uint32_t laid_anew, with_traced, with_coarsened; /* frames */
+    struct totals {
+        uint32_t laid_anew, with_traced, with_coarsened, keeps_all, keeps_some, keeps_none; /* frames */
+        uint32_t evicted;                                                                   /* pages */
+    } totals;
 };
 
 static void *zeroed(size_t count, size_t size) {
@@ -53,6 +65,8 @@ static struct bench bench_open(uint32_t row_limit, uint32_t side) {
     b.wanted = zeroed(row_limit * SHADOW_ROW_WORDS, sizeof *b.wanted);
     b.was = zeroed(row_limit * ROW_BITS, sizeof *b.was);
     b.places = zeroed(row_limit * ROW_BITS, sizeof *b.places);
+    b.ages = zeroed(row_limit * ROW_BITS, sizeof *b.ages);
+    b.lost = zeroed(row_limit * ROW_BITS, sizeof *b.lost);
     b.shapes = zeroed(row_limit, sizeof *b.shapes);
     b.view.eye = vec3_make(1, 2, 3);
     return b;
@@ -61,7 +75,7 @@ static struct bench bench_open(uint32_t row_limit, uint32_t side) {
 static void bench_close(struct bench *b) {
     shadow_state_finish(harness_device(), &b->state);
     graph_destroy(&b->graph);
-    void *all[] = {b->lights, b->bounds, b->wanted, b->was, b->places, b->shapes};
+    void *all[] = {b->lights, b->bounds, b->wanted, b->was, b->places, b->ages, b->lost, b->shapes};
     for (uint32_t i = 0; i < COUNT_OF(all); i++) free(all[i]);
 }
 
@@ -260,10 +274,62 @@ static uint32_t cells_beside(const struct atlas *atlas, const uint32_t fresh[CLA
     return cells_for(rest);
 }
 
+/* Adds idle pages to those that are wanted now (1), as 2: in cells with wanted pages, and in others by age, as many ages as there is room for. */
+static void keep_idle(struct bench *b, uint8_t *now) {
+    struct page {
+        uint32_t at, class, cell;
+        bool good;
+    } *pages = zeroed(b->side * b->side * 64, sizeof *pages);
+    uint32_t count = 0, idle = 0, kept = 0, level, fresh[CLASSES] = {0}, *ages = zeroed(b->side * b->side, 4);
+    for (uint32_t i = 0; i < b->side * b->side; i++) ages[i] = OLDEST + 1;
+    for (uint32_t at = 0; at < b->row_limit * ROW_BITS; at++) {
+        const bool was = b->known && b->was[at];
+        if (!was && !now[at]) continue;
+        const uint32_t row = at / ROW_BITS;
+        coarser_bit(at % ROW_BITS, 0, &level);
+        if (!was) {
+            fresh[class_of_level(level)]++;
+            continue;
+        }
+        struct page page = {.at = at, .class = class_of_level(level)};
+        page.cell = (b->places[at] >> 16) / 8 * b->side + (b->places[at] & 0xffff) / 8;
+        page.good = now[at] || (row < b->row_count && !b->lost[at] && same_maps(&b->shapes[row], &b->lights[row].shape));
+        b->ages[at] = now[at] ? 0 : (uint8_t)MIN(b->ages[at] + 1, OLDEST);
+        if (page.good) ages[page.cell] = MIN(ages[page.cell], b->ages[at]);
+        idle += !now[at] && page.good;
+        pages[count++] = page;
+    }
+    for (int oldest = OLDEST; oldest >= 0; oldest--) {
+        struct atlas atlas = atlas_make(b->side);
+        uint32_t stays[CLASSES] = {0};
+        for (uint32_t i = 0; i < count; i++) {
+            const struct page *page = &pages[i];
+            if (!page->good || ages[page->cell] > (uint32_t)oldest) continue;
+            atlas_put(&atlas, b->places[page->at], page->class, page->at);
+            stays[page->class]++;
+        }
+        const bool fits = atlas_used(&atlas) + cells_beside(&atlas, fresh, stays) <= b->side * b->side;
+        atlas_free(&atlas);
+        for (uint32_t i = 0; fits && i < count; i++) {
+            const struct page *page = &pages[i];
+            if (!page->good || ages[page->cell] > (uint32_t)oldest || now[page->at]) continue;
+            now[page->at] = 2;
+            kept++;
+        }
+        if (fits) break;
+    }
+    b->totals.keeps_all += idle > 0 && kept == idle;
+    b->totals.keeps_some += kept > 0 && kept < idle;
+    b->totals.keeps_none += idle > 0 && kept == 0;
+    free(pages);
+    free(ages);
+}
+
 /* Checks the answer, and makes it the last frame. */
 static void check(struct bench *b, const struct answer *a) {
     uint32_t *biases = zeroed(b->row_count, 4);
-    bool *wants = zeroed(b->row_count, 1), *now = zeroed(b->row_limit * ROW_BITS, 1);
+    bool *wants = zeroed(b->row_count, 1);
+    uint8_t *now = zeroed(b->row_limit * ROW_BITS, 1); /* 1: wanted, 2: idle */
     struct gpu_shadow_counts counts = {0};
     choose(b, biases, wants);
 
@@ -276,15 +342,16 @@ static void check(struct bench *b, const struct answer *a) {
             counts.wanted++;
             if (bias == SHADOW_TRACED) continue;
             uint32_t to = coarser_bit(bit, bias, &level);
-            now[row * ROW_BITS + to] = true;
+            now[row * ROW_BITS + to] = 1;
             coarser = coarser || to != bit;
         }
         counts.traced += wants[row] && biases[row] == SHADOW_TRACED;
         counts.coarsened += coarser;
     }
+    keep_idle(b, now);
     for (uint32_t row = 0; row < b->row_count; row++)
         for (uint32_t bit = 0; bit < ROW_BITS; bit++) {
-            assert_int_equal(bit_of(a->held, row, bit), now[row * ROW_BITS + bit]);
+            assert_int_equal(bit_of(a->held, row, bit), now[row * ROW_BITS + bit] != 0);
             if (!now[row * ROW_BITS + bit]) continue;
             assert_true(counts.pages < a->page_limit);
             const uint32_t word = row * SHADOW_ROW_WORDS + bit / 32, below = a->held[word] & ((1u << bit % 32) - 1);
@@ -318,10 +385,14 @@ static void check(struct bench *b, const struct answer *a) {
         coarser_bit(page->bit, 0, &level);
         atlas_put(&atlas, page->place, class_of_level(level), i);
         if (was && !anew && page->place != b->places[at]) fail_msg("page %u has moved", i);
-        const bool draw = !was || anew || !same_maps(&b->shapes[page->row], &b->lights[page->row].shape);
-        if (page->flags != (draw ? SHADOW_PAGE_DRAW : 0u)) fail_msg("page %u: flags %u, drawn %d", i, page->flags, draw);
+        const bool draw = !was || anew || !same_maps(&b->shapes[page->row], &b->lights[page->row].shape) || b->lost[at];
+        const uint32_t flags = now[at] == 2 ? SHADOW_PAGE_IDLE | (OLDEST + 1u - b->ages[at]) << 8
+                               : draw       ? SHADOW_PAGE_DRAW
+                                            : 0;
+        if (page->flags != flags) fail_msg("page %u: flags %#x, should be %#x", i, page->flags, flags);
         counts.drawn += draw;
         b->places[at] = page->place;
+        if (now[at] == 1) b->ages[at] = 0;
     }
     assert_int_equal(atlas_used(&atlas), counts.cells);
     const uint32_t got[] = {a->counts.wanted,    a->counts.pages,  a->counts.drawn, a->counts.evicted,
@@ -331,11 +402,13 @@ static void check(struct bench *b, const struct answer *a) {
     for (uint32_t i = 0; i < COUNT_OF(got); i++)
         if (got[i] != should[i]) fail_msg("count %u is %u, should be %u", i, got[i], should[i]);
 
-    b->laid_anew += anew;
-    b->with_traced += counts.traced > 0;
-    b->with_coarsened += counts.coarsened > 0;
+    b->totals.laid_anew += anew;
+    b->totals.with_traced += counts.traced > 0;
+    b->totals.with_coarsened += counts.coarsened > 0;
+    b->totals.evicted += counts.evicted;
     b->known = true;
-    memcpy(b->was, now, b->row_limit * ROW_BITS);
+    for (uint32_t at = 0; at < b->row_limit * ROW_BITS; at++) b->was[at] = now[at] != 0;
+    memset(b->lost, 0, b->row_limit * ROW_BITS);
     for (uint32_t row = 0; row < b->row_count; row++) b->shapes[row] = b->lights[row].shape;
     atlas_free(&last);
     atlas_free(&atlas);
@@ -411,17 +484,25 @@ static void want_something(struct bench *b, uint32_t row, struct random_state *r
     }
 }
 
+/* An idle page has to be drawn: what it shows has moved. Other pages are left alone. */
+static void lose(struct bench *b, const struct answer *a, uint32_t index) {
+    const struct gpu_shadow_page *page = &a->pages[index];
+    const uint32_t flags = page->flags | SHADOW_PAGE_DRAW;
+    if (!(page->flags & SHADOW_PAGE_IDLE)) return;
+    const uint64_t offset = index * sizeof *page + offsetof(struct gpu_shadow_page, flags);
+    assert_int_equal(gpu_upload_buffer(harness_device(), &b->state.pages[b->state.turn], offset, &flags, 4), FNL_OK);
+    assert_int_equal(gpu_upload_flush(harness_device()), FNL_OK);
+    b->lost[page->row * ROW_BITS + page->bit] = true;
+}
+
 /* ---- tests ---- */
 
 struct play {
     uint32_t rows, side, frames, least_level;
 };
-struct sums {
-    uint32_t laid_anew, with_traced, with_coarsened, evicted; /* frames, and pages */
-};
 
 /* Lights that come, go and move, and pixels that look elsewhere. `answers`: one for each frame, or NULL. */
-static void play(const struct play *p, uint32_t seed, struct answer *answers, struct sums *sum) {
+static void play(const struct play *p, uint32_t seed, struct answer *answers, struct totals *totals) {
     struct random_state random = {seed};
     struct bench b = bench_open(p->rows, p->side);
     for (uint32_t i = 0; i < p->frames; i++) {
@@ -442,15 +523,13 @@ static void play(const struct play *p, uint32_t seed, struct answer *answers, st
         }
         struct answer a = run_frame(&b);
         check(&b, &a);
-        sum->evicted += a.counts.evicted;
+        for (uint32_t k = 0; k < 3 && a.counts.pages > 0; k++) lose(&b, &a, (uint32_t)random_bits(&random) % a.counts.pages);
         if (answers)
             answers[i] = a;
         else
             answer_free(&a);
     }
-    sum->laid_anew += b.laid_anew;
-    sum->with_traced += b.with_traced;
-    sum->with_coarsened += b.with_coarsened;
+    for (uint32_t i = 0; i < sizeof *totals / 4; i++) ((uint32_t *)totals)[i] += ((const uint32_t *)&b.totals)[i];
     bench_close(&b);
 }
 
@@ -458,18 +537,20 @@ static void test_random_frames(void **state) {
     UNUSED(state);
     static const struct play plays[] = {{1, 1, 8, 3},   {1, 4, 8, 0},    {5, 1, 10, 5},   {40, 4, 14, 1},
                                         {40, 6, 20, 4}, {300, 8, 10, 2}, {300, 3, 10, 0}, {130, 16, 6, 0}};
-    struct sums sum = {0};
+    struct totals sum = {0};
     for (uint32_t i = 0; i < COUNT_OF(plays); i++) play(&plays[i], 7 + i, NULL, &sum);
-    print_message("laid anew in %u frames; %u with traced lights, %u with coarser pages; %u pages evicted\n", sum.laid_anew,
-                  sum.with_traced, sum.with_coarsened, sum.evicted);
+    print_message("laid anew in %u frames; %u with traced lights, %u with coarser pages; all idle pages stay in %u, some in "
+                  "%u, none in %u\n",
+                  sum.laid_anew, sum.with_traced, sum.with_coarsened, sum.keeps_all, sum.keeps_some, sum.keeps_none);
     assert_true(sum.laid_anew >= 3 && sum.with_traced >= 3 && sum.with_coarsened >= 10 && sum.evicted >= 100);
+    assert_true(sum.keeps_all >= 3 && sum.keeps_some >= 3 && sum.keeps_none >= 3);
 }
 
 static void test_same_bytes(void **state) {
     UNUSED(state);
     enum { FRAMES = 8 };
     struct answer runs[2][FRAMES];
-    struct sums sum = {0};
+    struct totals sum = {0};
     for (int i = 0; i < 2; i++) play(&(struct play){200, 8, FRAMES, 2}, 99, runs[i], &sum);
     for (int i = 0; i < FRAMES; i++) {
         struct answer *a = &runs[0][i], *b = &runs[1][i];
@@ -548,13 +629,57 @@ static void test_scattered(void **state) {
     }
     answer_free(&full);
     struct gpu_shadow_counts few = frame(&b);
-    assert_true(few.pages == 4 && few.drawn == 0 && few.cells == 4 && b.laid_anew == 0);
-    want(&b, 45, page_bit(2, 7, 0, 0)); /* there is room beside them */
-    assert_true(frame(&b).drawn == 1 && b.laid_anew == 0);
+    assert_true(few.pages == 256 && few.drawn == 0 && few.cells == 4);
+    want(&b, 45, page_bit(2, 7, 0, 0)); /* in place of an idle one */
+    struct gpu_shadow_counts five = frame(&b);
+    assert_true(five.pages == 5 && five.drawn == 1 && five.evicted == 252 && b.totals.laid_anew == 0);
     for (uint32_t i = 0; i < 3; i++) want(&b, 49, page_bit(i, 2, 3, i));
     struct gpu_shadow_counts anew = frame(&b);
-    assert_true(anew.pages == 8 && anew.drawn == 8 && anew.cells == 4 && anew.coarsened == 0 && b.laid_anew == 1);
+    assert_true(anew.pages == 8 && anew.drawn == 8 && anew.cells == 4 && anew.coarsened == 0 && b.totals.laid_anew == 1);
     assert_int_equal(frame(&b).drawn, 0);
+    bench_close(&b);
+}
+
+/* A page for each frame in an atlas of four: the one that nobody has looked up for longest goes. */
+static void test_idle(void **state) {
+    UNUSED(state);
+    struct random_state random = {8};
+    struct bench b = bench_open(6, 2);
+    static const struct {
+        uint32_t row, drawn, evicted, pages;
+    } steps[] = {{0, 1, 0, 1}, {1, 1, 0, 2}, {2, 1, 0, 3}, {3, 1, 0, 4}, {1, 0, 0, 4}, {4, 1, 1, 4},
+                 {1, 0, 0, 4}, {3, 0, 0, 4}, {0, 1, 1, 4}, {2, 1, 1, 4}, {4, 1, 1, 4}, {3, 0, 0, 4}};
+    struct answer a = {0};
+    for (uint32_t row = 0; row < 6; row++) set_light(&b, row, &random);
+    for (uint32_t i = 0; i < COUNT_OF(steps); i++) {
+        memset(b.wanted, 0, 6 * SHADOW_ROW_WORDS * 4);
+        want(&b, steps[i].row, page_bit(0, 4, 0, 0));
+        answer_free(&a);
+        a = run_frame(&b);
+        check(&b, &a);
+        if (a.counts.drawn != steps[i].drawn || a.counts.evicted != steps[i].evicted || a.counts.pages != steps[i].pages)
+            fail_msg("step %u: %u drawn, %u evicted, %u pages", i, a.counts.drawn, a.counts.evicted, a.counts.pages);
+    }
+    /* There are 0, 2, 4 and, wanted, 3. One had to be drawn while it was idle, the light of another moves. */
+    lose(&b, &a, 0);
+    b.lights[2].shape.position.x += 1;
+    want(&b, 0, page_bit(0, 4, 0, 0));
+    struct gpu_shadow_counts after = frame(&b);
+    assert_true(after.drawn == 1 && after.evicted == 1 && after.pages == 3);
+    answer_free(&a);
+    a = run_frame(&b);
+    check(&b, &a);
+    memset(b.wanted, 0, 6 * SHADOW_ROW_WORDS * 4);
+    answer_free(&a);
+    a = run_frame(&b);
+    check(&b, &a);
+    assert_true(a.counts.pages == 3 && a.counts.evicted == 0);
+    lose(&b, &a, 1);
+    after = frame(&b);
+    assert_true(after.pages == 2 && after.evicted == 1 && after.drawn == 0);
+    for (uint32_t i = 0; i < 40; i++) frame(&b); /* the oldest grow no older */
+    assert_int_equal(frame(&b).pages, 2);
+    answer_free(&a);
     bench_close(&b);
 }
 
@@ -572,7 +697,10 @@ static void test_limits(void **state) {
     struct gpu_shadow_counts crowded = frame(&b);
     assert_true(crowded.traced > 0 && crowded.pages > 0 && crowded.wanted == 70 * SHADOW_FACES * 344);
     memset(b.wanted, 0, 70 * SHADOW_ROW_WORDS * 4);
-    assert_int_equal(frame(&b).evicted, crowded.pages);
+    struct gpu_shadow_counts idle = frame(&b);
+    assert_true(idle.evicted == 0 && idle.pages == crowded.pages);
+    want(&b, 0, page_bit(3, 0, 7, 7));
+    assert_true(frame(&b).pages > 0);
     bench_close(&b);
     /* One cell holds 64 of the smallest pages: ten whole lights, and of an eleventh nothing. */
     b = bench_open(11, 1);
@@ -613,6 +741,7 @@ int main(void) {
         {"a still scene draws nothing, a light that has changed its own pages", test_still_and_moved, NULL, harness_check,
          NULL},
         {"pages that lie scattered are laid anew where others need the room", test_scattered, NULL, harness_check, NULL},
+        {"pages that nobody looks up stay while there is room", test_idle, NULL, harness_check, NULL},
         {"nothing wanted, one cell, and more lights than fit", test_limits, NULL, harness_check, NULL},
     };
     return cmocka_run_group_tests_name("shadow pages", tests, harness_begin, harness_end);
