@@ -22,8 +22,8 @@
 #define SHADOW_MOST_ROWS 65536u
 #define SHADOW_NEAR 1e-4f         /* metres from the light along the axis of a face: what is nearer casts no shadow. Depth is this / that distance */
 
-#define SHADOW_PAGE_DRAW 1u       /* the atlas does not hold what the page shows in this frame: it is to be drawn */
-#define SHADOW_PAGE_IDLE 2u       /* nothing looks it up in this frame: it need not be drawn, and is gone in the next one if it had to be */
+#define SHADOW_PAGE_DRAW 1u       /* the atlas does not hold what the page shows in this frame: it is to be drawn. Who draws it takes the flag off; till then it stays */
+#define SHADOW_PAGE_IDLE 2u       /* nothing looks it up in this frame. It need not be drawn: with SHADOW_PAGE_DRAW it is gone in the next frame */
 
 struct gpu_shadow_page {
     uint row;   /* of the light: its index among the local lights */

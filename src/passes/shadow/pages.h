@@ -8,13 +8,13 @@
  * fit is taken; it depends on this frame alone, so the choice cannot swing. Only where even the coarsest pages of all lights do not fit, from
  * pressure 16 on, do the least important lights have none (SHADOW_TRACED).
  *
- * A page that was there in the last frame stays in its place and is drawn again only if its light has changed. One that nobody looks up any more
+ * A page that was there in the last frame stays in its place and is drawn again only if its light has changed, or if it was not drawn then. One that nobody looks up any more
  * is idle: it stays while its light is as it was and there is room. New pages take free places in cells (of SHADOW_PAGE texels) that hold pages of
  * their size, then free cells, then those cells that have held nothing but idle pages for longest; if that is not enough, all idle pages go. Where
  * the places of wanted pages are so scattered that the new ones still do not fit, all pages are laid out anew, and drawn. Everything is done by
  * counts and prefix sums, so two runs give the same bytes.
  *
- * Cost: 1120 bytes for each light (and the atlas, and 2 KiB for each of its cells of 128 x 128 texels); a few dozen operations for each face of a
+ * Cost: 1.1 KiB for each light (and the atlas, and 2 KiB for each of its cells of 128 x 128 texels); a few dozen operations for each face of a
  * light, and for each page that there is room for.
  */
 #ifndef FNL_PASSES_SHADOW_PAGES_H

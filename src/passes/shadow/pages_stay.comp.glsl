@@ -11,7 +11,7 @@ void main() {
     uint index = LINEAR_INVOCATION;
     if (index >= push.choice.choice.last) return;
     gpu_shadow_page page = push.last_pages.at[index];
-    bool was_idle = (page.flags & SHADOW_PAGE_IDLE) != 0u, is_lost = was_idle && (page.flags & SHADOW_PAGE_DRAW) != 0u;
+    bool was_idle = (page.flags & SHADOW_PAGE_IDLE) != 0u, is_lost = (page.flags & SHADOW_PAGE_DRAW) != 0u; // nobody drew it
     uint youth = was_idle ? max((page.flags >> SHADOW_YOUTH_SHIFT) - 1u, 1u) : SHADOW_YOUTHS - 1u, flags = 0u;
     if (page.row < push.row_count) {
         uint c = shadow_class_of(page.bit), cell = cell_of(push.side, page.place), slot = slot_of(page.place, c);
