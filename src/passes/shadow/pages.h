@@ -58,7 +58,7 @@ struct shadow_pages {
     uint32_t row_count;
     uint32_t page_limit; /* room in `pages` */
 };
-/** Once a frame, after shadow_pages_prepare(). All passes are on the graphics queue. */
+/** Once a frame, after shadow_pages_prepare(). All passes are on the graphics queue. With more rows than that prepared for: an error of the device. */
 struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
                                      const struct shadow_pages_input *input);
 
