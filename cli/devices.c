@@ -38,6 +38,7 @@ static const struct {
     FEATURE(primitive_ids, "visibility and dais shading, coarse.criterion=id, --debug clusters"),
     FEATURE(minmax_samplers, "coarse.criterion=minmax reads fewer texels"),
     FEATURE(post_depth_coverage, "dais.mode=list stores fewer elements with MSAA"),
+    FEATURE(clip_distances, "--shadows maps; without it shadows are found by rays"),
     FEATURE(quad_operations, "dais.multirate shares ambient light between four pixels"),
     FEATURE(conservative_raster, "--lists raster draws light meshes conservatively"),
     FEATURE(barycentrics, "not used; visibility.barycentrics works without it"),

@@ -420,6 +420,7 @@ static fnl_device *open_device(char *name, size_t capacity) {
     fnl_vulkan_requirements requirements;
     fnl_vulkan_requirements_init(&requirements);
     requirements.features.features.geometryShader = VK_TRUE;
+    requirements.features.features.shaderClipDistance = VK_TRUE;
     requirements.features.features.imageCubeArray = VK_TRUE;
     requirements.features.features.sampleRateShading = VK_TRUE;
     requirements.features_11.multiview = VK_TRUE;

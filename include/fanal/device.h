@@ -51,6 +51,7 @@ typedef struct fnl_device_info {
     bool primitive_ids;       /**< fragment shaders know the number of their triangle */
     bool minmax_samplers;     /**< samplers can return the minimum and the maximum of four texels */
     bool post_depth_coverage; /**< fragment shaders know which samples pass the depth test */
+    bool clip_distances;      /**< vertex shaders can cut triangles off along planes */
     bool quad_operations;     /**< fragment shaders can share values within 2x2 squares of pixels */
     uint32_t subgroup_size;
     uint32_t max_views; /**< how many views one draw call can go to: 6 or more with multiview, else 1 */

@@ -254,6 +254,7 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     const VkPhysicalDeviceFeatures *supported = &physical->supported.features.features;
     VkPhysicalDeviceFeatures *enabled = &features.features.features;
     enabled->geometryShader = supported->geometryShader; /* fragment shaders get gl_PrimitiveID with it */
+    enabled->shaderClipDistance = supported->shaderClipDistance;
     enabled->imageCubeArray = supported->imageCubeArray;
     enabled->sampleRateShading = supported->sampleRateShading;
     features.features_11.multiview = physical->supported.features_11.multiview;

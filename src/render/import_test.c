@@ -568,7 +568,8 @@ static void test_optional_features_are_used_where_the_caller_says_so(void **stat
     frame.shading = FNL_SHADING_VISIBILITY;
     fnl_device_info without, with;
     FNL(fnl_device_query_info(w.imported, &without));
-    assert_false(without.primitive_ids || without.mesh_shader || without.post_depth_coverage || without.minmax_samplers);
+    assert_false(without.primitive_ids || without.mesh_shader || without.post_depth_coverage || without.minmax_samplers ||
+                 without.clip_distances);
     assert_int_equal(fnl_renderer_render(w.renderer, &frame), FNL_ERROR_UNSUPPORTED);
 
     fnl_device_params params = device_params();
@@ -580,7 +581,7 @@ static void test_optional_features_are_used_where_the_caller_says_so(void **stat
     FNL(fnl_device_query_info(device, &with));
     assert_int_equal(with.primitive_ids, w.optional.primitive_ids);
     assert_int_equal(with.mesh_shader, w.optional.mesh_shader);
-    assert_false(with.post_depth_coverage || with.minmax_samplers); /* the device has them, but they are not switched on */
+    assert_false(with.post_depth_coverage || with.minmax_samplers || with.clip_distances); /* the device has them, but they are not switched on */
     FNL(fnl_renderer_create(device, w.scene, &renderer));
     const fnl_shading orders[] = {FNL_SHADING_VISIBILITY, FNL_SHADING_DAIS};
     for (uint32_t i = 0; i < COUNT_OF(orders) && with.primitive_ids; i++) {
