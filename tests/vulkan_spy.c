@@ -277,6 +277,13 @@ static VKAPI_ATTR void VKAPI_CALL draw_indexed_indirect(VkCommandBuffer commands
     driver.CmdDrawIndexedIndirect(commands, buffer, offset, count, stride);
 }
 
+static VKAPI_ATTR void VKAPI_CALL draw_indexed_indirect_count(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset,
+                                                              VkBuffer count_buffer, VkDeviceSize count_offset,
+                                                              uint32_t most, uint32_t stride) {
+    if (most > 0) add_work(true, offset, most, 0, 0); /* else it mends the driver: gpu_draw_indexed_indirect_count */
+    driver.CmdDrawIndexedIndirectCount(commands, buffer, offset, count_buffer, count_offset, most, stride);
+}
+
 static VKAPI_ATTR void VKAPI_CALL fill_buffer(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset,
                                               VkDeviceSize size, uint32_t value) {
     spy.filled_bytes += size;
@@ -319,6 +326,7 @@ void spy_begin(gpu_device *device) {
     vk->CmdDispatchIndirect = dispatch_indirect;
     vk->CmdDraw = draw;
     vk->CmdDrawIndexedIndirect = draw_indexed_indirect;
+    vk->CmdDrawIndexedIndirectCount = draw_indexed_indirect_count;
     vk->CmdFillBuffer = fill_buffer;
     vk->CmdCopyBuffer = copy_buffer;
 }

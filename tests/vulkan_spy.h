@@ -34,7 +34,7 @@ struct spy_work {
     const struct gpu_pipeline *pipeline;
     bool indirect;
     uint64_t offset;   /* indirect: into the buffer */
-    uint32_t count[3]; /* groups; vertices, instances and 0; draws of an indirect call, 0 and 0 */
+    uint32_t count[3]; /* groups; vertices, instances and 0; draws of an indirect call (at most), 0 and 0 */
 };
 
 struct spy {
