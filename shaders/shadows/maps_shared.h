@@ -44,7 +44,7 @@ struct gpu_shadow_counts {
     uint coarsened; /* lights whose pages are coarser than asked for */
     uint traced;    /* lights without pages */
     uint cells;     /* of the atlas that are in use */
-    uint pairs;     /* of a page and an item that was drawn into it */
+    uint pairs;     /* of a page that is to be drawn and an item that it shows; there may have been no room for all: passes/shadow/fill.h */
 };
 
 /* What shading reads. */

@@ -36,23 +36,9 @@ void main() {
     placed.primitive = item.primitive;
     push.placed.at[index] = placed;
 
-    bool is_empty = push.rays.rays.mesh_table.at[item.primitive].count == 0u;
-    uint root = is_empty ? RAY_END : push.rays.rays.roots.at[item.primitive];
-    vec3 low = vec3(RAY_FAR), high = vec3(-RAY_FAR);
-    if (root != RAY_END && (root & RAY_LEAF) == 0u) {
-        gpu_ray_node node = push.rays.rays.meshes.nodes.at[root];
-        low = node.low;
-        high = node.high;
-    } else if (root != RAY_END) {
-        uint triangle = push.rays.rays.meshes.ids.at[root & ~RAY_LEAF];
-        uvec3 corners = ray_corners(push.rays, push.rays.rays.mesh_table.at[item.primitive], item.primitive, triangle);
-        for (int k = 0; k < 3; k++) {
-            low = min(low, s.scene.positions.at[corners[k]]);
-            high = max(high, s.scene.positions.at[corners[k]]);
-        }
-    }
-    gpu_ray_box box = gpu_ray_box(low, high);
-    if (low.x <= high.x) {
+    gpu_ray_box box = gpu_ray_box(vec3(RAY_FAR), vec3(-RAY_FAR));
+    vec3 low, high;
+    if (ray_primitive_box(push.rays, item.primitive, low, high)) {
         vec3 center = m * (0.5 * (low + high)) + origin, half_size = 0.5 * (high - low);
         vec3 extent = abs(m[0]) * half_size.x + abs(m[1]) * half_size.y + abs(m[2]) * half_size.z;
         box = ray_box_widened(center - extent, center + extent);

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/shadow/fill.h"
+
+#include "passes/geometry/prefix_sum.h"
+#include "passes/shadow/fill_shared.h"
+#include "shaders.h"
+
+struct draw_data {
+    const struct geometry_scene *scene;
+    graph_buffer draws, totals;
+    struct gpu_slice corners;
+    struct gpu_fill_draw_push push;
+    bool casts[2]; /* opaque, cutout: whether the scene has any */
+};
+
+static void execute_draw(const struct graph_context *context, const void *data) {
+    const struct draw_data *d = data;
+    struct gpu_commands *commands = context->commands;
+    const struct gpu_buffer *draws = graph_get_buffer(context, d->draws), *totals = graph_get_buffer(context, d->totals);
+    struct gpu_graphics_params params = {.vertex = &shader_fill_clear_vert,
+                                         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                         .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                         .depth_test = true,
+                                         .depth_write = true,
+                                         .depth_compare = VK_COMPARE_OP_ALWAYS,
+                                         .samples = 1};
+    gpu_bind_indices(commands, d->corners.buffer, d->corners.offset);
+    gpu_bind(commands, graph_pipeline(context, &params));
+    gpu_push(commands, &d->push, sizeof d->push);
+    gpu_draw_indexed_indirect(commands, totals, offsetof(struct gpu_fill_totals, clear), 1);
+    gpu_bind_indices(commands, d->scene->indices, 0);
+    params.depth_compare = VK_COMPARE_OP_GREATER;
+    for (uint32_t cutout = 0; cutout < 2; cutout++) {
+        if (!d->casts[cutout]) continue;
+        params.vertex = cutout ? &shader_fill_cutout_vert : &shader_fill_vert;
+        params.fragment = cutout ? &shader_depth_frag : NULL;
+        gpu_bind(commands, graph_pipeline(context, &params));
+        gpu_push(commands, &d->push, sizeof d->push);
+        gpu_draw_indexed_indirect_count(commands, draws, (uint64_t)cutout * d->scene->group_count * sizeof(struct gpu_draw),
+                                        totals, offsetof(struct gpu_fill_totals, draw_counts) + cutout * 4ull,
+                                        d->scene->group_count);
+    }
+}
+
+static void add_draw(struct graph *graph, gpu_device *device, const struct shadow_fill_input *in,
+                     const struct shadow_fill *fill, graph_buffer cleared, graph_buffer draws, VkDeviceAddress lights) {
+    static const uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
+    struct draw_data data = {.scene = in->scene,
+                             .draws = draws,
+                             .totals = fill->totals,
+                             .corners = gpu_frame_allocate(device, sizeof corners),
+                             .push = {.geometry = {.scene = in->scene->scene},
+                                      .lights = lights,
+                                      .side = (float)graph_image_info(graph, in->atlas).width}};
+    if (!data.corners.data) return; /* the error sticks to the device */
+    memcpy(data.corners.data, corners, sizeof corners);
+    for (uint32_t i = 0; i < in->scene->bucket_count; i++)
+        if (geometry_bucket_clustered(&in->scene->buckets[i])) data.casts[in->scene->buckets[i].mask] = true;
+    struct graph_pass *pass = graph_add_pass(graph, "shadow fill", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
+    graph_use_buffer(pass, in->scene->vertices, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, in->lights->buffer, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, draws, GRAPH_INDIRECT);
+    graph_use_buffer(pass, fill->totals, GRAPH_INDIRECT);
+    graph_add_row(pass, graph_buffer_row(&data.push.pairs, fill->pairs, GRAPH_READ_VERTEX));
+    graph_add_row(pass, graph_buffer_row(&data.push.cleared, cleared, GRAPH_READ_VERTEX));
+    graph_add_row(pass, graph_buffer_row(&data.push.pages, in->pages, GRAPH_READ_VERTEX));
+    graph_depth(pass, in->atlas, VK_ATTACHMENT_LOAD_OP_LOAD, 0);
+}
+
+struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, const struct shadow_fill_input *in) {
+    const struct geometry_scene *scene = in->scene;
+    const uint32_t capacity = MAX(in->pair_capacity, MAX(scene->item_count, 1u));
+    struct shadow_fill fill = {
+        .pairs = graph_create_buffer(graph, "shadow fill pairs", capacity * (uint64_t)sizeof(struct gpu_fill_pair)),
+        .totals = graph_create_buffer(graph, "shadow fill totals", sizeof(struct gpu_fill_totals))};
+    graph_buffer sums = graph_create_buffer(graph, "shadow fill sums", (in->page_limit + 1) * 4ull),
+                 item_sums = graph_create_buffer(graph, "shadow fill item sums", (scene->item_count + 1) * 4ull),
+                 entries =
+                     graph_create_buffer(graph, "shadow fill entries", capacity * (uint64_t)sizeof(struct gpu_fill_entry)),
+                 cleared = graph_create_buffer(graph, "shadow fill cleared", in->page_limit * 4ull),
+                 draws = graph_create_buffer(graph, "shadow fill draws",
+                                             MAX(scene->group_count, 1u) * 2ull * sizeof(struct gpu_draw));
+    struct gpu_fill_push push = {.rays = in->rays->address,
+                                 .lights = in->lights->lights + in->lights->directional_count * sizeof(struct gpu_light),
+                                 .page_limit = in->page_limit,
+                                 .pair_capacity = capacity,
+                                 .caster_count = scene->blend_item_count ? scene->blend_first_item : scene->item_count,
+                                 .group_count = scene->group_count};
+    const VkDeviceAddress lights = push.lights;
+    const uint32_t page_groups = DIVIDE_UP(in->page_limit + 1, 64u);
+    graph_add_clear(graph, "shadow fill clear", GRAPH_QUEUE_GRAPHICS,
+                    (struct graph_clear){.buffers = {item_sums, fill.totals}});
+    struct graph_pass *pass = graph_dispatch(
+        graph,
+        &(struct graph_dispatch){.name = "shadow fill count",
+                                 .pipeline = {.shader = &shader_fill_count_comp},
+                                 .groups = {page_groups},
+                                 GRAPH_PUSH(push),
+                                 GRAPH_ROWS(graph_reads(&push.pages, in->pages), graph_reads(&push.counts, in->counts),
+                                            graph_reads(NULL, in->lights->buffer), graph_writes(&push.sums, sums))});
+    rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
+    prefix_sum_add(graph, "shadow fill pages", GRAPH_QUEUE_GRAPHICS, sums, in->page_limit + 1);
+    pass = graph_dispatch(graph,
+                          &(struct graph_dispatch){
+                              .name = "shadow fill list",
+                              .pipeline = {.shader = &shader_fill_list_comp},
+                              .groups = {page_groups},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_changes(&push.pages, in->pages), graph_changes(&push.counts, in->counts),
+                                         graph_reads(NULL, in->lights->buffer), graph_reads(&push.sums, sums),
+                                         graph_changes(&push.item_sums, item_sums), graph_writes(&push.entries, entries),
+                                         graph_writes(&push.cleared, cleared), graph_changes(&push.totals, fill.totals))});
+    rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
+    prefix_sum_add(graph, "shadow fill items", GRAPH_QUEUE_GRAPHICS, item_sums, scene->item_count + 1);
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "shadow fill place",
+                              .pipeline = {.shader = &shader_fill_place_comp},
+                              .groups = {DIVIDE_UP(MAX(in->page_limit, scene->group_count), 64u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_reads(&push.sums, sums), graph_reads(&push.item_sums, item_sums),
+                                         graph_reads(&push.entries, entries), graph_writes(&push.pairs, fill.pairs),
+                                         graph_writes(&push.draws, draws), graph_changes(&push.totals, fill.totals))});
+    add_draw(graph, device, in, &fill, cleared, draws, lights);
+    return fill;
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// Drawing pages of shadow maps: blocks, and what part of space a page shows.
+#ifndef FILL_GLSL
+#define FILL_GLSL
+
+#include "shadows/rays.glsl"
+#include "shadows/faces.glsl"
+#include "lights/iterate.glsl"
+
+layout(buffer_reference) buffer shadow_counts_block;
+layout(buffer_reference) buffer fill_entry_array;
+layout(buffer_reference) buffer fill_pair_array;
+layout(buffer_reference) buffer fill_totals_block;
+
+#include "passes/shadow/fill_shared.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_counts_block { gpu_shadow_counts counts; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fill_entry_array { gpu_fill_entry at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fill_pair_array { gpu_fill_pair at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fill_totals_block { gpu_fill_totals totals; };
+
+// The convex part of space that a page shows with its borders, relative to the light.
+struct page_volume {
+    vec3 origin;     // the light, in the world
+    float range;     // nothing farther away matters
+    vec4 planes[6];  // inside is dot(xyz, p) + w >= 0
+    vec3 corners[8]; // of four sides from the light's position to its range; of box lights of a box
+    vec3 low, high;  // of the corners
+};
+
+page_volume page_volume_of(gpu_shape shape, uint bit) {
+    shadow_page p = shadow_page_of(bit);
+    vec2 scale = vec2(2.0 / shadow_width(p.level)), first = vec2(p.at * shadow_page_texels(p.level)) - float(SHADOW_BORDER);
+    vec2 low = first * scale - 1.0, high = (first + float(shadow_page_size(p.level))) * scale - 1.0;
+    bool is_box = shape.kind == GPU_SHAPE_BOX;
+    vec3 u = vec3(0.0), v = vec3(0.0), along = vec3(0.0);
+    float near = 0.0, far = shape.range;
+    if (is_box) {
+        u = shape.side;
+        v = cross(shape.side, shape.direction);
+        along = shape.direction;
+        low *= shape.size.xy;
+        high *= shape.size.xy;
+        near = -shape.size.z;
+        far = shape.size.z;
+    } else {
+        uint axis = p.face >> 1u;
+        u[(axis + 1u) % 3u] = v[(axis + 2u) % 3u] = 1.0;
+        along[axis] = (p.face & 1u) != 0u ? -1.0 : 1.0;
+    }
+    page_volume r;
+    r.origin = shape.position;
+    r.range = is_box ? 3e38 : shape.range; // the planes say more of a box
+    r.planes[0] = is_box ? vec4(u, -low.x) : vec4(u - low.x * along, 0.0);
+    r.planes[1] = is_box ? vec4(-u, high.x) : vec4(high.x * along - u, 0.0);
+    r.planes[2] = is_box ? vec4(v, -low.y) : vec4(v - low.y * along, 0.0);
+    r.planes[3] = is_box ? vec4(-v, high.y) : vec4(high.y * along - v, 0.0);
+    r.planes[4] = vec4(along, -near);
+    r.planes[5] = vec4(-along, far);
+    for (int k = 0; k < 8; k++) {
+        float at = k < 4 ? near : far, wide = is_box ? 1.0 : at;
+        r.corners[k] = ((k & 1) != 0 ? high.x : low.x) * wide * u + ((k & 2) != 0 ? high.y : low.y) * wide * v + at * along;
+        r.low = k == 0 ? r.corners[k] : min(r.low, r.corners[k]);
+        r.high = k == 0 ? r.corners[k] : max(r.high, r.corners[k]);
+    }
+    return r;
+}
+
+// What rounds in the place of something, metres: of its vertices, and of the numbers of these tests.
+float volume_slack(page_volume r, vec3 center) { return 4e-6 * (length(r.origin) + length(center)); }
+
+// Whether a box may touch the volume; `center` is relative to the light. Comparisons are such that a NaN keeps the box.
+bool volume_meets_box(page_volume r, vec3 center, vec3 a, vec3 b, vec3 c) {
+    vec3 half_size = abs(a) + abs(b) + abs(c);
+    float slack = volume_slack(r, center);
+    if (length(max(abs(center) - half_size, vec3(0.0))) > r.range + slack) return false;
+    if (any(lessThan(center + half_size + slack, r.low)) || any(greaterThan(center - half_size - slack, r.high))) return false;
+    for (int k = 0; k < 6; k++) {
+        vec3 n = r.planes[k].xyz;
+        float reach = abs(dot(n, a)) + abs(dot(n, b)) + abs(dot(n, c));
+        if (dot(n, center) + r.planes[k].w < -reach - slack * length(n)) return false;
+    }
+    return true;
+}
+
+// The same for a box that does not lie along the axes: the volume may be all on one side of it.
+bool volume_meets_turned_box(page_volume r, vec3 center, vec3 a, vec3 b, vec3 c) {
+    if (!volume_meets_box(r, center, a, b, c)) return false;
+    vec3 edges[3] = vec3[3](a, b, c);
+    float slack = volume_slack(r, center);
+    for (int k = 0; k < 3; k++) {
+        vec3 n = cross(edges[(k + 1) % 3], edges[(k + 2) % 3]);
+        float reach = abs(dot(n, edges[k])) + slack * length(n), low = 3e38, high = -3e38;
+        for (int i = 0; i < 8; i++) {
+            float at = dot(n, r.corners[i] - center);
+            low = min(low, at);
+            high = max(high, at);
+        }
+        if (low > reach || high < -reach) return false;
+    }
+    return true;
+}
+
+// Whether an item casts shadows into the volume.
+bool volume_meets_item(page_volume r, rays_block rays, uint index) {
+    scene_block s = rays.rays.scene;
+    gpu_item item = s.scene.items.at[index];
+    vec3 low, high;
+    if (!ray_primitive_box(rays, item.primitive, low, high)) return false;
+    gpu_instance instance = s.scene.instances.at[item.instance];
+    vec3 center = transform_point(instance, 0.5 * (low + high)) - r.origin, half_size = 0.5 * (high - low);
+    return volume_meets_turned_box(r, center, transform_direction(instance, vec3(half_size.x, 0.0, 0.0)),
+                                   transform_direction(instance, vec3(0.0, half_size.y, 0.0)),
+                                   transform_direction(instance, vec3(0.0, 0.0, half_size.z)));
+}
+
+#endif

@@ -1,0 +1,58 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// The items that each page shows. First they are counted; then, LIST, they are listed for the pages for which there is room,
+// and these pages are marked as drawn.
+#include "common.glsl"
+#include "passes/shadow/fill.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform push_block { gpu_fill_push push; };
+
+uint walk(uint page, uint at) {
+    gpu_shadow_page p = push.pages.at[page];
+    page_volume volume = page_volume_of(push.lights.at[p.row].shape, p.bit);
+    gpu_ray_tree tree = push.rays.rays.items;
+    uint count = 0u;
+    for (uint reference = tree.root; reference != RAY_END;) {
+        uint last = reference & ~RAY_LEAF;
+        if ((reference & RAY_LEAF) == 0u) {
+            gpu_ray_node node = tree.nodes.at[reference];
+            vec3 half_size = 0.5 * (node.high - node.low), center = 0.5 * (node.low + node.high) - volume.origin;
+            if (volume_meets_box(volume, center, vec3(half_size.x, 0.0, 0.0), vec3(0.0, half_size.y, 0.0), vec3(0.0, 0.0, half_size.z))) {
+                reference = node.first;
+                continue;
+            }
+            last = node.last;
+        } else {
+            uint item = tree.ids.at[last];
+            if (item < push.caster_count && volume_meets_item(volume, push.rays, item)) {
+#ifdef LIST
+                push.entries.at[at + count] = gpu_fill_entry(item, atomicAdd(push.item_sums.at[item], 1u));
+#endif
+                count++;
+            }
+        }
+        reference = tree.next.at[last];
+    }
+    return count;
+}
+
+void main() {
+    uint page = LINEAR_INVOCATION;
+    if (page > push.page_limit) return;
+    bool wants = page < min(push.counts.counts.pages, push.page_limit) && (push.pages.at[page].flags & SHADOW_PAGE_DRAW) != 0u;
+#ifdef LIST
+    if (page == push.page_limit) {
+        push.counts.counts.pairs = push.sums.at[page];
+        push.totals.totals.clear.index_count = 6u;
+    }
+    uint first = push.sums.at[page];
+    if (!wants || push.sums.at[page + 1u] > push.pair_capacity) return;
+    walk(page, first);
+    push.cleared.at[atomicAdd(push.totals.totals.clear.instance_count, 1u)] = page;
+    push.pages.at[page].flags &= ~SHADOW_PAGE_DRAW;
+#else
+    push.sums.at[page] = wants ? walk(page, 0u) : 0u;
+#endif
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/** Drawing pages of shadow maps: what the steps of fill.h pass on. */
+#ifndef FNL_PASSES_FILL_SHARED_H
+#define FNL_PASSES_FILL_SHARED_H
+
+#include "passes/geometry/geometry_shared.h"
+#include "scene_shared.h"
+#include "shadows/maps_shared.h"
+
+/* An item that a page shows, in the order of pages. */
+struct gpu_fill_entry {
+    uint item;
+    uint rank; /* entries of the item that were counted before this one */
+};
+
+/* The same in the order of items: what an instance of a draw is. */
+struct gpu_fill_pair {
+    uint item;
+    uint page;
+};
+
+struct gpu_fill_totals {
+    STRUCT(gpu_draw) clear;     /* a square for each page that is drawn */
+    uint draw_counts[2];        /* opaque, cutout */
+};
+
+struct gpu_fill_push {
+    ADDRESS(rays_block) rays;
+    ADDRESS(light_array) lights;         /* by row */
+    ADDRESS(shadow_page_array) pages;
+    ADDRESS(shadow_counts_block) counts;
+    ADDRESS(uint_array) sums;            /* entries of each page, and one more; then their prefix sums */
+    ADDRESS(uint_array) item_sums;       /* the same of items; of the pages that are drawn */
+    ADDRESS(fill_entry_array) entries;
+    ADDRESS(fill_pair_array) pairs;
+    ADDRESS(uint_array) cleared;         /* the pages that are drawn, in any order */
+    ADDRESS(draw_array) draws;           /* of opaque groups, then from group_count on those of cutouts, in any order */
+    ADDRESS(fill_totals_block) totals;
+    uint page_limit;
+    uint pair_capacity;
+    uint caster_count;                   /* items before this one cast shadows, if they are triangles */
+    uint group_count;
+};
+
+/* Begins as what fragment shaders of the scene expect. */
+struct gpu_fill_draw_push {
+    STRUCT(gpu_geometry_push) geometry;
+    ADDRESS(fill_pair_array) pairs;
+    ADDRESS(const_uint_array) cleared;
+    ADDRESS(shadow_page_array) pages;
+    ADDRESS(light_array) lights;
+    float side; /* of the atlas, texels */
+};
+
+#endif

@@ -1,0 +1,692 @@
+/* SPDX-License-Identifier: MIT */
+/** Pages of shadow maps against rays from the light through each texel, and what was done to draw them. */
+#include "passes/shadow/fill.h"
+
+#include "passes/shadow/fill_shared.h"
+#include "tests/render_test.h"
+#include "tests/vulkan_spy.h"
+
+enum { SIDE = 1024, CELLS = SIDE / 128, MOST_PAGES = 160 };
+#define UNTOUCHED 0.25f /* what the atlas holds where nothing was drawn */
+
+/* ---- pages, as maps_shared.h defines them ---- */
+
+static const uint32_t level_side[SHADOW_LEVELS] = {16, 8, 4, 2, 1, 1, 1, 1},
+                      level_size[SHADOW_LEVELS] = {128, 128, 128, 128, 128, 64, 32, 16},
+                      level_bit[SHADOW_LEVELS] = {0, 256, 320, 336, 340, 341, 342, 343};
+
+struct page {
+    uint32_t row, face, level, x, y, place_x, place_y; /* place: texels of the atlas */
+    bool draw;
+};
+
+static uint32_t page_size(const struct page *p) { return level_size[p->level]; }
+static uint32_t page_bit(const struct page *p) {
+    return p->face * SHADOW_FACE_WORDS * 32 + level_bit[p->level] + p->y * level_side[p->level] + p->x;
+}
+
+/* Pages in places that no two share. */
+struct pages {
+    struct page data[MOST_PAGES];
+    uint32_t count, cell, used; /* used: small pages in the cell, all of one size */
+    uint32_t small;
+};
+
+static void add_page(struct pages *pages, struct page page) {
+    const uint32_t size = page_size(&page), across = 128 / size;
+    if (pages->small != size || pages->used == across * across) {
+        if (pages->used) pages->cell++;
+        pages->used = 0;
+        pages->small = size;
+    }
+    assert_true(pages->count < MOST_PAGES && pages->cell < CELLS * CELLS);
+    page.place_x = pages->cell % CELLS * 128 + pages->used % across * size;
+    page.place_y = pages->cell / CELLS * 128 + pages->used / across * size;
+    pages->used++;
+    pages->data[pages->count++] = page;
+}
+
+/* ---- the scene as the CPU sees it ---- */
+
+struct point {
+    double x[3];
+};
+struct triangle {
+    struct point p[3];
+    double alpha[3], cutoff; /* cutoff 0: opaque */
+    uint32_t item;
+};
+
+struct world {
+    fnl_scene *scene;
+    struct device_scene_user user;
+    struct graph *graph;
+    struct gpu_image atlas;
+    bool has_atlas_contents;
+    struct triangle *triangles;
+    uint32_t triangle_count;
+    struct pages pages;
+    uint32_t flags[MOST_PAGES]; /* after the last frame */
+    float *texels;              /* of the atlas */
+    struct gpu_shadow_counts counts;
+    struct gpu_fill_totals totals;
+    struct gpu_fill_pair *pairs; /* those of the last frame that were drawn */
+    uint32_t pair_count;
+};
+
+static struct point point_of(vec3 v) { return (struct point){{v.x, v.y, v.z}}; }
+static double dot(struct point a, struct point b) { return a.x[0] * b.x[0] + a.x[1] * b.x[1] + a.x[2] * b.x[2]; }
+static struct point add_scaled(struct point a, struct point b, double s) {
+    return (struct point){{a.x[0] + b.x[0] * s, a.x[1] + b.x[1] * s, a.x[2] + b.x[2] * s}};
+}
+static struct point cross(struct point a, struct point b) {
+    return (struct point){
+        {a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2], a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
+}
+
+static void gather_triangles(struct world *w) {
+    const struct device_scene *d = w->user.scene;
+    free(w->triangles);
+    w->triangle_count = 0;
+    w->triangles = malloc(20000 * sizeof *w->triangles);
+    for (uint32_t i = 0; i < d->item_count; i++) {
+        const uint32_t n = d->item_nodes.data[i], own = d->nodes.data[n].first_primitive;
+        const struct scene_node *node = &w->scene->nodes.data[n];
+        const struct scene_mesh *mesh = &w->scene->meshes.data[node->mesh];
+        const uint32_t index = own == SCENE_NONE ? d->item_list.data[i].primitive
+                                                 : mesh->first_primitive + d->item_list.data[i].primitive - own;
+        const struct scene_primitive *p = &w->scene->primitives.data[index];
+        const struct scene_material *material = p->material == SCENE_NONE ? NULL : &w->scene->materials.data[p->material];
+        if (p->topology != SCENE_TOPOLOGY_TRIANGLES || (material && material->alpha_mode == FNL_ALPHA_BLEND)) continue;
+        for (uint32_t t = 0; t + 2 < p->index_count; t += 3) {
+            struct triangle *out = &w->triangles[w->triangle_count++];
+            assert_true(w->triangle_count < 20000);
+            *out = (struct triangle){
+                .item = i, .cutoff = material && material->alpha_mode == FNL_ALPHA_MASK ? material->alpha_cutoff : 0};
+            for (int k = 0; k < 3; k++) {
+                const uint32_t v = p->indices[t + k];
+                vec3 at = p->positions[v];
+                for (uint32_t m = 0; m < p->morph_target_count; m++)
+                    at = vec3_add(at, vec3_scale(p->morph_targets[m].positions[v], mesh->morph_weights[m]));
+                out->p[k] = point_of(mat4_point(&node->world, at));
+                out->alpha[k] = (p->colors ? p->colors[v].w : 1) * (material ? material->base_color.w : 1);
+            }
+        }
+    }
+}
+
+/* ---- rays ---- */
+
+struct face {
+    struct point origin, u, v, along;
+    bool is_box;
+    double size[3], range; /* size: of a box */
+};
+
+static struct face face_of(const struct gpu_shape *s, uint32_t face) {
+    struct face f = {.origin = point_of(s->position), .range = s->range, .is_box = s->kind == GPU_SHAPE_BOX};
+    if (f.is_box) {
+        f.u = point_of(s->side);
+        f.along = point_of(s->direction);
+        f.v = cross(f.u, f.along);
+        f.size[0] = s->size.x, f.size[1] = s->size.y, f.size[2] = s->size.z;
+    } else {
+        const uint32_t axis = face / 2;
+        f.u.x[(axis + 1) % 3] = f.v.x[(axis + 2) % 3] = 1;
+        f.along.x[axis] = face % 2 ? -1 : 1;
+    }
+    return f;
+}
+
+/* Where a texel of a page, counted with its border, lies on the face: -1 .. 1 across it. */
+static void texel_on_face(const struct page *p, double x, double y, double out[2]) {
+    const double inner = page_size(p) - 2.0 * SHADOW_BORDER, width = inner * level_side[p->level];
+    out[0] = 2 * (p->x * inner + x - SHADOW_BORDER) / width - 1;
+    out[1] = 2 * (p->y * inner + y - SHADOW_BORDER) / width - 1;
+}
+
+struct hit {
+    double depth; /* 0: nothing */
+    uint32_t item;
+    bool is_beyond; /* the light's range */
+};
+
+/* What is nearest of the triangles along the ray through a point of the face. */
+static struct hit nearest(const struct triangle *triangles, uint32_t count, const struct face *f, const double at[2]) {
+    struct point from = f->origin, way = f->along;
+    if (f->is_box) {
+        from = add_scaled(add_scaled(from, f->u, at[0] * f->size[0]), f->v, at[1] * f->size[1]);
+        from = add_scaled(from, f->along, -f->size[2]);
+    } else {
+        way = add_scaled(add_scaled(way, f->u, at[0]), f->v, at[1]);
+    }
+    const double low = f->is_box ? 0 : SHADOW_NEAR, high = f->is_box ? 2 * f->size[2] : INFINITY;
+    struct hit best = {.item = UINT32_MAX};
+    for (uint32_t i = 0; i < count; i++) {
+        const struct triangle *t = &triangles[i];
+        struct point a = add_scaled(t->p[0], from, -1), b = add_scaled(t->p[1], from, -1), c = add_scaled(t->p[2], from, -1);
+        double w[3] = {dot(cross(b, c), way), dot(cross(c, a), way), dot(cross(a, b), way)}, sum = w[0] + w[1] + w[2];
+        if (!((w[0] >= 0 && w[1] >= 0 && w[2] >= 0) || (w[0] <= 0 && w[1] <= 0 && w[2] <= 0)) || sum == 0) continue;
+        double distance = 0, alpha = 0;
+        for (int k = 0; k < 3; k++) {
+            distance += w[k] / sum * dot(k == 0 ? a : k == 1 ? b : c, f->along);
+            alpha += w[k] / sum * t->alpha[k];
+        }
+        if (distance < low || distance > high || alpha < t->cutoff) continue;
+        const double depth = f->is_box ? 1 - 0.5 * distance / f->size[2] : SHADOW_NEAR / distance;
+        if (depth <= best.depth) continue;
+        best = (struct hit){depth, t->item, !f->is_box && distance * sqrt(dot(way, way)) > f->range * 0.9999};
+    }
+    return best;
+}
+
+/* Leaves those triangles that may show in the page, and counts their items. */
+static uint32_t cut_to_page(const struct world *w, const struct page *p, const struct face *f, struct triangle *out,
+                            uint32_t *out_items) {
+    double low[2], high[2];
+    texel_on_face(p, 0, 0, low);
+    texel_on_face(p, page_size(p), page_size(p), high);
+    uint32_t count = 0, last = UINT32_MAX;
+    *out_items = 0;
+    for (uint32_t i = 0; i < w->triangle_count; i++) {
+        bool beyond[6] = {true, true, true, true, true, true};
+        for (int k = 0; k < 3; k++) {
+            const struct point q = add_scaled(w->triangles[i].p[k], f->origin, -1);
+            const double along = dot(q, f->along), x = dot(q, f->u), y = dot(q, f->v), sx = f->is_box ? f->size[0] : along,
+                         sy = f->is_box ? f->size[1] : along;
+            beyond[0] &= x<low[0] * sx, beyond[1] &= x> high[0] * sx;
+            beyond[2] &= y<low[1] * sy, beyond[3] &= y> high[1] * sy;
+            beyond[4] &= f->is_box ? along < -f->size[2] : along < 0;
+            beyond[5] &= along > (f->is_box ? f->size[2] : f->range);
+        }
+        if (beyond[0] || beyond[1] || beyond[2] || beyond[3] || beyond[4]) continue;
+        out[count++] = w->triangles[i];
+        if (beyond[5] || w->triangles[i].item == last) continue;
+        last = w->triangles[i].item;
+        ++*out_items;
+    }
+    return count;
+}
+
+/* ---- frames ---- */
+
+static void world_open(struct world *w, fnl_scene *scene) {
+    *w = (struct world){.scene = scene};
+    scene_update_transforms(scene);
+    assert_int_equal(device_scene_open(test_device, scene, &w->user), FNL_OK);
+    fnl_host host = test_host(&test_device_memory);
+    assert_int_equal(graph_create(&host, test_device, &w->graph), FNL_OK);
+    const struct gpu_image_params params = {.name = "atlas",
+                                            .format = VK_FORMAT_D32_SFLOAT,
+                                            .width = SIDE,
+                                            .height = SIDE,
+                                            .layers = 1,
+                                            .mips = 1,
+                                            .samples = 1,
+                                            .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT |
+                                                     VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+    assert_int_equal(gpu_image_create(test_device, &params, &w->atlas), FNL_OK);
+}
+
+static void world_close(struct world *w) {
+    assert_int_equal(gpu_wait_idle(test_device), FNL_OK);
+    gpu_image_destroy(test_device, &w->atlas);
+    graph_destroy(&w->graph);
+    device_scene_close(&w->user);
+    fnl_scene_destroy(&w->scene);
+    free(w->triangles);
+    free(w->texels);
+    free(w->pairs);
+}
+
+struct read_data {
+    graph_buffer from[4], to;
+    graph_image atlas;
+    uint64_t sizes[4];
+};
+
+static void execute_read(const struct graph_context *context, const void *data) {
+    const struct read_data *d = data;
+    uint64_t at = 0;
+    for (int i = 0; i < 4; at += d->sizes[i++])
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to), at,
+                        d->sizes[i]);
+    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->atlas), graph_get_buffer(context, d->to), at);
+}
+
+static graph_buffer import_with(struct world *w, const char *name, const void *data, uint64_t size, struct gpu_buffer *out) {
+    assert_int_equal(gpu_buffer_create(test_device, name, size, GPU_MEMORY_DEVICE, out), FNL_OK);
+    assert_int_equal(gpu_upload_buffer(test_device, out, 0, data, size), FNL_OK);
+    return graph_import_buffer(w->graph, name, out);
+}
+
+/* Draws w->pages and reads everything back. */
+static void fill(struct world *w, uint32_t capacity) {
+    assert_int_equal(device_scene_prepare(w->user.scene), FNL_OK);
+    assert_int_equal(device_rays_prepare(w->user.scene), FNL_OK);
+    assert_int_equal(gpu_frame_begin(test_device), FNL_OK);
+    graph_begin(w->graph);
+    struct device_scene_frame frame;
+    assert_int_equal(device_scene_add(&w->user, w->graph, &frame), FNL_OK);
+    struct rays rays = device_rays_add(w->user.scene, w->graph, &frame.geometry);
+    struct gpu_shadow_page rows[MOST_PAGES] = {{0}};
+    for (uint32_t i = 0; i < w->pages.count; i++) {
+        const struct page *p = &w->pages.data[i];
+        rows[i] = (struct gpu_shadow_page){.row = p->row,
+                                           .bit = page_bit(p),
+                                           .place = p->place_x / SHADOW_UNIT | p->place_y / SHADOW_UNIT << 16,
+                                           .flags = p->draw ? SHADOW_PAGE_DRAW : 0};
+    }
+    for (uint32_t i = w->pages.count; i < MOST_PAGES; i++)
+        rows[i].flags = SHADOW_PAGE_DRAW; /* what is behind does not count */
+    const struct gpu_shadow_counts counts = {.pages = w->pages.count, .pairs = 12345};
+    struct gpu_buffer page_buffer, count_buffer, read_buffer;
+    struct shadow_fill_input input = {.lights = &frame.lights,
+                                      .scene = &frame.geometry,
+                                      .rays = &rays,
+                                      .pages = import_with(w, "pages", rows, sizeof rows, &page_buffer),
+                                      .counts = import_with(w, "counts", &counts, sizeof counts, &count_buffer),
+                                      .page_limit = MOST_PAGES,
+                                      .pair_capacity = capacity};
+    assert_int_equal(gpu_upload_flush(test_device), FNL_OK);
+    input.atlas = graph_import_image(
+        w->graph, &w->atlas, w->has_atlas_contents ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED,
+        VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    if (!w->has_atlas_contents) {
+        struct graph_pass *pass = graph_add_pass(w->graph, "atlas clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+        graph_depth(pass, input.atlas, VK_ATTACHMENT_LOAD_OP_CLEAR, UNTOUCHED);
+        w->has_atlas_contents = true;
+    }
+    const struct shadow_fill out = shadow_fill_add(w->graph, test_device, &input);
+    struct read_data read = {
+        .from = {input.pages, input.counts, out.totals, out.pairs},
+        .atlas = input.atlas,
+        .sizes = {sizeof rows, sizeof counts, sizeof(struct gpu_fill_totals), graph_buffer_size(w->graph, out.pairs)}};
+    const uint64_t size = read.sizes[0] + read.sizes[1] + read.sizes[2] + read.sizes[3], texel_bytes = SIDE * SIDE * 4ull;
+    assert_int_equal(gpu_buffer_create(test_device, "read", size + texel_bytes, GPU_MEMORY_READBACK, &read_buffer), FNL_OK);
+    read.to = graph_import_buffer(w->graph, "read", &read_buffer);
+    struct graph_pass *pass = graph_add_pass(w->graph, "read", GRAPH_QUEUE_GRAPHICS, execute_read, &read, sizeof read);
+    for (int i = 0; i < 4; i++) graph_use_buffer(pass, read.from[i], GRAPH_COPY_FROM);
+    graph_use_image(pass, read.atlas, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, read.to, GRAPH_COPY_TO);
+    pass = graph_add_pass(w->graph, "host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+    graph_use_buffer(pass, read.to, GRAPH_READ_HOST);
+    assert_int_equal(graph_compile(w->graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(w->graph, &(struct graph_execute_params){.record_threads = 1, .poison = true}),
+                     FNL_OK);
+    device_scene_submitted(&w->user);
+    assert_int_equal(gpu_frame_wait(test_device, gpu_frame_number(test_device)), FNL_OK);
+
+    const char *bytes = read_buffer.mapped;
+    memcpy(rows, bytes, sizeof rows);
+    for (uint32_t i = 0; i < MOST_PAGES; i++) w->flags[i] = rows[i].flags;
+    memcpy(&w->counts, bytes + read.sizes[0], sizeof w->counts);
+    memcpy(&w->totals, bytes + read.sizes[0] + read.sizes[1], sizeof w->totals);
+    w->pair_count = (uint32_t)(read.sizes[3] / sizeof *w->pairs);
+    w->pairs = realloc(w->pairs, read.sizes[3]);
+    memcpy(w->pairs, bytes + size - read.sizes[3], read.sizes[3]);
+    if (!w->texels) w->texels = malloc(texel_bytes);
+    memcpy(w->texels, bytes + size, texel_bytes);
+    gpu_buffer_destroy(test_device, &page_buffer);
+    gpu_buffer_destroy(test_device, &count_buffer);
+    gpu_buffer_destroy(test_device, &read_buffer);
+    gather_triangles(w);
+}
+
+static float texel(const struct world *w, const struct page *p, uint32_t x, uint32_t y) {
+    return w->texels[(size_t)(p->place_y + y) * SIDE + p->place_x + x];
+}
+
+/* ---- scenes ---- */
+
+static uint32_t box_mesh(fnl_scene *scene, uint32_t material) {
+    static vec3 positions[8];
+    static const uint32_t indices[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                         2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+    for (uint32_t i = 0; i < 8; i++) positions[i] = (vec3){i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1};
+    struct scene_primitive p = {
+        .material = material, .vertex_count = 8, .index_count = 36, .indices = indices, .positions = positions};
+    assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+    return scene_add_mesh(scene, "", &p, 1);
+}
+
+/* A square in which alpha rises from left to right. */
+static uint32_t sheet_mesh(fnl_scene *scene, fnl_alpha_mode mode, enum scene_topology topology,
+                           const struct scene_morph_target *morph) {
+    static const vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    static const vec4 colors[4] = {{1, 1, 1, 0}, {1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 1, 0}};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    static const float weight = 0.75f;
+    struct scene_material material = scene_material_default();
+    material.alpha_mode = mode;
+    material.alpha_cutoff = 0.375f;
+    material.base_color.w = 0.9f;
+    struct scene_primitive p = {.material = scene_add_material(scene, &material),
+                                .topology = topology,
+                                .vertex_count = 4,
+                                .index_count = 6,
+                                .indices = indices,
+                                .positions = positions,
+                                .colors = mode == FNL_ALPHA_OPAQUE ? NULL : colors,
+                                .morph_targets = morph,
+                                .morph_target_count = morph ? 1 : 0};
+    assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+    uint32_t mesh = scene_add_mesh(scene, "", &p, 1);
+    if (morph) {
+        scene->meshes.data[mesh].morph_target_count = 1;
+        scene->meshes.data[mesh].morph_weights = &weight;
+    }
+    return mesh;
+}
+
+static void put(fnl_scene *scene, uint32_t mesh, vec3 position, vec3 axis, float angle, vec3 scale) {
+    mat4 matrix = mat4_from_trs(position, quat_axis_angle(vec3_normalize(axis), angle), scale);
+    scene_add_node(scene, "", SCENE_NONE, &matrix, mesh);
+}
+
+/* Boxes round the origin at all angles, some mirrored and some flattened, none within 1.2 metres. */
+static void put_boxes(fnl_scene *scene, uint32_t count, uint64_t seed) {
+    struct random_state random = {seed};
+    const uint32_t mesh = box_mesh(scene, SCENE_NONE);
+    for (uint32_t i = 0; i < count; i++) {
+        vec3 way =
+            vec3_normalize((vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)});
+        const float size = random_range(&random, 0.1f, 0.5f), flat = i % 5 == 4 ? 0 : random_range(&random, 0.3f, 1);
+        put(scene, mesh, vec3_scale(way, random_range(&random, 2.2f, 9)),
+            (vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)},
+            random_range(&random, 0, 6), (vec3){i % 3 ? size : -size, size * 1.5f, size * flat});
+    }
+}
+
+static fnl_light_id put_light(fnl_scene *scene, fnl_light_kind kind, vec3 position) {
+    fnl_light_params p = fnl_light_params_default();
+    fnl_light_id id;
+    p.kind = kind;
+    p.position = position;
+    p.range = 8;
+    p.direction = vec3_normalize((vec3){0.6f, -0.5f, 0.4f});
+    p.box_size = (vec3){5, 4, 6};
+    assert_int_equal(fnl_scene_add_light(scene, &p, &id), FNL_OK);
+    return id;
+}
+
+static fnl_scene *crowded_scene(void) {
+    static const vec3 moved[4] = {{0, 0, 4}, {0, 0, 4}, {0.5f, 0, 4}, {0, 0, 4}};
+    static const struct scene_morph_target morph = {.positions = moved};
+    fnl_scene *scene = test_scene();
+    put_boxes(scene, 40, 5);
+    put(scene, sheet_mesh(scene, FNL_ALPHA_MASK, SCENE_TOPOLOGY_TRIANGLES, NULL), (vec3){1.5f, 0.2f, 0.3f},
+        (vec3){0, 1, 0.2f}, 1.4f, (vec3){1, 1, 1});
+    put(scene, sheet_mesh(scene, FNL_ALPHA_BLEND, SCENE_TOPOLOGY_TRIANGLES, NULL), (vec3){0, 1.2f, 0}, (vec3){1, 0, 0}, 1.5f,
+        (vec3){2, 2, 2});
+    put(scene, sheet_mesh(scene, FNL_ALPHA_OPAQUE, SCENE_TOPOLOGY_LINES, NULL), (vec3){0, 0, 1.2f}, (vec3){1, 0, 0}, 0.1f,
+        (vec3){1, 1, 1});
+    put(scene, sheet_mesh(scene, FNL_ALPHA_OPAQUE, SCENE_TOPOLOGY_TRIANGLES, &morph), (vec3){0.3f, -0.6f, -6},
+        (vec3){0, 0, 1}, 0.3f, (vec3){1, 1, 1});
+    /* A floor that all faces but the upper one see, and a square through the near end of the first light's faces. */
+    put(scene, test_quad_mesh(scene, SCENE_NONE), (vec3){0.5f, -2.5f, 0}, (vec3){1, 0.1f, 0}, -1.5f, (vec3){40, 40, 1});
+    put(scene, test_quad_mesh(scene, SCENE_NONE), (vec3){-1.2e-4f, 0, 0}, (vec3){0, 1, 0}, 1.2f, (vec3){4e-4f, 3e-4f, 1});
+    put_light(scene, FNL_LIGHT_DIRECTIONAL, (vec3){0, 0, 0});
+    put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
+    put_light(scene, FNL_LIGHT_SPOT, (vec3){0.2f, 0.7f, -0.4f});
+    put_light(scene, FNL_LIGHT_WEDGE, (vec3){-0.6f, 0.1f, 0.3f});
+    put_light(scene, FNL_LIGHT_BOX, (vec3){0.5f, 0.5f, 0.5f});
+    return scene;
+}
+
+/* For each light a page of each face, and some of all levels. */
+static void spread_pages(struct world *w, uint32_t rows, uint32_t more) {
+    struct random_state random = {77};
+    w->pages.count = w->pages.cell = w->pages.used = 0;
+    for (uint32_t row = 0; row < rows; row++) {
+        const uint32_t faces = w->user.scene->light_data.data[row].shape.kind == GPU_SHAPE_BOX ? 1 : 6;
+        for (uint32_t face = 0; face < faces; face++)
+            add_page(&w->pages, (struct page){.row = row, .face = face, .level = 4, .draw = true});
+        for (uint32_t i = 0; i < more; i++) {
+            struct page p = {
+                .row = row, .face = (uint32_t)random_bits(&random) % faces, .level = i % SHADOW_LEVELS, .draw = true};
+            p.x = (uint32_t)random_bits(&random) % level_side[p.level];
+            p.y = (uint32_t)random_bits(&random) % level_side[p.level];
+            add_page(&w->pages, p);
+        }
+    }
+}
+
+/* ---- tests ---- */
+
+struct found {
+    uint32_t texels, covered, edges, beyond, pairs;
+};
+
+/* Compares each texel of a page with rays through it and through four points beside it: what is drawn may be off by so much of a texel. */
+static void check_page(const struct world *w, uint32_t index, struct found *found) {
+    static const double beside[5][2] = {
+        {0, 0}, {1. / 64, 1. / 64}, {-1. / 64, 1. / 64}, {1. / 64, -1. / 64}, {-1. / 64, -1. / 64}};
+    const struct page *p = &w->pages.data[index];
+    const struct face f = face_of(&w->user.scene->light_data.data[p->row].shape, p->face);
+    struct triangle *shown = malloc(MAX(w->triangle_count, 1u) * sizeof *shown);
+    uint32_t items, count = cut_to_page(w, p, &f, shown, &items);
+    found->pairs += items;
+    for (uint32_t y = 0; y < page_size(p); y++)
+        for (uint32_t x = 0; x < page_size(p); x++) {
+            double low = INFINITY, high = 0, at[2];
+            struct hit hits[5];
+            bool is_edge = false, is_beyond = false;
+            for (int k = 0; k < 5; k++) {
+                texel_on_face(p, x + 0.5 + beside[k][0], y + 0.5 + beside[k][1], at);
+                hits[k] = nearest(shown, count, &f, at);
+                low = fmin(low, hits[k].depth);
+                high = fmax(high, hits[k].depth);
+                is_edge |= hits[k].item != hits[0].item;
+                is_beyond |= hits[k].is_beyond;
+            }
+            if (is_beyond) low = 0; /* it need not be drawn */
+            const double seen = texel(w, p, x, y),
+                         tolerance = is_edge ? 1e-2 : 1e-5; /* edges of what is seen from its side */
+            const double steep = is_edge ? 0 : (high - low) / 4; /* of planes seen from their side */
+            if (!(seen >= low * (1 - tolerance) - steep && seen <= high * (1 + tolerance) + steep))
+                fail_msg("page %u (row %u, face %u, level %u, %u %u), texel %u %u: %.9g, should be %.9g .. %.9g (item %u)",
+                         index, p->row, p->face, p->level, p->x, p->y, x, y, seen, low, high, hits[0].item);
+            found->texels++;
+            found->covered += hits[0].depth > 0;
+            found->edges += is_edge;
+            found->beyond += is_beyond;
+        }
+    free(shown);
+}
+
+static struct found check_pages(const struct world *w) {
+    struct found found = {0};
+    for (uint32_t i = 0; i < w->pages.count; i++) check_page(w, i, &found);
+    print_message("%u texels of %u pages: %u covered, %u at edges, %u beyond the range; %u pairs, where %u items may touch "
+                  "pages; %u in all\n",
+                  found.texels, w->pages.count, found.covered, found.edges, found.beyond, w->counts.pairs, found.pairs,
+                  w->user.scene->item_count * w->pages.count);
+    return found;
+}
+
+/* Outside of pages, and in those that were not to be drawn, the atlas is as it was. */
+static void check_untouched(const struct world *w, const float *before) {
+    bool *drawn = calloc(SIDE * SIDE, sizeof *drawn);
+    for (uint32_t i = 0; i < w->pages.count; i++) {
+        const struct page *p = &w->pages.data[i];
+        for (uint32_t y = 0; p->draw && y < page_size(p); y++)
+            memset(drawn + (size_t)(p->place_y + y) * SIDE + p->place_x, true, page_size(p));
+    }
+    for (uint32_t i = 0; i < SIDE * SIDE; i++)
+        if (!drawn[i] && w->texels[i] != (before ? before[i] : UNTOUCHED))
+            fail_msg("texel %u %u has changed", i % SIDE, i / SIDE);
+    free(drawn);
+}
+
+/* The pairs are those of what was drawn: by item, each once. */
+static void check_pairs(const struct world *w) {
+    uint32_t drawn = 0, last = 0;
+    bool *seen = calloc(w->user.scene->item_count * MOST_PAGES + 1, sizeof *seen);
+    assert_true(w->counts.pairs <= w->pair_count);
+    for (uint32_t i = 0; i < w->counts.pairs; i++) {
+        const struct gpu_fill_pair *p = &w->pairs[i];
+        assert_true(p->item >= last && p->item < w->user.scene->item_count && p->page < w->pages.count &&
+                    w->pages.data[p->page].draw);
+        bool *place = &seen[p->item * MOST_PAGES + p->page];
+        assert_false(*place);
+        *place = true;
+        last = p->item;
+    }
+    for (uint32_t i = 0; i < MOST_PAGES; i++) {
+        assert_int_equal(w->flags[i] & SHADOW_PAGE_DRAW, i < w->pages.count ? 0 : SHADOW_PAGE_DRAW);
+        drawn += i < w->pages.count && w->pages.data[i].draw;
+    }
+    assert_int_equal(w->totals.clear.instance_count, drawn);
+    free(seen);
+}
+
+/*
+ * Points, cones, wedges and boxes of light among boxes at all angles, mirrored and flat ones, a cutout, what casts nothing, what deforms, a floor
+ * that crosses faces, and a square through the near end of the faces.
+ */
+static void test_pages_show_what_rays_find(void **state) {
+    UNUSED(state);
+    static struct world w;
+    world_open(&w, crowded_scene());
+    fill(&w, 1 << 16); /* no pages; the lights come to the device */
+    check_pairs(&w);
+    check_untouched(&w, NULL);
+    assert_int_equal(w.counts.pairs, 0);
+    assert_int_equal(w.totals.draw_counts[0] + w.totals.draw_counts[1], 0);
+    spread_pages(&w, 4, 10);
+    fill(&w, 1 << 16);
+    const struct found found = check_pages(&w);
+    assert_true(found.covered > found.texels / 4 && found.edges < found.texels / 500 && found.beyond < found.texels / 10);
+    /* Culling sees boxes, the reference planes and triangles; both keep a little too much. */
+    assert_true(w.counts.pairs <= found.pairs && w.counts.pairs > found.pairs / 2);
+    check_pairs(&w);
+    check_untouched(&w, NULL);
+    world_close(&w);
+}
+
+/* Half of the pages are drawn, then something moves and the others are: each half is as it was in its frame. */
+static void test_other_pages_keep_their_texels(void **state) {
+    UNUSED(state);
+    static struct world w;
+    world_open(&w, crowded_scene());
+    fill(&w, 1 << 16);
+    spread_pages(&w, 3, 3);
+    for (uint32_t i = 0; i < w.pages.count; i++) w.pages.data[i].draw = i % 2;
+    fill(&w, 1 << 16);
+    check_untouched(&w, NULL);
+    check_pairs(&w);
+    float *before = malloc(SIDE * SIDE * sizeof *before);
+    memcpy(before, w.texels, SIDE * SIDE * sizeof *before);
+    for (uint32_t i = 0; i < 40; i++) {
+        const mat4 moved = mat4_from_trs((vec3){(float)i * 0.2f - 4, 2, 0}, quat_identity(), (vec3){0.1f, 0.2f, 0.1f});
+        scene_move_nodes(w.scene, &(fnl_instance_id){.index = i}, &moved, 1);
+    }
+    for (uint32_t i = 0; i < w.pages.count; i++) w.pages.data[i].draw = !w.pages.data[i].draw;
+    fill(&w, 1 << 16);
+    check_untouched(&w, before);
+    check_pairs(&w);
+    struct found found = {0};
+    for (uint32_t i = 0; i < w.pages.count; i += 2) check_page(&w, i, &found);
+    free(before);
+    world_close(&w);
+}
+
+/* With room for a part of the pairs, some pages wait with their flag and their texels; in the end all are as if they had been drawn at once. */
+static void test_what_does_not_fit_waits(void **state) {
+    UNUSED(state);
+    static struct world w;
+    world_open(&w, crowded_scene());
+    fill(&w, 1 << 16);
+    spread_pages(&w, 2, 4);
+    fill(&w, 1 << 16);
+    const uint32_t all = w.counts.pairs, items = w.user.scene->item_count;
+    float *expected = malloc(SIDE * SIDE * sizeof *expected), *before = malloc(SIDE * SIDE * sizeof *before);
+    memcpy(expected, w.texels, SIDE * SIDE * sizeof *expected);
+    assert_true(all > 2 * items);
+    w.has_atlas_contents = false;
+    uint32_t frames = 0, left = w.pages.count;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) before[i] = UNTOUCHED;
+    for (; left > 0; frames++) {
+        uint32_t waiting = 0;
+        fill(&w, 1); /* as many as there are items */
+        if (frames == 0) assert_int_equal(w.counts.pairs, all);
+        assert_int_equal(w.pair_count, items);
+        for (uint32_t i = 0; i < w.pages.count; i++) {
+            struct page *p = &w.pages.data[i];
+            const bool waits = w.flags[i] & SHADOW_PAGE_DRAW;
+            assert_true(p->draw || !waits);
+            waiting += waits;
+            p->draw = p->draw && !waits; /* those that were drawn */
+        }
+        check_untouched(&w, before);
+        assert_true(waiting < left);
+        left = waiting;
+        memcpy(before, w.texels, SIDE * SIDE * sizeof *before);
+        for (uint32_t i = 0; i < w.pages.count; i++) w.pages.data[i].draw = w.flags[i] & SHADOW_PAGE_DRAW;
+    }
+    assert_true(frames > 2 && frames <= DIVIDE_UP(all, items) * 2);
+    assert_memory_equal(w.texels, expected, SIDE * SIDE * sizeof *expected);
+    free(expected);
+    free(before);
+    world_close(&w);
+}
+
+/* Draw calls are the same whatever there is; draws are those groups that some page shows. */
+static void test_draw_calls_do_not_depend_on_pages(void **state) {
+    UNUSED(state);
+    static struct world w;
+    spy_begin(test_device);
+    world_open(&w, crowded_scene());
+    const uint32_t counts[3] = {0, 1, 4};
+    for (uint32_t k = 0; k < COUNT_OF(counts); k++) {
+        uint32_t groups = 0;
+        if (k) spread_pages(&w, counts[k], counts[k]);
+        spy_clear();
+        fill(&w, 1 << 16);
+        assert_int_equal(spy_count_work("shadow fill"), 3);
+        const struct device_scene *d = w.user.scene;
+        for (uint32_t g = 0; g < d->group_list.count; g++) {
+            bool is_drawn = false;
+            for (uint32_t i = 0; i < w.counts.pairs; i++)
+                is_drawn |= w.pairs[i].item - d->group_list.data[g].first < d->group_list.data[g].count;
+            groups += is_drawn;
+        }
+        assert_int_equal(w.totals.draw_counts[0] + w.totals.draw_counts[1], groups);
+        assert_int_equal(w.totals.draw_counts[1], k > 0);
+        assert_true(k == 0 || groups > 2);
+    }
+    world_close(&w);
+    spy_end();
+}
+
+/* Pages of what is empty, and of one item, which is a tree without nodes. */
+static void test_least_scenes(void **state) {
+    UNUSED(state);
+    for (uint32_t count = 0; count < 2; count++) {
+        static struct world w;
+        fnl_scene *scene = test_scene();
+        if (count)
+            put(scene, box_mesh(scene, SCENE_NONE), (vec3){0.1f, 0.3f, 2}, (vec3){1, 1, 0}, 0.5f, (vec3){-0.5f, 0.6f, 0.7f});
+        put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
+        world_open(&w, scene);
+        fill(&w, 0);
+        spread_pages(&w, 1, 4);
+        fill(&w, 0);
+        if (!count) assert_int_equal(w.counts.pairs, 0);
+        check_pages(&w);
+        check_untouched(&w, NULL);
+        world_close(&w);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pages_show_what_rays_find),
+        cmocka_unit_test(test_other_pages_keep_their_texels),
+        cmocka_unit_test(test_what_does_not_fit_waits),
+        cmocka_unit_test_teardown(test_draw_calls_do_not_depend_on_pages, spy_tear_down),
+        cmocka_unit_test(test_least_scenes),
+    };
+    return cmocka_run_group_tests_name("fill", tests, test_group_begin, test_group_end);
+}
