@@ -25,7 +25,6 @@ struct page_volume {
     float range;     // nothing farther away matters
     vec4 planes[6];  // inside is dot(xyz, p) + w >= 0
     vec3 corners[8]; // of four sides from the light's position to its range; of box lights of a box
-    vec3 low, high;  // of the corners
 };
 
 page_volume page_volume_of(gpu_shape shape, uint bit) {
@@ -60,8 +59,6 @@ page_volume page_volume_of(gpu_shape shape, uint bit) {
     for (int k = 0; k < 8; k++) {
         float at = k < 4 ? near : far, wide = is_box ? 1.0 : at;
         r.corners[k] = ((k & 1) != 0 ? high.x : low.x) * wide * u + ((k & 2) != 0 ? high.y : low.y) * wide * v + at * along;
-        r.low = k == 0 ? r.corners[k] : min(r.low, r.corners[k]);
-        r.high = k == 0 ? r.corners[k] : max(r.high, r.corners[k]);
     }
     return r;
 }
@@ -71,10 +68,8 @@ float volume_slack(page_volume r, vec3 center) { return 4e-6 * (length(r.origin)
 
 // Whether a box may touch the volume; `center` is relative to the light. Comparisons are such that a NaN keeps the box.
 bool volume_meets_box(page_volume r, vec3 center, vec3 a, vec3 b, vec3 c) {
-    vec3 half_size = abs(a) + abs(b) + abs(c);
     float slack = volume_slack(r, center);
-    if (length(max(abs(center) - half_size, vec3(0.0))) > r.range + slack) return false;
-    if (any(lessThan(center + half_size + slack, r.low)) || any(greaterThan(center - half_size - slack, r.high))) return false;
+    if (length(max(abs(center) - abs(a) - abs(b) - abs(c), vec3(0.0))) > r.range + slack) return false;
     for (int k = 0; k < 6; k++) {
         vec3 n = r.planes[k].xyz;
         float reach = abs(dot(n, a)) + abs(dot(n, b)) + abs(dot(n, c));
@@ -99,6 +94,12 @@ bool volume_meets_turned_box(page_volume r, vec3 center, vec3 a, vec3 b, vec3 c)
         if (low > reach || high < -reach) return false;
     }
     return true;
+}
+
+bool volume_meets_node(page_volume r, gpu_ray_node node) {
+    vec3 center = 0.5 * (node.low + node.high) - r.origin, half_size = 0.5 * (node.high - node.low);
+    return node.low.x <= node.high.x &&
+           volume_meets_box(r, center, vec3(half_size.x, 0.0, 0.0), vec3(0.0, half_size.y, 0.0), vec3(0.0, 0.0, half_size.z));
 }
 
 // Whether an item casts shadows into the volume.

@@ -18,8 +18,7 @@ uint walk(uint page, uint at) {
         uint last = reference & ~RAY_LEAF;
         if ((reference & RAY_LEAF) == 0u) {
             gpu_ray_node node = tree.nodes.at[reference];
-            vec3 half_size = 0.5 * (node.high - node.low), center = 0.5 * (node.low + node.high) - volume.origin;
-            if (volume_meets_box(volume, center, vec3(half_size.x, 0.0, 0.0), vec3(0.0, half_size.y, 0.0), vec3(0.0, 0.0, half_size.z))) {
+            if (volume_meets_node(volume, node)) {
                 reference = node.first;
                 continue;
             }

@@ -565,6 +565,64 @@ static void test_pages_show_what_rays_find(void **state) {
     world_close(&w);
 }
 
+/* Whether some of the points on a grid over a page sees a triangle in the light's range; the grid reaches the page's edges. */
+static bool page_sees(const struct world *w, const struct page *p) {
+    const struct face f = face_of(&w->user.scene->light_data.data[p->row].shape, p->face);
+    enum { STEPS = 33 };
+    for (uint32_t i = 0; i < STEPS * STEPS; i++) {
+        double at[2];
+        texel_on_face(p, i % STEPS * (double)page_size(p) / (STEPS - 1), i / STEPS * (double)page_size(p) / (STEPS - 1), at);
+        const struct hit hit = nearest(w->triangles, w->triangle_count, &f, at);
+        if (hit.depth > 0 && !hit.is_beyond) return true;
+    }
+    return false;
+}
+
+/* Every page of a level, one item: what is listed is what the page sees, but for one at most, for a wide slanted square and for a box near the end of the range. */
+static void test_pages_list_what_they_see(void **state) {
+    UNUSED(state);
+    for (uint32_t k = 0; k < 2; k++) {
+        static struct world w;
+        fnl_scene *scene = test_scene();
+        if (k == 0)
+            put(scene, test_quad_mesh(scene, SCENE_NONE), (vec3){-1, -1.5f, 1.2f}, (vec3){1, 0.4f, 0.3f}, 0.8f, (vec3){6, 5, 1});
+        else
+            put(scene, box_mesh(scene, SCENE_NONE), (vec3){5.3f, 5.2f, 5.1f}, (vec3){1, 0, 0}, 0.3f, (vec3){0.2f, 0.2f, 0.2f});
+        put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
+        world_open(&w, scene);
+        fill(&w, 0);
+        w.pages = (struct pages){0};
+        for (uint32_t i = 0; i < 6 * 4; i++)
+            add_page(&w.pages, (struct page){.face = i / 4, .level = 3, .x = i % 2, .y = i / 2 % 2, .draw = true});
+        fill(&w, 1 << 10);
+        uint32_t seen = 0;
+        for (uint32_t i = 0; i < w.pages.count; i++) seen += page_sees(&w, &w.pages.data[i]);
+        print_message("%u of %u pages see it; %u list it\n", seen, w.pages.count, w.counts.pairs);
+        assert_true(w.counts.pairs >= seen && w.counts.pairs <= seen + 1); /* some that pass by an edge of the square stay */
+        assert_true(k == 0 ? seen > 3 && seen < w.pages.count - 3 : seen == 0);
+        world_close(&w);
+    }
+}
+
+/* Below a node of the tree that a page does not touch nothing is looked at: with the root's box spoiled nothing is found. */
+static void test_culling_stops_at_nodes(void **state) {
+    UNUSED(state);
+    static struct world w;
+    struct gpu_ray_node spoiled;
+    world_open(&w, crowded_scene());
+    fill(&w, 1 << 16);
+    spread_pages(&w, 2, 0);
+    fill(&w, 1 << 16);
+    assert_true(w.counts.pairs > 40);
+    assert_int_equal(gpu_read_buffer(test_device, &w.user.scene->ray_items, 0, &spoiled, sizeof spoiled), FNL_OK);
+    spoiled.low = spoiled.high = (vec3){1e6f, 1e6f, 1e6f};
+    assert_int_equal(gpu_upload_buffer(test_device, &w.user.scene->ray_items, 0, &spoiled, sizeof spoiled), FNL_OK);
+    assert_int_equal(gpu_upload_flush(test_device), FNL_OK);
+    fill(&w, 1 << 16);
+    assert_int_equal(w.counts.pairs, 0);
+    world_close(&w);
+}
+
 /* Half of the pages are drawn, then something moves and the others are: each half is as it was in its frame. */
 static void test_other_pages_keep_their_texels(void **state) {
     UNUSED(state);
@@ -683,6 +741,8 @@ static void test_least_scenes(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pages_show_what_rays_find),
+        cmocka_unit_test(test_pages_list_what_they_see),
+        cmocka_unit_test(test_culling_stops_at_nodes),
         cmocka_unit_test(test_other_pages_keep_their_texels),
         cmocka_unit_test(test_what_does_not_fit_waits),
         cmocka_unit_test_teardown(test_draw_calls_do_not_depend_on_pages, spy_tear_down),
