@@ -67,6 +67,55 @@ static void add_draw(struct graph *graph, gpu_device *device, const struct shado
     graph_depth(pass, in->atlas, VK_ATTACHMENT_LOAD_OP_LOAD, 0);
 }
 
+enum { KEPT_HEAD = sizeof(uint32_t) };
+
+uint64_t shadow_fill_kept_bytes(uint32_t item_count) {
+    return KEPT_HEAD + MAX(item_count, 1u) * (uint64_t)sizeof(struct gpu_fill_caster);
+}
+
+/* Marks the pages that show what has changed. */
+static void add_marks(struct graph *graph, const struct shadow_fill_input *in, const struct gpu_fill_push *fill) {
+    const uint32_t item_count = in->scene->item_count,
+                   most = (uint32_t)((in->kept->size - KEPT_HEAD) / sizeof(struct gpu_fill_caster)); /* that are or were */
+    graph_buffer kept = graph_import_buffer(graph, "shadow fill kept", in->kept),
+                 changed = graph_create_buffer(graph, "shadow fill changed", (most + 1) * 4ull);
+    struct gpu_fill_mark_push push = {.rays = fill->rays,
+                                      .lights = fill->lights,
+                                      .page_limit = in->page_limit,
+                                      .item_count = item_count,
+                                      .caster_count = fill->caster_count,
+                                      .all_changed = in->all_changed};
+    struct graph_pass *pass;
+    if (!in->all_changed) {
+        graph_add_clear(graph, "shadow fill changes clear", GRAPH_QUEUE_GRAPHICS,
+                        (struct graph_clear){.buffers = {changed}});
+        pass = graph_dispatch(graph, &(struct graph_dispatch){
+                                         .name = "shadow fill changes",
+                                         .pipeline = {.shader = &shader_fill_changes_comp},
+                                         .groups = {DIVIDE_UP(most, 64u)},
+                                         GRAPH_PUSH(push),
+                                         GRAPH_ROWS(graph_reads(&push.kept, kept), graph_changes(&push.changed, changed))});
+        rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
+    }
+    pass = graph_dispatch(
+        graph,
+        &(struct graph_dispatch){.name = "shadow fill mark",
+                                 .pipeline = {.shader = &shader_fill_mark_comp},
+                                 .groups = {DIVIDE_UP(in->page_limit, 64u)},
+                                 GRAPH_PUSH(push),
+                                 GRAPH_ROWS(graph_changes(&push.pages, in->pages), graph_changes(&push.counts, in->counts),
+                                            graph_reads(NULL, in->lights->buffer),
+                                            graph_row_if(!in->all_changed, graph_reads(&push.kept, kept)),
+                                            graph_row_if(!in->all_changed, graph_reads(&push.changed, changed)))});
+    rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
+    pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow fill keep",
+                                                          .pipeline = {.shader = &shader_fill_keep_comp},
+                                                          .groups = {DIVIDE_UP(MAX(item_count, 1u), 64u)},
+                                                          GRAPH_PUSH(push),
+                                                          GRAPH_ROWS(graph_writes(&push.kept, kept))});
+    rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
+}
+
 struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, const struct shadow_fill_input *in) {
     const struct geometry_scene *scene = in->scene;
     const uint32_t capacity = MAX(in->pair_capacity, MAX(scene->item_count, 1u));
@@ -88,6 +137,7 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                                  .group_count = scene->group_count};
     const VkDeviceAddress lights = push.lights;
     const uint32_t page_groups = DIVIDE_UP(in->page_limit + 1, 64u);
+    if (in->all_changed || in->moved) add_marks(graph, in, &push);
     graph_add_clear(graph, "shadow fill clear", GRAPH_QUEUE_GRAPHICS,
                     (struct graph_clear){.buffers = {item_sums, fill.totals}});
     struct graph_pass *pass = graph_dispatch(

@@ -11,6 +11,7 @@ layout(buffer_reference) buffer shadow_counts_block;
 layout(buffer_reference) buffer fill_entry_array;
 layout(buffer_reference) buffer fill_pair_array;
 layout(buffer_reference) buffer fill_totals_block;
+layout(buffer_reference) buffer fill_kept_block;
 
 #include "passes/shadow/fill_shared.h"
 
@@ -18,6 +19,23 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_count
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fill_entry_array { gpu_fill_entry at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fill_pair_array { gpu_fill_pair at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fill_totals_block { gpu_fill_totals totals; };
+// The items of the last frame.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fill_kept_block {
+    uint count;
+    gpu_fill_caster at[];
+};
+
+gpu_fill_caster caster_of(rays_block rays, uint index, uint caster_count) {
+    scene_block s = rays.rays.scene;
+    gpu_item item = s.scene.items.at[index];
+    gpu_fill_caster c = gpu_fill_caster(s.scene.instances.at[item.instance].rows, vec3(1.0), vec3(0.0), item.primitive);
+    vec3 low, high;
+    if (index < caster_count && ray_primitive_box(rays, item.primitive, low, high)) {
+        c.low = low;
+        c.high = high;
+    }
+    return c;
+}
 
 // The convex part of space that a page shows with its borders, relative to the light.
 struct page_volume {
@@ -102,14 +120,10 @@ bool volume_meets_node(page_volume r, gpu_ray_node node) {
            volume_meets_box(r, center, vec3(half_size.x, 0.0, 0.0), vec3(0.0, half_size.y, 0.0), vec3(0.0, 0.0, half_size.z));
 }
 
-// Whether an item casts shadows into the volume.
-bool volume_meets_item(page_volume r, rays_block rays, uint index) {
-    scene_block s = rays.rays.scene;
-    gpu_item item = s.scene.items.at[index];
-    vec3 low, high;
-    if (!ray_primitive_box(rays, item.primitive, low, high)) return false;
-    gpu_instance instance = s.scene.instances.at[item.instance];
-    vec3 center = transform_point(instance, 0.5 * (low + high)) - r.origin, half_size = 0.5 * (high - low);
+bool volume_meets_caster(page_volume r, gpu_fill_caster c) {
+    if (c.low.x > c.high.x) return false;
+    gpu_instance instance = gpu_instance(c.rows);
+    vec3 center = transform_point(instance, 0.5 * (c.low + c.high)) - r.origin, half_size = 0.5 * (c.high - c.low);
     return volume_meets_turned_box(r, center, transform_direction(instance, vec3(half_size.x, 0.0, 0.0)),
                                    transform_direction(instance, vec3(0.0, half_size.y, 0.0)),
                                    transform_direction(instance, vec3(0.0, 0.0, half_size.z)));

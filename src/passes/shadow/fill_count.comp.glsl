@@ -25,7 +25,7 @@ uint walk(uint page, uint at) {
             last = node.last;
         } else {
             uint item = tree.ids.at[last];
-            if (item < push.caster_count && volume_meets_item(volume, push.rays, item)) {
+            if (volume_meets_caster(volume, caster_of(push.rays, item, push.caster_count))) {
 #ifdef LIST
                 push.entries.at[at + count] = gpu_fill_entry(item, atomicAdd(push.item_sums.at[item], 1u));
 #endif

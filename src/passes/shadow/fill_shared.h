@@ -24,6 +24,28 @@ struct gpu_fill_totals {
     uint draw_counts[2];        /* opaque, cutout */
 };
 
+/* An item as pages show it: where it is, and the box round it in the space of its mesh. low.x > high.x: it casts no shadow. */
+struct gpu_fill_caster {
+    vec4 rows[3];
+    vec3 low;
+    vec3 high;
+    uint primitive;
+};
+
+/* Which pages no longer show what is there. */
+struct gpu_fill_mark_push {
+    ADDRESS(rays_block) rays;
+    ADDRESS(light_array) lights;
+    ADDRESS(shadow_page_array) pages;
+    ADDRESS(shadow_counts_block) counts;
+    ADDRESS(fill_kept_block) kept;
+    ADDRESS(uint_array) changed;         /* how many; then numbers of items, as they are or were, in any order */
+    uint page_limit;
+    uint item_count;
+    uint caster_count;
+    uint all_changed;                    /* 1: nothing is known of what was there */
+};
+
 struct gpu_fill_push {
     ADDRESS(rays_block) rays;
     ADDRESS(light_array) lights;         /* by row */

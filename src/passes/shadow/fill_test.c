@@ -6,7 +6,7 @@
 #include "tests/render_test.h"
 #include "tests/vulkan_spy.h"
 
-enum { SIDE = 1024, CELLS = SIDE / 128, MOST_PAGES = 160 };
+enum { SIDE = 1024, CELLS = SIDE / 128, MOST_PAGES = 160, MOST_ITEMS = 64 };
 #define UNTOUCHED 0.25f /* what the atlas holds where nothing was drawn */
 
 /* ---- pages, as maps_shared.h defines them ---- */
@@ -62,7 +62,8 @@ struct world {
     struct device_scene_user user;
     struct graph *graph;
     struct gpu_image atlas;
-    bool has_atlas_contents;
+    struct gpu_buffer kept;
+    bool has_atlas_contents, all_changed, moved; /* the last two: of the next frame */
     struct triangle *triangles;
     uint32_t triangle_count;
     struct pages pages;
@@ -231,6 +232,7 @@ static void world_open(struct world *w, fnl_scene *scene) {
 static void world_close(struct world *w) {
     assert_int_equal(gpu_wait_idle(test_device), FNL_OK);
     gpu_image_destroy(test_device, &w->atlas);
+    gpu_buffer_destroy(test_device, &w->kept);
     graph_destroy(&w->graph);
     device_scene_close(&w->user);
     fnl_scene_destroy(&w->scene);
@@ -268,6 +270,10 @@ static void fill(struct world *w, uint32_t capacity) {
     graph_begin(w->graph);
     struct device_scene_frame frame;
     assert_int_equal(device_scene_add(&w->user, w->graph, &frame), FNL_OK);
+    if (!w->kept.handle) {
+        const uint64_t size = shadow_fill_kept_bytes(w->user.scene->item_count + 2);
+        assert_int_equal(gpu_buffer_create(test_device, "kept", size, GPU_MEMORY_DEVICE, &w->kept), FNL_OK);
+    }
     struct rays rays = device_rays_add(w->user.scene, w->graph, &frame.geometry);
     struct gpu_shadow_page rows[MOST_PAGES] = {{0}};
     for (uint32_t i = 0; i < w->pages.count; i++) {
@@ -287,6 +293,9 @@ static void fill(struct world *w, uint32_t capacity) {
                                       .pages = import_with(w, "pages", rows, sizeof rows, &page_buffer),
                                       .counts = import_with(w, "counts", &counts, sizeof counts, &count_buffer),
                                       .page_limit = MOST_PAGES,
+                                      .kept = &w->kept,
+                                      .all_changed = w->all_changed,
+                                      .moved = w->moved,
                                       .pair_capacity = capacity};
     assert_int_equal(gpu_upload_flush(test_device), FNL_OK);
     input.atlas = graph_import_image(
@@ -339,13 +348,14 @@ static float texel(const struct world *w, const struct page *p, uint32_t x, uint
 
 /* ---- scenes ---- */
 
-static uint32_t box_mesh(fnl_scene *scene, uint32_t material) {
+/* A box, or two opposite sides of it, which has the same bounds. */
+static uint32_t box_mesh(fnl_scene *scene, uint32_t material, bool sides) {
     static vec3 positions[8];
     static const uint32_t indices[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                          2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
     for (uint32_t i = 0; i < 8; i++) positions[i] = (vec3){i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1};
     struct scene_primitive p = {
-        .material = material, .vertex_count = 8, .index_count = 36, .indices = indices, .positions = positions};
+        .material = material, .vertex_count = 8, .index_count = sides ? 12 : 36, .indices = indices, .positions = positions};
     assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
     return scene_add_mesh(scene, "", &p, 1);
 }
@@ -387,7 +397,7 @@ static void put(fnl_scene *scene, uint32_t mesh, vec3 position, vec3 axis, float
 /* Boxes round the origin at all angles, some mirrored and some flattened, none within 1.2 metres. */
 static void put_boxes(fnl_scene *scene, uint32_t count, uint64_t seed) {
     struct random_state random = {seed};
-    const uint32_t mesh = box_mesh(scene, SCENE_NONE);
+    const uint32_t mesh = box_mesh(scene, SCENE_NONE, false);
     for (uint32_t i = 0; i < count; i++) {
         vec3 way =
             vec3_normalize((vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)});
@@ -585,9 +595,11 @@ static void test_pages_list_what_they_see(void **state) {
         static struct world w;
         fnl_scene *scene = test_scene();
         if (k == 0)
-            put(scene, test_quad_mesh(scene, SCENE_NONE), (vec3){-1, -1.5f, 1.2f}, (vec3){1, 0.4f, 0.3f}, 0.8f, (vec3){6, 5, 1});
+            put(scene, test_quad_mesh(scene, SCENE_NONE), (vec3){-1, -1.5f, 1.2f}, (vec3){1, 0.4f, 0.3f}, 0.8f,
+                (vec3){6, 5, 1});
         else
-            put(scene, box_mesh(scene, SCENE_NONE), (vec3){5.3f, 5.2f, 5.1f}, (vec3){1, 0, 0}, 0.3f, (vec3){0.2f, 0.2f, 0.2f});
+            put(scene, box_mesh(scene, SCENE_NONE, false), (vec3){5.3f, 5.2f, 5.1f}, (vec3){1, 0, 0}, 0.3f,
+                (vec3){0.2f, 0.2f, 0.2f});
         put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
         world_open(&w, scene);
         fill(&w, 0);
@@ -647,6 +659,127 @@ static void test_other_pages_keep_their_texels(void **state) {
     struct found found = {0};
     for (uint32_t i = 0; i < w.pages.count; i += 2) check_page(&w, i, &found);
     free(before);
+    world_close(&w);
+}
+
+/* Every page is drawn; says which of them show each item. */
+static void draw_all(struct world *w, bool (*shown)[MOST_PAGES]) {
+    w->all_changed = true;
+    fill(w, 1 << 16);
+    w->all_changed = false;
+    assert_int_equal(w->counts.drawn, w->pages.count);
+    assert_int_equal(w->totals.clear.instance_count, w->pages.count);
+    memset(shown, 0, MOST_ITEMS * sizeof *shown);
+    for (uint32_t i = 0; i < w->counts.pairs; i++) shown[w->pairs[i].item][w->pairs[i].page] = true;
+}
+
+static uint32_t item_of(const struct world *w, uint32_t node) {
+    for (uint32_t i = 0; i < w->user.scene->item_count; i++)
+        if (w->user.scene->item_nodes.data[i] == node) return i;
+    fail_msg("node %u is not drawn", node);
+    return 0;
+}
+
+static void move(struct world *w, uint32_t node, vec3 by) {
+    mat4 moved = w->scene->nodes.data[node].local;
+    moved.m[12] += by.x, moved.m[13] += by.y, moved.m[14] += by.z;
+    scene_move_nodes(w->scene, &(fnl_instance_id){.index = node}, &moved, 1);
+}
+
+/* One of many moves: those pages are drawn that show it where it was or where it is, and what deforms; then all are as if all had been drawn. */
+static void test_only_what_changed_is_drawn(void **state) {
+    UNUSED(state);
+    enum { CUTOUT = 40, BLENDED, LINES, DEFORMS };
+    static const uint32_t nodes[] = {3, 4, 17, CUTOUT, BLENDED, LINES, DEFORMS};
+    static bool before[MOST_ITEMS][MOST_PAGES], after[MOST_ITEMS][MOST_PAGES];
+    static struct world w;
+    world_open(&w, crowded_scene());
+    fill(&w, 1 << 16);
+    spread_pages(&w, 4, 10);
+    for (uint32_t i = 0; i < w.pages.count; i++) w.pages.data[i].draw = false;
+    draw_all(&w, before);
+    fill(&w, 1 << 16);
+    assert_int_equal(w.counts.drawn + w.counts.pairs + w.totals.clear.instance_count + w.totals.draw_counts[0], 0);
+    float *texels = malloc(SIDE * SIDE * sizeof *texels);
+    uint32_t most = 0;
+    for (uint32_t k = 0; k < COUNT_OF(nodes); k++) {
+        const uint32_t item = item_of(&w, nodes[k]), deforms = item_of(&w, DEFORMS);
+        memcpy(texels, w.texels, SIDE * SIDE * sizeof *texels);
+        move(&w, nodes[k], (vec3){0.4f, 0.7f, -0.3f});
+        w.moved = true;
+        fill(&w, 1 << 16);
+        w.moved = false;
+        const uint32_t drawn = w.counts.drawn, pairs = w.counts.pairs;
+        assert_int_equal(w.totals.clear.instance_count, drawn);
+        float *once = malloc(SIDE * SIDE * sizeof *once);
+        memcpy(once, w.texels, SIDE * SIDE * sizeof *once);
+        draw_all(&w, after);
+        assert_memory_equal(once, w.texels, SIDE * SIDE * sizeof *once);
+        uint32_t expected = 0, expected_pairs = 0;
+        for (uint32_t i = 0; i < w.pages.count; i++) {
+            const bool draws = before[item][i] || after[item][i] || before[deforms][i] || after[deforms][i];
+            expected += draws;
+            for (uint32_t other = 0; other < w.user.scene->item_count; other++) expected_pairs += draws && after[other][i];
+            w.pages.data[i].draw = draws;
+        }
+        check_untouched(&w, texels);
+        for (uint32_t i = 0; i < w.pages.count; i++) w.pages.data[i].draw = false;
+        print_message("node %u: %u pages and %u pairs are drawn, should be %u and %u of %u\n", nodes[k], drawn, pairs,
+                      expected, expected_pairs, w.pages.count);
+        assert_int_equal(drawn, expected);
+        assert_int_equal(pairs, expected_pairs);
+        most = MAX(most, drawn);
+        memcpy(before, after, sizeof before);
+        free(once);
+    }
+    assert_true(most < w.pages.count * 2 / 3);
+    free(texels);
+    world_close(&w);
+}
+
+static void show(struct world *w, uint32_t node, bool shown) {
+    const fnl_instance_id id = {.index = node, .generation = w->scene->nodes.data[node].generation};
+    assert_int_equal(fnl_scene_set_instance_visible(w->scene, id, shown), FNL_OK);
+}
+
+/*
+ * What comes or goes changes numbers of items, and the last of them; and one takes the place of another with the same bounds. No page is left that
+ * shows what was, and none is drawn in the frame that follows.
+ */
+static void test_items_come_and_go(void **state) {
+    UNUSED(state);
+    enum { BOXES = 6, SIDES = BOXES, LAST = 3 }; /* of the items: mirrored ones are behind the others */
+    static const struct {
+        uint32_t hide, show;
+    } steps[] = {{SIDES, SCENE_NONE}, {2, SCENE_NONE},         {SCENE_NONE, 2},    {BOXES - 1, SIDES},
+                 {SIDES, SCENE_NONE}, {SCENE_NONE, BOXES - 1}, {LAST, SCENE_NONE}, {SCENE_NONE, LAST}};
+    static bool shown[MOST_ITEMS][MOST_PAGES];
+    static struct world w;
+    fnl_scene *scene = test_scene();
+    put_boxes(scene, BOXES, 12);
+    const mat4 matrix = scene->nodes.data[BOXES - 1].local;
+    scene_add_node(scene, "", SCENE_NONE, &matrix, box_mesh(scene, SCENE_NONE, true));
+    put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
+    world_open(&w, scene);
+    fill(&w, 1 << 10);
+    spread_pages(&w, 1, 40);
+    for (uint32_t i = 0; i < w.pages.count; i++) w.pages.data[i].draw = false;
+    draw_all(&w, shown);
+    float *once = malloc(SIDE * SIDE * sizeof *once);
+    w.moved = true;
+    for (uint32_t k = 0; k < COUNT_OF(steps); k++) {
+        if (steps[k].hide != SCENE_NONE) show(&w, steps[k].hide, false);
+        if (steps[k].show != SCENE_NONE) show(&w, steps[k].show, true);
+        fill(&w, 1 << 10);
+        print_message("%u of %u pages are drawn\n", w.counts.drawn, w.pages.count);
+        assert_true(w.counts.drawn > 0 && w.counts.drawn < w.pages.count);
+        memcpy(once, w.texels, SIDE * SIDE * sizeof *once);
+        fill(&w, 1 << 10);
+        assert_int_equal(w.counts.drawn, 0);
+        draw_all(&w, shown);
+        assert_memory_equal(once, w.texels, SIDE * SIDE * sizeof *once);
+    }
+    free(once);
     world_close(&w);
 }
 
@@ -725,7 +858,8 @@ static void test_least_scenes(void **state) {
         static struct world w;
         fnl_scene *scene = test_scene();
         if (count)
-            put(scene, box_mesh(scene, SCENE_NONE), (vec3){0.1f, 0.3f, 2}, (vec3){1, 1, 0}, 0.5f, (vec3){-0.5f, 0.6f, 0.7f});
+            put(scene, box_mesh(scene, SCENE_NONE, false), (vec3){0.1f, 0.3f, 2}, (vec3){1, 1, 0}, 0.5f,
+                (vec3){-0.5f, 0.6f, 0.7f});
         put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
         world_open(&w, scene);
         fill(&w, 0);
@@ -744,6 +878,8 @@ int main(void) {
         cmocka_unit_test(test_pages_list_what_they_see),
         cmocka_unit_test(test_culling_stops_at_nodes),
         cmocka_unit_test(test_other_pages_keep_their_texels),
+        cmocka_unit_test(test_only_what_changed_is_drawn),
+        cmocka_unit_test(test_items_come_and_go),
         cmocka_unit_test(test_what_does_not_fit_waits),
         cmocka_unit_test_teardown(test_draw_calls_do_not_depend_on_pages, spy_tear_down),
         cmocka_unit_test(test_least_scenes),
