@@ -9,6 +9,7 @@
 layout(buffer_reference) buffer ray_node_array;
 layout(buffer_reference) buffer ray_mesh_array;
 layout(buffer_reference) buffer ray_item_array;
+layout(buffer_reference) buffer ray_box_array;
 
 #include "shadows/rays_shared.h"
 
@@ -19,6 +20,7 @@ layout(buffer_reference) buffer ray_item_array;
 layout(buffer_reference, scalar, buffer_reference_align = 4) RAY_NODE_ACCESS buffer ray_node_array { gpu_ray_node at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ray_mesh_array { gpu_ray_mesh at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ray_item_array { gpu_ray_item at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ray_box_array { gpu_ray_box at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer rays_block { gpu_rays rays; };
 
 struct shadow_ray {
@@ -41,26 +43,6 @@ uvec3 ray_corners(rays_block b, gpu_ray_mesh mesh, uint primitive, uint triangle
     uint at = b.rays.scene.scene.primitives.at[primitive].first_index + 3u * (triangle - mesh.first);
     uint offset = uint(b.rays.scene.scene.primitives.at[primitive].vertex_offset);
     return uvec3(b.rays.indices.at[at], b.rays.indices.at[at + 1u], b.rays.indices.at[at + 2u]) + offset;
-}
-
-// The box round a primitive in the space of its mesh, as it is deformed; false where it has no triangles.
-bool ray_primitive_box(rays_block b, uint primitive, out vec3 low, out vec3 high) {
-    gpu_ray_mesh mesh = b.rays.mesh_table.at[primitive];
-    low = high = vec3(0.0);
-    if (mesh.count == 0u) return false;
-    uint root = b.rays.roots.at[primitive];
-    if ((root & RAY_LEAF) == 0u) {
-        gpu_ray_node node = b.rays.meshes.nodes.at[root];
-        low = node.low;
-        high = node.high;
-        return true;
-    }
-    uvec3 corners = ray_corners(b, mesh, primitive, b.rays.meshes.ids.at[root & ~RAY_LEAF]);
-    position_array positions = b.rays.scene.scene.positions;
-    vec3 p = positions.at[corners.x], q = positions.at[corners.y], s = positions.at[corners.z];
-    low = min(p, min(q, s));
-    high = max(p, max(q, s));
-    return true;
 }
 
 // What part of the light a surface of this material takes where the ray meets it.

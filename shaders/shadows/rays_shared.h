@@ -44,12 +44,19 @@ struct gpu_ray_item {
     uint primitive;
 };
 
+/* low.x > high.x: of what holds nothing. */
+struct gpu_ray_box {
+    vec3 low;
+    vec3 high;
+};
+
 struct gpu_rays {
-    STRUCT(gpu_ray_tree) meshes; /* leaves: triangles. The root is not used: each primitive has its own */
+    STRUCT(gpu_ray_tree) meshes; /* leaves: triangles. The root is not used: each primitive has its own. May be missing, and `roots` too */
     STRUCT(gpu_ray_tree) items;
     ADDRESS(ray_mesh_array) mesh_table;
     ADDRESS(const_uint_array) roots; /* by primitive: reference in `meshes`, or RAY_END */
     ADDRESS(ray_item_array) placed;
+    ADDRESS(ray_box_array) primitive_boxes; /* round the triangles of each, in the space of its mesh, as it is deformed */
     ADDRESS(scene_block) scene;
     ADDRESS(const_uint_array) indices;
 };

@@ -219,7 +219,7 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->scene_user.wants_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
     TRY(device_scene_prepare(r->device_scene));
-    if (frame->shadows == FNL_SHADOWS_RAYS) TRY(device_rays_prepare(r->device_scene));
+    if (frame->shadows == FNL_SHADOWS_RAYS) TRY(device_rays_prepare(r->device_scene, true));
     frame->occlusion = frame_choose_occlusion(r, frame);
     renderer_choose(r, frame);
     r->meshes = frame_draws_meshes(r, frame);

@@ -29,10 +29,10 @@ gpu_fill_caster caster_of(rays_block rays, uint index, uint caster_count) {
     scene_block s = rays.rays.scene;
     gpu_item item = s.scene.items.at[index];
     gpu_fill_caster c = gpu_fill_caster(s.scene.instances.at[item.instance].rows, vec3(1.0), vec3(0.0), item.primitive);
-    vec3 low, high;
-    if (index < caster_count && ray_primitive_box(rays, item.primitive, low, high)) {
-        c.low = low;
-        c.high = high;
+    if (index < caster_count) {
+        gpu_ray_box box = rays.rays.primitive_boxes.at[item.primitive];
+        c.low = box.low;
+        c.high = box.high;
     }
     return c;
 }

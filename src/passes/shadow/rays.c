@@ -19,8 +19,13 @@ uint64_t rays_mesh_bytes(uint32_t triangle_count, uint32_t primitive_count) {
     return parts_of(triangle_count).rest + primitive_count * 4ull;
 }
 
-uint64_t rays_item_bytes(uint32_t item_count) {
+/* Where the boxes of primitives lie: behind the items. */
+static uint64_t boxes_of(uint32_t item_count) {
     return parts_of(item_count).rest + item_count * sizeof(struct gpu_ray_item);
+}
+
+uint64_t rays_item_bytes(uint32_t item_count, uint32_t primitive_count) {
+    return boxes_of(item_count) + primitive_count * (uint64_t)sizeof(struct gpu_ray_box);
 }
 
 static struct gpu_ray_tree tree_of(const struct gpu_buffer *buffer, uint32_t leaves) {
@@ -98,6 +103,18 @@ static void add_meshes(const struct build *b) {
     add_tree(b, true, pairs, in->triangle_count);
 }
 
+static void add_primitives(const struct build *b) {
+    const struct rays_input *in = b->input;
+    struct gpu_ray_primitives_push push = {.scene = in->scene, .indices = in->indices, .primitive_count = in->primitive_count};
+    graph_dispatch(b->graph, &(struct graph_dispatch){.name = "ray primitives",
+                                                      .pipeline = {.shader = &shader_rays_primitives_comp},
+                                                      .groups = {in->primitive_count},
+                                                      GRAPH_PUSH(push),
+                                                      GRAPH_ROWS(graph_reads(NULL, in->vertices),
+                                                                 graph_row_at(boxes_of(in->item_count),
+                                                                              graph_changes(&push.boxes, b->rays.items)))});
+}
+
 static void add_items(struct build *b) {
     struct graph *graph = b->graph;
     const struct rays_input *in = b->input;
@@ -114,7 +131,7 @@ static void add_items(struct build *b) {
                               .pipeline = {.shader = &shader_rays_place_comp},
                               .groups = {DIVIDE_UP(in->item_count, 64u)},
                               GRAPH_PUSH(push),
-                              GRAPH_ROWS(graph_reads(NULL, in->vertices), graph_reads(NULL, b->rays.meshes),
+                              GRAPH_ROWS(graph_reads(NULL, in->vertices),
                                          graph_row_at(parts_of(in->item_count).rest, graph_changes(&push.placed, b->rays.items)),
                                          graph_writes(&push.boxes, b->item_boxes), graph_writes(&push.pairs, pairs))});
     pairs = sort(b, "ray items", pairs, in->item_count, 30);
@@ -125,28 +142,35 @@ struct rays rays_add(struct graph *graph, gpu_device *device, const struct rays_
     struct gpu_slice table = gpu_frame_allocate(device, sizeof(struct gpu_rays));
     struct build b = {.graph = graph,
                       .input = input,
-                      .rays = {.meshes = graph_import_buffer(graph, "ray meshes", input->meshes),
-                               .items = graph_import_buffer(graph, "ray items", input->items),
+                      .rays = {.items = graph_import_buffer(graph, "ray items", input->items),
                                .vertices = input->vertices,
                                .address = table.address},
                       .shift = 32};
     while (b.shift > 3 && input->primitive_count > 1ull << (32 - b.shift)) b.shift--;
     if (!table.data) return b.rays;
     *(struct gpu_rays *)table.data =
-        (struct gpu_rays){.meshes = tree_of(input->meshes, input->triangle_count),
-                          .items = tree_of(input->items, input->item_count),
+        (struct gpu_rays){.items = tree_of(input->items, input->item_count),
                           .mesh_table = input->mesh_table,
-                          .roots = input->meshes->address + parts_of(input->triangle_count).rest,
+                          .primitive_boxes = input->items->address + boxes_of(input->item_count),
                           .placed = input->items->address + parts_of(input->item_count).rest,
                           .scene = input->scene,
                           .indices = input->indices};
-    if (input->make_meshes && input->triangle_count > 0) add_meshes(&b);
-    if (input->place && input->item_count > 0) add_items(&b);
+    if (input->meshes) {
+        struct gpu_rays *rays = table.data;
+        rays->meshes = tree_of(input->meshes, input->triangle_count);
+        rays->roots = input->meshes->address + parts_of(input->triangle_count).rest;
+        b.rays.meshes = graph_import_buffer(graph, "ray meshes", input->meshes);
+        if (input->make_meshes && input->triangle_count > 0) add_meshes(&b);
+    }
+    if (input->place && input->item_count > 0) {
+        add_primitives(&b);
+        add_items(&b);
+    }
     return b.rays;
 }
 
 void rays_use(struct graph_pass *pass, const struct rays *rays, enum graph_use use) {
-    graph_use_buffer(pass, rays->meshes, use);
+    if (rays->meshes.id) graph_use_buffer(pass, rays->meshes, use);
     graph_use_buffer(pass, rays->items, use);
     graph_use_buffer(pass, rays->vertices, use);
 }

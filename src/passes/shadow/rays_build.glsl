@@ -6,12 +6,10 @@
 #define RAY_NODE_ACCESS coherent
 #include "shadows/rays.glsl"
 
-layout(buffer_reference) buffer ray_box_array;
 layout(buffer_reference) buffer coherent_counter_array;
 
 #include "passes/shadow/rays_build_shared.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ray_box_array { gpu_ray_box at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer coherent_counter_array { uint at[]; };
 
 const float RAY_FAR = 3e38;

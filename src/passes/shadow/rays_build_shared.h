@@ -16,10 +16,11 @@ struct gpu_ray_keys_push {
     uint shift;          /* of the primitive's number */
 };
 
-/* A world-space box; low.x > high.x: of what holds nothing. */
-struct gpu_ray_box {
-    vec3 low;
-    vec3 high;
+struct gpu_ray_primitives_push {
+    ADDRESS(scene_block) scene;
+    ADDRESS(const_uint_array) indices;
+    ADDRESS(ray_box_array) boxes;
+    uint primitive_count;
 };
 
 struct gpu_ray_place_push {

@@ -36,10 +36,9 @@ void main() {
     placed.primitive = item.primitive;
     push.placed.at[index] = placed;
 
-    gpu_ray_box box = gpu_ray_box(vec3(RAY_FAR), vec3(-RAY_FAR));
-    vec3 low, high;
-    if (ray_primitive_box(push.rays, item.primitive, low, high)) {
-        vec3 center = m * (0.5 * (low + high)) + origin, half_size = 0.5 * (high - low);
+    gpu_ray_box box = push.rays.rays.primitive_boxes.at[item.primitive];
+    if (box.low.x <= box.high.x) {
+        vec3 center = m * (0.5 * (box.low + box.high)) + origin, half_size = 0.5 * (box.high - box.low);
         vec3 extent = abs(m[0]) * half_size.x + abs(m[1]) * half_size.y + abs(m[2]) * half_size.z;
         box = ray_box_widened(center - extent, center + extent);
     }

@@ -59,21 +59,22 @@ static fnl_result keep(struct device_scene *d, const char *name, struct gpu_buff
     return gpu_buffer_create(d->device, name, size + size / 2, GPU_MEMORY_DEVICE, buffer);
 }
 
-fnl_result device_rays_prepare(struct device_scene *d) {
+fnl_result device_rays_prepare(struct device_scene *d, bool traces) {
     if (d->ray_structure != d->structure_version) {
         d->ray_structure = UINT64_MAX;
         TRY(send_table(d));
         d->ray_structure = d->structure_version;
         d->sent.ray_items = UINT64_MAX;
     }
-    TRY(keep(d, "ray meshes", &d->ray_meshes, rays_mesh_bytes(d->ray_triangles, d->ray_primitives)));
-    TRY(keep(d, "ray items", &d->ray_items, rays_item_bytes(d->item_count)));
+    if (traces) TRY(keep(d, "ray meshes", &d->ray_meshes, rays_mesh_bytes(d->ray_triangles, d->ray_primitives)));
+    TRY(keep(d, "ray items", &d->ray_items, rays_item_bytes(d->item_count, d->ray_primitives)));
     return gpu_upload_submit(d->device);
 }
 
-struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry) {
+struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry, bool traces) {
     const uint64_t now = d->scene->transform_version;
-    const bool makes = d->sent.ray_meshes == UINT64_MAX || (d->deformed.count > 0 && d->sent.ray_meshes != now);
+    const bool makes =
+        traces && (d->sent.ray_meshes == UINT64_MAX || (d->deformed.count > 0 && d->sent.ray_meshes != now));
     struct rays rays = rays_add(graph, d->device,
                                 &(struct rays_input){.vertices = geometry->vertices,
                                                      .scene = geometry->scene,
@@ -84,11 +85,12 @@ struct rays device_rays_add(struct device_scene *d, struct graph *graph, const s
                                                      .item_count = d->item_count,
                                                      .low = d->bounds.low,
                                                      .high = d->bounds.high,
-                                                     .meshes = &d->ray_meshes,
+                                                     .meshes = traces ? &d->ray_meshes : NULL,
                                                      .items = &d->ray_items,
                                                      .make_meshes = makes,
                                                      .place = makes || d->sent.ray_items != now});
-    d->sent.ray_meshes = d->sent.ray_items = now;
+    if (traces) d->sent.ray_meshes = now;
+    d->sent.ray_items = now;
     return rays;
 }
 

@@ -296,10 +296,10 @@ void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light
  */
 fnl_result device_lights_fade(struct device_scene_user *user, const struct gpu_view *view, float lod, bool walk);
 
-/** Outside of frames, after device_scene_prepare, for frames that trace shadow rays (rays.c). */
-fnl_result device_rays_prepare(struct device_scene *d);
+/** Outside of frames, after device_scene_prepare, for frames that trace shadow rays, or want the tree over items alone (rays.c). */
+fnl_result device_rays_prepare(struct device_scene *d, bool traces);
 /** Then, in the frame: makes what of it changed. `geometry` is of device_scene_add. */
-struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry);
+struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry, bool traces);
 void device_rays_finish(struct device_scene *d);
 
 /** Outside of frames, when structure or decals changed: pictures, tables of mesh decals. */
