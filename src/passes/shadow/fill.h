@@ -10,7 +10,7 @@
  * with the boxes of those that differ, as they are and as they were. Cost, in frames in which something moved: 76 bytes kept for
  * each item, and a test for each page and changed item.
  *
- * A page whose pairs have no room keeps its flag, and the atlas does not hold it in this frame: whoever samples must ask.
+ * A page whose pairs have no room keeps its flag, and the atlas does not hold it in this frame: shading must look at the flag.
  * gpu_shadow_counts.pairs says for how many pairs there should have been room. Pages are drawn in their order, at least one in
  * each frame, so that the frames that follow draw the rest even if the caller does not make more room.
  */
@@ -25,17 +25,17 @@
 struct shadow_fill_input {
     const struct light_input *lights; /* rows are its local lights */
     const struct geometry_scene *scene;
-    const struct rays *rays; /* of the same scene */
-    graph_buffer pages;      /* struct gpu_shadow_page[page_limit] */
-    graph_buffer counts;     /* struct gpu_shadow_counts: `pages` is read, `pairs` is written */
+    const struct rays *rays;       /* of the same scene; the tree over items is enough */
+    graph_buffer pages;            /* struct gpu_shadow_page[page_limit] */
+    graph_buffer counts;           /* struct gpu_shadow_counts: `pages` is read, `drawn` grows, `pairs` is written */
     uint32_t page_limit;
-    graph_image
-        atlas; /* square, D32_SFLOAT, with contents: the caller clears it once. Outside of the pages it stays what it is */
-    const struct gpu_buffer *kept; /* of shadow_fill_kept_bytes(), or more, from frame to frame */
-    bool
-        all_changed; /* nothing is kept, or what is not compared has changed (vertices that do not deform, materials): all pages are drawn */
-    bool moved;             /* or items have come, gone or moved since the last frame, or deforming vertices have */
-    uint32_t pair_capacity; /* room for pairs, 16 bytes each; at least as many as items are made */
+    graph_image atlas;             /* square, D32_SFLOAT; keeps what lies outside of drawn pages. The caller clears it once */
+    const struct gpu_buffer *kept; /* of shadow_fill_kept_bytes() or more; what it holds belongs to the atlas */
+    /* What has changed since the last frame of this atlas. First: all pages are drawn, as nothing is kept, or something that is not
+       compared has changed, such as materials or vertices that do not deform. */
+    bool all_changed;
+    bool moved;             /* items have come, gone or moved, or what deforms has */
+    uint32_t pair_capacity; /* room for pairs, 16 bytes each; there is room for as many as there are items in any case */
 };
 
 struct shadow_fill {
@@ -44,8 +44,7 @@ struct shadow_fill {
 };
 
 uint64_t shadow_fill_kept_bytes(uint32_t item_count);
-
-/** The device has fnl_device_info.clip_distances. */
+/** The device must have fnl_device_info.clip_distances. */
 struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, const struct shadow_fill_input *input);
 
 #endif
