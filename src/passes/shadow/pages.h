@@ -5,7 +5,8 @@
  * coarser, those of the least important lights first: under a pressure of p a light with offset o gets pages min(max(p - o, 0), 7) levels
  * coarser, where o is half the logarithm to base 2 of how many times more important than the least important one it is, rounded down, at most
  * 8. Importance is flux times the part of the directions round the viewer that the light's volume takes. The least pressure under which all
- * fit is taken; it depends on this frame alone, so the choice cannot swing. Only where even the coarsest pages of all lights do not fit, from
+ * fit is taken, and of the lights under it the most important ones stay under the pressure before as far as there is room; the choice depends on
+ * this frame alone, so it cannot swing. Only where even the coarsest pages of all lights do not fit, from
  * pressure 16 on, do the least important lights have none (SHADOW_TRACED).
  *
  * A page that was there in the last frame stays in its place and is drawn again only if its light has changed, or if it was not drawn then. One that nobody looks up any more

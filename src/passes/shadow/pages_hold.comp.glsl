@@ -14,7 +14,7 @@ void main() {
     uint face = LINEAR_INVOCATION, row = face / SHADOW_FACES;
     if (face >= push.face_count) return;
     gpu_shadow_choice choice = push.choice.choice;
-    uint flags = push.rows.at[row], bias = shadow_bias(choice.pressure, choice.least, flags & SHADOW_ROW_IMPORTANCE), count = 0u;
+    uint flags = push.rows.at[row], bias = shadow_bias(choice.pressure, choice.cut, choice.least, flags & SHADOW_ROW_IMPORTANCE), count = 0u;
     bool is_asked = (flags & SHADOW_ROW_FACE << face % SHADOW_FACES) != 0u, is_coarser = false;
     if (face % SHADOW_FACES == 0u) push.biases.at[row] = bias;
     if (is_asked && bias == SHADOW_TRACED) {

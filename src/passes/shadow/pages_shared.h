@@ -41,6 +41,7 @@ struct gpu_shadow_shape {
 
 struct gpu_shadow_choice {
     uint pressure; /* 0 .. SHADOW_PRESSURES - 1 */
+    uint cut;      /* exponent of importance: from it on lights are under the pressure before; SHADOW_IMPORTANCES: none is */
     uint least;    /* exponent of the least importance of a light that has a page to be shown */
     uint last;     /* pages in the last frame */
     uint youth;    /* idle pages stay in cells of at least this youth; SHADOW_YOUTHS + 1: nowhere */

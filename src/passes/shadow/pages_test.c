@@ -192,6 +192,19 @@ static uint32_t bias_under(uint32_t pressure, uint32_t offset) {
     return pressure <= offset ? 0 : MIN(pressure - offset, 7);
 }
 
+/* Whether the pages fit under a pressure, with the rows of importance 2^cut and more under the pressure before; fills in their biases. */
+static bool fits(const struct bench *b, uint32_t pressure, double cut, double least, const bool *wants, uint32_t (*counts)[8][CLASSES],
+                 uint32_t *biases) {
+    uint32_t totals[CLASSES] = {0};
+    for (uint32_t row = 0; row < b->row_count; row++) {
+        const double octave = floor(log2(importance_of(b, row))), steps = floor((octave - least) / 2);
+        const uint32_t own = octave >= cut && pressure > 0 ? pressure - 1 : pressure;
+        biases[row] = bias_under(own, (uint32_t)fmin(fmax(steps, 0), 8));
+        for (uint32_t c = 0; c < CLASSES && wants[row] && biases[row] != SHADOW_TRACED; c++) totals[c] += counts[row][biases[row]][c];
+    }
+    return cells_for(totals) <= b->side * b->side;
+}
+
 /* The biases of all rows; fills rows of `wants`. */
 static void choose(const struct bench *b, uint32_t *biases, bool *wants) {
     double least = INFINITY;
@@ -210,16 +223,11 @@ static void choose(const struct bench *b, uint32_t *biases, bool *wants) {
         }
         if (wants[row]) least = fmin(least, floor(log2(importance_of(b, row))));
     }
-    for (uint32_t pressure = 0; pressure < PRESSURES; pressure++) {
-        uint32_t totals[CLASSES] = {0};
-        for (uint32_t row = 0; row < b->row_count; row++) {
-            double steps = floor((floor(log2(importance_of(b, row))) - least) / 2);
-            biases[row] = bias_under(pressure, (uint32_t)fmin(fmax(steps, 0), 8));
-            for (uint32_t c = 0; c < CLASSES && wants[row] && biases[row] != SHADOW_TRACED; c++)
-                totals[c] += counts[row][biases[row]][c];
-        }
-        if (cells_for(totals) <= b->side * b->side) break;
-    }
+    /* The least pressure under which all fit; then the least importance from which on lights may stay under the pressure before. */
+    uint32_t pressure = 0;
+    while (pressure < PRESSURES && !fits(b, pressure, INFINITY, least, wants, counts, biases)) pressure++;
+    for (int cut = -140; cut < 140 && pressure > 0; cut++)
+        if (fits(b, pressure, cut, least, wants, counts, biases)) break;
     free(there);
     free(counts);
 }
