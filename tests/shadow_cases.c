@@ -6,7 +6,7 @@
 #define EXTENT 8.0 /* metres of the floor that are seen */
 
 static shadow_measure *measure;
-static double tolerance;
+static double tolerance, strip;
 
 /* What lies between the light and the floor at the height 1: a rectangle. */
 struct shade {
@@ -21,7 +21,7 @@ fnl_scene *shadow_floor(void) {
     return scene;
 }
 
-/* Every pixel of the floor is as visible as `inside` or `outside` of the shade's shadow says; but for a strip of a millimetre at the edge. */
+/* Every pixel of the floor is as visible as `inside` or `outside` of the shade's shadow says; but for a strip at the edge. */
 static void expect_shadow(fnl_scene *scene, struct shade shade, double inside, double outside, const char *what) {
     /* From just above the floor, where nothing hides it. */
     const fnl_trace_params view = look_down(vec3_make(0, 0, 0), (float)EXTENT, 0.5f, SHADOW_SIZE);
@@ -38,7 +38,7 @@ static void expect_shadow(fnl_scene *scene, struct shade shade, double inside, d
                 double at = floor[i] + (light[i] - floor[i]) / (double)SHADOW_LIGHT.y;
                 edge = fmin(edge, fmin(at - shade.low[i], shade.high[i] - at));
             }
-            if (fabs(edge) < 1e-3) continue;
+            if (fabs(edge) < strip) continue;
             double wanted = edge > 0 ? inside : outside, got = (double)seen[y * SHADOW_SIZE + x];
             if (!(fabs(got - wanted) <= tolerance))
                 fail_msg("%s: at %g, %g visibility is %g, must be %g", what, floor[0], floor[1], got, wanted);
@@ -178,13 +178,14 @@ static void light_on_a_surface(void) {
     }
 }
 
-void shadow_cases(shadow_measure *measure_, double tolerance_) {
-    measure = measure_;
-    tolerance = tolerance_;
+void shadow_cases(const struct shadow_cases *cases) {
+    measure = cases->measure;
+    tolerance = cases->tolerance;
+    strip = cases->strip;
     hard_shadow();
     shadow_of_instances();
     cutout_lets_light_through_its_holes();
-    blended_surfaces_attenuate();
+    if (cases->blended) blended_surfaces_attenuate();
     posed_meshes_cast_their_shadow();
     light_on_a_surface();
 }

@@ -10,8 +10,14 @@ enum { SHADOW_SIZE = 64 };
 
 /** Fills in what part of the light reaches each pixel of a view of SHADOW_SIZE squared, and destroys the scene. */
 typedef void shadow_measure(fnl_scene *scene, const fnl_trace_params *view, float *out);
-/** Runs all cases: what is measured is right within the tolerance, but for a strip of a millimetre at the edges. */
-void shadow_cases(shadow_measure *measure, double tolerance);
+/** Runs all cases: what is measured is right within the tolerance, but for a strip at the edges of shadows. */
+struct shadow_cases {
+    shadow_measure *measure;
+    double tolerance;
+    double strip; /* metres, a metre above the floor; on it shadows are half as large again */
+    bool blended; /* blended surfaces cast shadows */
+};
+void shadow_cases(const struct shadow_cases *cases);
 /** A floor of 20 metres under the light, which is a point light. */
 fnl_scene *shadow_floor(void);
 

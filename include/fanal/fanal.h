@@ -21,6 +21,7 @@
 #include "fanal/scene_query.h"
 #include "fanal/shading.h"
 #include "fanal/shading_options.h"
+#include "fanal/shadows.h"
 #include "fanal/stats.h"
 #include "fanal/trace.h"
 #include "fanal/values.h"

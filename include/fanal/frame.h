@@ -7,6 +7,7 @@
 #include "fanal/scene.h"
 #include "fanal/shading.h"
 #include "fanal/shading_options.h"
+#include "fanal/shadows.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -43,14 +44,6 @@ typedef enum fnl_multiview {
     FNL_MULTIVIEW_ON,       /**< up to 6 neighbours of the array, whatever they see */
     FNL_MULTIVIEW_COUNT
 } fnl_multiview;
-
-/** How shadows are found. docs/techniques/shadows.md tells more. */
-typedef enum fnl_shadows {
-    FNL_SHADOWS_OFF = 0, /**< not at all: light goes through walls */
-    /** A ray from each surface to each light that reaches it: exact hard shadows of all lights, through cutouts and glass. Slow with many lights. */
-    FNL_SHADOWS_RAYS,
-    FNL_SHADOWS_COUNT
-} fnl_shadows;
 
 /** How blended surfaces (FNL_ALPHA_BLEND) that overlap in a pixel are composited. docs/techniques/transparency.md compares them. */
 typedef enum fnl_transparency {
@@ -175,6 +168,7 @@ typedef struct fnl_frame {
     fnl_light_lists lists;
     /** Default off. */
     fnl_shadows shadows;
+    fnl_shadow_options shadow;
     /** Samples per pixel: 1, 2, 4 or 8, up to fnl_device_info.max_msaa. Default 1. */
     uint32_t msaa;
     /** Default sorted. */

@@ -10,6 +10,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "lights/iterate.glsl"
+#include "shadows/maps.glsl"
 #include "shadows/rays.glsl"
 
 // Which part of the light is left at `part` of the way from the axis to the edge (0 .. 1).
@@ -126,14 +127,19 @@ float shadow_slack(light_list_block l, vec3 position) {
 float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 normal, vec3 to_light) {
     if (!LIST_SHADOWED) return 1.0;
     if (!(dot(normal, to_light) > 0.0)) return 0.0;
-    float slack = shadow_slack(l, position), high = light_distance(l, light, position, to_light);
+    float slack = shadow_slack(l, position);
+    if (LIST_MAPS) {
+        float open = map_visibility(l, light, position, slack);
+        if (!LIST_RAYS || open >= 0.0) return abs(open); // nothing is known of what no pixel asked for: light
+    }
+    float high = light_distance(l, light, position, to_light);
     float margin = max(slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
     return ray_visibility(rays_block(l.list.rays), position, to_light, high - margin, slack);
 }
 
 // The same of a directional light.
 float sun_visibility(light_list_block l, uint light, vec3 position, vec3 normal) {
-    if (!LIST_SHADOWED) return 1.0;
+    if (!LIST_RAYS) return 1.0;
     vec3 to_light = -l.list.lights.at[light].shape.direction;
     if (!(dot(normal, to_light) > 0.0)) return 0.0;
     return ray_visibility(rays_block(l.list.rays), position, to_light, 1e30, shadow_slack(l, position));

@@ -31,7 +31,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lig
 layout(constant_id = LISTS_ID) const uint LIST_BITS = GPU_LIST_ALL;
 const uint LIST_KIND = LIST_BITS & GPU_LIST_KINDS;
 const bool LIST_SCATTERED = (LIST_BITS & GPU_LIST_SCATTERED) != 0u;
-const bool LIST_SHADOWED = (LIST_BITS & GPU_LIST_SHADOWED) != 0u;
+const bool LIST_RAYS = (LIST_BITS & GPU_LIST_RAYS) != 0u;
+const bool LIST_MAPS = (LIST_BITS & GPU_LIST_MAPS) != 0u;
+const bool LIST_SHADOWED = LIST_RAYS || LIST_MAPS;
 const bool LIST_SIMPLE = (LIST_BITS & GPU_LIST_SIMPLE) != 0u;
 // Items: turns of the loop, whatever the number of lights up to this; 0: as many as there are lights.
 layout(constant_id = FIXED_LIGHTS_ID) const uint FIXED_LIGHTS = 0u;

@@ -33,8 +33,9 @@ struct gpu_light {
 #define GPU_LIST_SCATTERED 0x100u
 /* Beside the kind: every light is a sphere or a cone without a hull. Shaders then have no code for other shapes, which costs registers. */
 #define GPU_LIST_SIMPLE 0x200u
-/* Beside the kind: lights cast shadows, which rays find. */
-#define GPU_LIST_SHADOWED 0x400u
+/* Beside the kind: lights cast shadows, which rays find, or maps. With both bits rays find those that have no map. */
+#define GPU_LIST_RAYS 0x400u
+#define GPU_LIST_MAPS 0x800u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu
@@ -126,7 +127,8 @@ struct gpu_light_list {
     uvec2 spare_tiles;
     uint buckets;        /* sparse: keys of a cluster, 1 or one for each range of normals. In extra: the occupied ones before each, and one more */
     uint cell_limit;     /* sparse: cells that there is memory for */
-    uvec2 rays;          /* address of a struct gpu_rays; of lists with GPU_LIST_SHADOWED */
+    uvec2 rays;          /* address of a struct gpu_rays; of lists with GPU_LIST_RAYS */
+    uvec2 shadow_maps;   /* address of a struct gpu_shadow_maps; of lists with GPU_LIST_MAPS */
 };
 
 #endif

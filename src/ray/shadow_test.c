@@ -18,7 +18,7 @@ static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) 
 
 static void test_known_shadows(void **state) {
     UNUSED(state);
-    shadow_cases(measure, 1e-6);
+    shadow_cases(&(struct shadow_cases){measure, 1e-6, 1e-3, true});
 }
 
 /* From just above the floor, where nothing hides it. */

@@ -6,6 +6,7 @@
 #include "render/frame_steps.h"
 #include "render/multiview.h"
 #include "render/shading.h"
+#include "render/shadows.h"
 
 static fnl_result add_shared(struct frame_state *f);
 static fnl_result add_view(struct frame_state *f, struct gpu_view *out);
@@ -82,8 +83,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     graph_begin(r->graph);
     TRY(device_scene_add(&r->scene_user, r->graph, &scene));
     TRY(add_shared(&shared));
-    if (frame->shadows == FNL_SHADOWS_RAYS)
-        scene.lights.rays = device_rays_add(r->device_scene, r->graph, &scene.geometry, true);
+    shadows_begin(&shared, &scene);
     struct gpu_slice cameras = gpu_frame_allocate(r->device, count * sizeof(struct gpu_view));
     if (!cameras.data) return gpu_status(r->device);
     for (uint32_t first = 0, together; first < count; first += together) {

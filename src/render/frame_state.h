@@ -52,6 +52,7 @@ struct frame_state {
     uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
     struct gbuffer gbuffer;                 /* depth id 0: none */
     struct light_input whole_lights;        /* before small ones were faded */
+    struct rays rays;                       /* of items at least, where maps are drawn; address 0: there are none */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure;

@@ -313,9 +313,7 @@ static void add_backface(struct lists_context *c) {
 static void mark(struct light_list *list, const struct light_input *input) {
     if (input->scattered && list_kind(list) != GPU_LIST_ALL) list->kind |= GPU_LIST_SCATTERED;
     if (input->simple) list->kind |= GPU_LIST_SIMPLE;
-    if (!input->rays.address) return;
-    list->kind |= GPU_LIST_SHADOWED;
-    list->rays = input->rays;
+    light_list_cast(list, input);
 }
 
 struct light_list lists_add_fallback(const struct lists_context *c) {

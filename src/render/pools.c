@@ -3,11 +3,12 @@
 #include "render/renderer_internal.h"
 
 enum { CLUSTER_POOL_START = 1 << 14, TRIANGLE_POOL_START = 1 << 18 };
-enum { POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
+enum { POOL_START = 1 << 18, POOL_LIMIT = 1 << 28, PAIR_START = 1 << 18 };
 
 void pools_init(fnl_renderer *r) {
     r->pool_capacity = POOL_START;
     r->decal_capacity = DECAL_POOL_START;
+    r->shadow_pairs = PAIR_START;
     r->dais_capacity = DAIS_POOL_START;
     r->dais_node_capacity = DAIS_NODE_START;
 }
@@ -71,6 +72,12 @@ static void grow_dais_pools(fnl_renderer *r, const struct frame_counts *counts) 
         r->dais_node_capacity = (uint32_t)MIN(nodes + nodes / 4, MIN(limit, DAIS_POOL_LIMIT) / 4);
 }
 
+/* Pages of shadow maps that found no room wait for the next frame. */
+static void grow_shadow_pairs(fnl_renderer *r, const struct frame_counts *counts) {
+    const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 16, (uint64_t)PAIR_START);
+    if (needed > r->shadow_pairs) r->shadow_pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)POOL_LIMIT));
+}
+
 void pools_prepare(fnl_renderer *r, uint64_t pixels) {
     if (!r->blend_capacity) r->blend_capacity = blend_capacity(r, pixels);
 }
@@ -81,4 +88,5 @@ void pools_grow(fnl_renderer *r, const struct frame_counts *counts) {
     grow_decal_pool(r, counts);
     pools_grow_clusters(r, counts);
     grow_dais_pools(r, counts);
+    grow_shadow_pairs(r, counts);
 }

@@ -3,6 +3,7 @@
 #include "fanal/vulkan.h"
 #include "passes/aa/taa.h"
 #include "render/shading.h"
+#include "render/shadows.h"
 
 /* ---- auto ---- */
 
@@ -154,6 +155,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     for (uint32_t i = 0; i < r->views.count; i++) {
         struct renderer_view *view = &r->views.data[i];
         lists_finish(&view->lists, r->device);
+        shadows_finish(r->device, view);
         gpu_buffer_destroy(r->device, &view->draws);
         gpu_buffer_destroy(r->device, &view->counters);
     }
@@ -192,6 +194,7 @@ static fnl_result keep_buckets(fnl_renderer *r) {
 static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     uint32_t views = frame_view_count(frame);
     TRY(prepare_views(r, views));
+    for (uint32_t i = 1; i < views; i++) TRY(shadows_prepare_view(r, frame, &r->views.data[i]));
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         if (frame->outputs & 1u << i)
             TRY(keep_buffer(r, &r->outputs[i], "output", views * renderer_picture_size(frame, i)));
@@ -219,7 +222,7 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->scene_user.wants_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
     TRY(device_scene_prepare(r->device_scene));
-    if (frame->shadows == FNL_SHADOWS_RAYS) TRY(device_rays_prepare(r->device_scene, true));
+    TRY(shadows_prepare(r, frame));
     frame->occlusion = frame_choose_occlusion(r, frame);
     renderer_choose(r, frame);
     r->meshes = frame_draws_meshes(r, frame);
@@ -270,7 +273,10 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
 }
 
 void renderer_forget(fnl_renderer *r) {
-    for (uint32_t i = 0; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
+    for (uint32_t i = 0; i < r->views.count; i++) {
+        r->views.data[i].temporal.valid = false;
+        shadows_forget(&r->views.data[i]);
+    }
     lists_shared_forget(&r->lists);
     r->atlas.version = UINT64_MAX;
 }

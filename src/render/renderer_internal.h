@@ -10,6 +10,7 @@
 #include "passes/transparency/transparency.h"
 #include "passes/shade/coarse_shared.h"
 #include "passes/shade/edges_shared.h"
+#include "passes/shadow/pages.h"
 #include "render/chooser.h"
 #include "render/counters.h"
 #include "render/device/scene.h"
@@ -34,6 +35,7 @@ struct frame_counts {
     uint32_t hidden_items;
     uint32_t dais[DAIS_COUNTS];
     struct gpu_virtual_counts pages;
+    struct gpu_shadow_counts shadows;
 };
 
 enum { DECAL_POOL_START = 1 << 17 };
@@ -49,6 +51,12 @@ enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at leas
 struct renderer_view {
     struct temporal_state temporal;
     struct lists_state lists; /* what builders keep from frame to frame */
+    struct renderer_shadows {
+        struct shadow_state pages;
+        struct gpu_buffer kept; /* of items, by which they are found to have changed */
+        uint64_t drawn[4], placed[2]; /* versions of what the pages show: how things look, and where they are */
+        bool all_changed, moved; /* since then */
+    } shadows;
 
     /* Of the last frame. */
     struct device_scene_frame scene; /* with the lights as this view sees them; passes look at it while they are recorded */
@@ -103,6 +111,9 @@ struct fnl_renderer {
     ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */
     ARRAY(fnl_counter) counters;           /* handed out with all stats */
     struct virtual_atlas atlas; /* of virtual texturing */
+    bool told_of_maps;         /* the log knows that rays stand in for shadow maps */
+    uint64_t capsules_version; /* light_version of the scene + 1 at which it was asked whether it has capsules: shadows.c */
+    bool capsules;
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;  /* of what holds decals */
@@ -110,6 +121,7 @@ struct fnl_renderer {
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
     bool meshes;              /* mesh shaders draw the frame being made */
     uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
+    uint32_t shadow_pairs;    /* of a page of shadow maps and an item that is drawn into it; grows after an overflow */
     uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
 
     struct renderer_tests *tests; /* of the host; NULL outside of tests */

@@ -2,6 +2,7 @@
 #include "render/shading.h"
 #include "render/decals.h"
 #include "render/orders/order.h"
+#include "render/shadows.h"
 
 #include "passes/lights/sprites.h"
 #include "passes/shade/gbuffer_layouts.h"
@@ -195,6 +196,7 @@ void shading_add(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
     if (!f->drawn) shading_draw(f);
+    shadows_add(f);
     const struct shade_input input = input_of(f);
     struct shade_input opaque = input, blend = input;
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);

@@ -28,7 +28,7 @@ static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) 
 
 static void test_known_shadows(void **state) {
     UNUSED(state);
-    shadow_cases(measure, 1e-3); /* radiance is kept in 16 bits */
+    shadow_cases(&(struct shadow_cases){measure, 1e-3, 1e-3, true}); /* radiance is kept in 16 bits */
 }
 
 /* A sun from the left above: the shadow of a square one metre up is shifted by half a metre. */

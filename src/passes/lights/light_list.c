@@ -13,7 +13,10 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
     if (list->bounds.id) graph_use_buffer(pass, list->bounds, use);
     if (list->spare.id) graph_use_buffer(pass, list->spare, use);
     if (list->rays.address) rays_use(pass, &list->rays, use);
+    if (list->maps.address) shadow_maps_use(pass, &list->maps, use);
 }
+
+static uvec2 words_of(VkDeviceAddress address) { return (uvec2){(uint32_t)address, (uint32_t)(address >> 32)}; }
 
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address) {
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
@@ -30,20 +33,27 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .shapes = input->shapes,
                                                                        .planes = input->planes,
                                                                        .view = input->view,
-                                                                       .rays = {(uint32_t)input->rays.address,
-                                                                                (uint32_t)(input->rays.address >> 32)}};
+                                                                       .rays = words_of(input->rays.address),
+                                                                       .shadow_maps = words_of(input->maps.address)};
     return slice.data;
+}
+
+void light_list_cast(struct light_list *list, const struct light_input *input) {
+    if (input->rays.address) list->kind |= GPU_LIST_RAYS;
+    if (input->maps.address) list->kind |= GPU_LIST_MAPS;
+    list->rays = input->rays;
+    list->maps = input->maps;
 }
 
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
     UNUSED(graph);
-    const bool simple = input->simple || input->local_count == 0, shadowed = input->rays.address != 0;
-    struct light_list list = {.kind = GPU_LIST_ALL | (simple ? GPU_LIST_SIMPLE : 0) | (shadowed ? GPU_LIST_SHADOWED : 0),
-                              .rays = input->rays,
+    const bool simple = input->simple || input->local_count == 0;
+    struct light_list list = {.kind = GPU_LIST_ALL | (simple ? GPU_LIST_SIMPLE : 0),
                               .lights = input->buffer,
                               .totals_known = true,
                               .known = {.in_view = input->local_count - input->unlit_count}};
     light_list_header(device, input, &list.header);
+    light_list_cast(&list, input);
     return list;
 }
 

@@ -13,6 +13,7 @@
 
 #include "graph/graph.h"
 #include "lights/lights_shared.h"
+#include "passes/shadow/maps.h"
 #include "passes/shadow/rays.h"
 
 /** What lists are built over, on the device. */
@@ -29,6 +30,7 @@ struct light_input {
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
     struct rays rays;       /* that find shadows; address 0: there are none */
+    struct shadow_maps maps; /* the same */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
@@ -43,7 +45,8 @@ struct light_list {
     graph_buffer extra;      /* or id 0 */
     graph_buffer bounds;     /* of cells, where scattered points compare themselves with them; or id 0 */
     graph_buffer spare;      /* the spare list, or id 0 */
-    struct rays rays;        /* with GPU_LIST_SHADOWED */
+    struct rays rays;        /* with GPU_LIST_RAYS */
+    struct shadow_maps maps; /* with GPU_LIST_MAPS */
     uint32_t cell_count;
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */
@@ -63,6 +66,9 @@ static inline uint32_t list_kind(const struct light_list *list) { return list->k
 
 /** Declares that a pass iterates over the list in fragment or compute shaders. */
 void light_list_use(struct graph_pass *pass, const struct light_list *list, enum graph_use use);
+
+/** Gives a list the shadows of its input. */
+void light_list_cast(struct light_list *list, const struct light_input *input);
 
 /** The reference: every light, every pixel. */
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input);

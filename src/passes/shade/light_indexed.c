@@ -95,7 +95,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
         ids.step = 0;
     }
 
-    struct light_list out = {.kind = GPU_LIST_TILES | (volumes->list.kind & (GPU_LIST_SIMPLE | GPU_LIST_SHADOWED)),
+    struct light_list out = {.kind = GPU_LIST_TILES | (volumes->list.kind & GPU_LIST_SIMPLE),
                              .lights = lights->buffer,
                              .cell_count = (uint32_t)pixels,
                              .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + count_bytes + slot_bytes +
@@ -118,6 +118,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     }
     out.cells = cells;
     out.ids = lists;
+    light_list_cast(&out, lights);
     struct gpu_indexed_list_push push = {.view = input->view, .layers = layers};
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "light id lists",

@@ -149,7 +149,8 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
 /* ---- drawing them ---- */
 
 void volumes_use(struct graph_pass *pass, const struct volumes *volumes) {
-    graph_use_buffer(pass, volumes->list.lights, GRAPH_READ_GRAPHICS);
+    light_list_use(pass, &volumes->list, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, volumes->list.lights, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, volumes->ids, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, volumes->draws, GRAPH_INDIRECT);
 }

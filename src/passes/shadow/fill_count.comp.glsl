@@ -40,7 +40,7 @@ uint walk(uint page, uint at) {
 void main() {
     uint page = LINEAR_INVOCATION;
     if (page > push.page_limit) return;
-    bool wants = page < min(push.counts.counts.pages, push.page_limit) && (push.pages.at[page].flags & SHADOW_PAGE_DRAW) != 0u;
+    bool wants = page < min(push.counts.counts.pages, push.page_limit) && (push.pages.at[page].flags & (SHADOW_PAGE_DRAW | SHADOW_PAGE_IDLE)) == SHADOW_PAGE_DRAW;
 #ifdef LIST
     if (page == push.page_limit) {
         push.counts.counts.pairs = push.sums.at[page];

@@ -27,5 +27,5 @@ void main() {
     gpu_shadow_page p = push.pages.at[page];
     if ((p.flags & SHADOW_PAGE_DRAW) != 0u || !is_touched(p)) return;
     push.pages.at[page].flags = p.flags | SHADOW_PAGE_DRAW;
-    atomicAdd(push.counts.counts.drawn, 1u);
+    if ((p.flags & SHADOW_PAGE_IDLE) == 0u) atomicAdd(push.counts.counts.drawn, 1u);
 }

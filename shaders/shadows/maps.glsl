@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Shadows from the pages of maps_shared.h.
+#ifndef SHADOWS_MAPS_GLSL
+#define SHADOWS_MAPS_GLSL
+
+#include "lights/iterate.glsl"
+#include "shadows/faces.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer shadow_maps_block { gpu_shadow_maps maps; };
+
+// How many pixels wide the face is where a point lies: `along` is the w of shadow_face_clip().
+float shadow_across(light_list_block l, gpu_shape shape, float along, vec3 position) {
+    view_block v = l.list.view;
+    float pixel = pixel_width(v, length(v.view.eye - position));
+    return 2.0 * (shape.kind == GPU_SHAPE_BOX ? max(shape.size.x, shape.size.y) : along) / pixel;
+}
+
+bool shadow_has_map(gpu_shape shape) { return shape.kind != GPU_SHAPE_CAPSULE; }
+
+// The number of a page, where it is there and drawn.
+bool shadow_find(gpu_shadow_maps maps, uint row, uint bit, out uint page) {
+    uint word = row * SHADOW_ROW_WORDS + bit / 32u, bits = maps.held.at[word], below = (1u << (bit % 32u)) - 1u;
+    page = 0u;
+    if ((bits >> (bit % 32u) & 1u) == 0u) return false;
+    page = maps.before.at[word] + uint(bitCount(bits & below));
+    return (maps.pages.at[page].flags & SHADOW_PAGE_DRAW) == 0u;
+}
+
+// Whether the four texels round a point of a page hide it; `depth` is its own, reversed. They do where all are nearer, and where the nearest texel is,
+// unless the point lies on the surface that the four show: on a plane depth is linear between texels, whatever its slope, while at the edge of
+// what casts a shadow the point stays behind by more than a quarter of the step.
+bool shadow_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 ndc, float depth) {
+    vec2 low = clamp(shadow_page_texel(at, ndc) - 0.5, vec2(0.0), vec2(float(shadow_page_size(at.level)) - 2.0));
+    ivec2 texel = ivec2(low) + ivec2(page.place & 0xffffu, page.place >> 16u) * int(SHADOW_UNIT);
+    vec4 d = vec4(texelFetch(textures[maps.atlas], texel, 0).r, texelFetch(textures[maps.atlas], texel + ivec2(1, 0), 0).r,
+                  texelFetch(textures[maps.atlas], texel + ivec2(0, 1), 0).r, texelFetch(textures[maps.atlas], texel + ivec2(1, 1), 0).r);
+    float least = min(min(d.x, d.y), min(d.z, d.w)), most = max(max(d.x, d.y), max(d.z, d.w));
+    if (least > depth) return true;
+    vec2 part = fract(low);
+    float nearest = part.y < 0.5 ? (part.x < 0.5 ? d.x : d.y) : (part.x < 0.5 ? d.z : d.w);
+    return nearest > depth && mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y) > depth + 0.25 * (most - least);
+}
+
+// Whether the light shines on the position: 0 or 1, or -1 where no map tells. `slack`: metres by which positions may be wrong; besides, what is
+// nearer by less than half a texel's width casts no shadow, or there would be lines in corners, whose depth lies between texels.
+float map_visibility(light_list_block l, uint light, vec3 position, float slack) {
+    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+    gpu_shape shape = l.list.lights.at[light].shape;
+    uint row = light - l.list.directional_count;
+    uint bias = shadow_has_map(shape) ? maps.biases.at[row] : SHADOW_TRACED;
+    if (bias == SHADOW_TRACED) return -1.0;
+    vec3 ray = position - shape.position;
+    shadow_page at;
+    at.face = shadow_face_of(shape.kind, ray);
+    vec4 clip = shadow_face_clip(shape, at.face, ray);
+    vec2 ndc = clip.xy / clip.w;
+    at.level = min(shadow_level_for(shadow_across(l, shape, clip.w, position)) + bias, SHADOW_LEVELS - 1u);
+    uint page = 0u;
+    bool found = false;
+    for (; at.level < SHADOW_LEVELS; at.level++) { // pixels asked for the first; what is beside them may have to look farther
+        at.at = min(uvec2((ndc * 0.5 + 0.5) * float(shadow_side(at.level))), uvec2(shadow_side(at.level) - 1u));
+        found = shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), page);
+        if (found) break;
+    }
+    if (!found) return -1.0;
+    float texel = 2.0 / shadow_width(at.level);
+    if (shape.kind == GPU_SHAPE_BOX) {
+        float before = slack + 0.5 * texel * max(shape.size.x, shape.size.y);
+        return shadow_hides(maps, maps.pages.at[page], at, ndc, clip.z + 0.5 * before / shape.size.z) ? 0.0 : 1.0;
+    }
+    float along = clip.w - slack - 0.5 * texel * clip.w;
+    return along > 0.0 && shadow_hides(maps, maps.pages.at[page], at, ndc, SHADOW_NEAR / along) ? 0.0 : 1.0;
+}
+
+#endif

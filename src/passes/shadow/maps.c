@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/shadow/maps.h"
+
+#include "passes/geometry/geometry.h"
+#include "passes/lights/light_list.h"
+#include "passes/shadow/requests_shared.h"
+#include "constants_shared.h"
+#include "shaders.h"
+
+void shadow_maps_use(struct graph_pass *pass, const struct shadow_maps *maps, enum graph_use use) {
+    graph_use_buffer(pass, maps->held, use);
+    graph_use_buffer(pass, maps->before, use);
+    graph_use_buffer(pass, maps->pages, use);
+    graph_use_buffer(pass, maps->biases, use);
+    graph_use_image(pass, maps->atlas, use == GRAPH_READ_COMPUTE ? GRAPH_SAMPLE_COMPUTE : GRAPH_SAMPLE_FRAGMENT);
+}
+
+graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, uint32_t row_count, graph_image depth) {
+    const struct graph_image_params image = graph_image_info(graph, depth);
+    graph_buffer wanted = graph_create_buffer(graph, "shadow requests", row_count * SHADOW_ROW_WORDS * 4ull);
+    graph_add_clear(graph, "shadow requests clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {wanted}});
+    struct gpu_shadow_requests_push push = {.list = list->header, .samples = MAX(image.samples, 1u)};
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "shadow requests",
+                                        .pipeline = {&shader_requests_comp, 1, {[LISTS_ID] = list->kind}},
+                                        .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_samples(&push.depth, depth), graph_changes(&push.wanted, wanted))});
+    light_list_use(pass, list, GRAPH_READ_COMPUTE);
+    return wanted;
+}
+
+struct blend_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view, lights;
+    graph_buffer wanted;
+    uint32_t kind, samples;
+};
+
+static void execute_blend(const struct graph_context *context, const void *data) {
+    const struct blend_data *d = data;
+    struct gpu_graphics_params state = {.fragment = &shader_requests_blend_frag,
+                                        .constant_count = 1,
+                                        .constants = {[LISTS_ID] = d->kind},
+                                        .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                        .depth_test = true,
+                                        .depth_compare = VK_COMPARE_OP_GREATER,
+                                        .samples = d->samples};
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_BLEND, &state, NULL,
+                  (struct gpu_geometry_push){.view = d->view, .lights = d->lights, .counters = graph_address(context, d->wanted)});
+}
+
+void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer wanted, const struct geometry_scene *scene,
+                               const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth) {
+    struct blend_data data = {.scene = scene,
+                              .draws = *draws,
+                              .view = view,
+                              .lights = list->header,
+                              .wanted = wanted,
+                              .kind = list->kind,
+                              .samples = MAX(graph_image_info(graph, depth).samples, 1u)};
+    struct graph_pass *pass = graph_add_pass(graph, "shadow requests blend", GRAPH_QUEUE_GRAPHICS, execute_blend, &data, sizeof data);
+    geometry_use(pass, scene, draws, GEOMETRY_BLEND);
+    light_list_use(pass, list, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, wanted, GRAPH_READ_WRITE_FRAGMENT);
+    graph_depth_read_only(pass, depth);
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Shadow maps as shading reads them, and the requests that say which of their pages a frame needs. A frame makes them in this order: requests
+ * of all that it shades, shadow_pages_add() (pages.h) finds a place for each page, shadow_fill_add() (fill.h) draws those that are not true any more.
+ * shaders/shadows/maps_shared.h says how maps are laid out.
+ *
+ * Virtual shadow maps for many lights: O. Olsson et al., "Efficient Virtual Shadow Maps for Many Lights", *I3D* 2014. There, pages come from the boxes of
+ * clusters; here each pixel asks for the one that it will read.
+ */
+#ifndef FNL_PASSES_SHADOW_MAPS_H
+#define FNL_PASSES_SHADOW_MAPS_H
+
+#include "graph/graph.h"
+#include "shadows/maps_shared.h"
+
+struct shadow_maps {
+    graph_buffer held, before, pages, biases;
+    graph_image atlas;
+    VkDeviceAddress address; /* struct gpu_shadow_maps; 0: there are none */
+};
+/** Declares that a pass looks up shadows in fragment or compute shaders. */
+void shadow_maps_use(struct graph_pass *pass, const struct shadow_maps *maps, enum graph_use use);
+
+struct light_list;
+struct geometry_scene;
+struct geometry_draws;
+
+/**
+ * A page for each opaque surface in `depth` and each light of `list`, which finds lights by pixel and position, that reaches it. `list` has neither
+ * GPU_LIST_RAYS nor GPU_LIST_MAPS. Returns SHADOW_ROW_WORDS words for each of its `row_count` local lights. Cost: a visit of every light of the list for every sample
+ * whose depth is not that of the last one.
+ */
+graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, uint32_t row_count, graph_image depth);
+/** The same of blended surfaces, added to `wanted`. */
+void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer wanted, const struct geometry_scene *scene,
+                               const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth);
+
+#endif

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Asks for the pages of shadow maps that the shading of a point will look up.
+#ifndef SHADOW_REQUESTS_GLSL
+#define SHADOW_REQUESTS_GLSL
+
+#include "lights/illuminate.glsl"
+
+void request_bit(uint_array wanted, uint row, uint bit) {
+    uint word = row * SHADOW_ROW_WORDS + bit / 32u, mask = 1u << (bit % 32u);
+    if ((wanted.at[word] & mask) == 0u) atomicOr(wanted.at[word], mask); // most were asked for before
+}
+
+// `near`: metres within which shading may place the point.
+void request_light(light_list_block l, uint_array wanted, uint row, gpu_shape shape, vec3 position, float near) {
+    vec3 ray = position - shape.position;
+    bool box = shape.kind == GPU_SHAPE_BOX;
+    float most = max(abs(ray.x), max(abs(ray.y), abs(ray.z)));
+    for (uint face = 0u; face < (box ? 1u : SHADOW_FACES); face++) {
+        vec4 clip = shadow_face_clip(shape, face, ray);
+        if (!box && !(clip.w >= most - 2.0 * near && clip.w > 0.0)) continue;
+        vec2 ndc = clip.xy / clip.w;
+        float slack = near / (box ? min(shape.size.x, shape.size.y) : clip.w), across = shadow_across(l, shape, clip.w, position);
+        uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
+        for (uint level = finest; level <= coarsest; level++) {
+            uvec2 low, high;
+            shadow_pages_round(level, ndc, slack, low, high);
+            for (uint y = low.y; y <= high.y; y++)
+                for (uint x = low.x; x <= high.x; x++) request_bit(wanted, row, shadow_bit(face, level, uvec2(x, y)));
+        }
+    }
+}
+
+void request_pages(light_list_block l, uint_array wanted, light_point point) {
+    view_block v = l.list.view;
+    float seen_from = length(v.view.eye - point.position);
+    float near = shadow_slack(l, point.position) + (v.view.samples > 1u ? pixel_width(v, seen_from) : 0.0);
+    light_cursor cursor = lights_begin(l, point);
+    FOR_EACH_LIGHT(l, cursor, light) {
+        gpu_shape shape = l.list.lights.at[light].shape;
+        if (!shadow_has_map(shape) || !light_reaches(l, light, point.position)) continue;
+        request_light(l, wanted, light - l.list.directional_count, shape, point.position, near);
+    }
+}
+
+#endif

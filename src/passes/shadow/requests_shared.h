@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_SHADOW_REQUESTS_SHARED_H
+#define FNL_PASSES_SHADOW_REQUESTS_SHARED_H
+
+#include "shared.h"
+
+struct gpu_shadow_requests_push {
+    ADDRESS(light_list_block) list;
+    ADDRESS(uint_array) wanted; /* SHADOW_ROW_WORDS words for each local light */
+    uint depth;                 /* sampled index */
+    uint samples;
+};
+
+#endif

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: MIT */
+/* Frames with shadow maps: against shadows whose edges are known, against rays, in all shading paths, on any budget, and the work they cost. */
+#include "tests/render_harness.h"
+#include "tests/shadow_cases.h"
+
+/* ---- shadows whose edges are known ---- */
+
+static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) {
+    struct stage s = stage_open_scene(scene);
+    s.frame.width = view->width, s.frame.height = view->height;
+    s.frame.camera = view->camera;
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    struct shot plain = stage_shoot(&s, &s.frame);
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    struct shot shadowed = stage_shoot(&s, &s.frame);
+    assert_int_equal(counter(&shadowed.stats, "shadows.coarsened"), 0);
+    assert_int_equal(counter(&shadowed.stats, "shadows.traced"), 0);
+    for (uint32_t i = 0; i < SHADOW_SIZE * SHADOW_SIZE; i++) {
+        const float *open = pixel_at(&plain.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE);
+        assert_true(open[1] > 0);
+        out[i] = pixel_at(&shadowed.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE)[1] / open[1];
+    }
+    shot_free(&plain);
+    shot_free(&shadowed);
+    stage_close(&s);
+}
+
+/* A pixel is an eighth of a metre wide, a texel at most as much: a texel and a half, seen a metre above the floor. */
+static void test_known_shadows(void **state) {
+    UNUSED(state);
+    shadow_cases(&(struct shadow_cases){measure, 1e-3, 1.5 / 8 / 1.5, false});
+}
+
+/* ---- against rays ---- */
+
+/* Luminance that differs from rays, as a part of what there would be without shadows. */
+struct leak {
+    double error, dark; /* dark: what rays take away */
+    uint32_t far_off;   /* pixels that differ although no edge of a shadow is near */
+};
+
+static double luminance_at(const fnl_image *image, uint32_t x, uint32_t y) {
+    const float *p = pixel_at(image, x, y);
+    return 0.2126 * (double)p[0] + 0.7152 * (double)p[1] + 0.0722 * (double)p[2];
+}
+
+/* Whether rays give neighbours within `reach` pixels another part of their light than the pixel: an edge is near, of a shadow or a surface. */
+static bool edge_is_near(const fnl_image *open, const fnl_image *rays, uint32_t x, uint32_t y, int reach) {
+    double low = INFINITY, high = -INFINITY;
+    for (int dy = -reach; dy <= reach; dy++)
+        for (int dx = -reach; dx <= reach; dx++) {
+            const int u = (int)x + dx, v = (int)y + dy;
+            if (u < 0 || v < 0 || u >= (int)open->width || v >= (int)open->height) continue;
+            const double part = luminance_at(rays, (uint32_t)u, (uint32_t)v) / fmax(luminance_at(open, (uint32_t)u, (uint32_t)v), 1e-9);
+            low = fmin(low, part);
+            high = fmax(high, part);
+        }
+    return high - low > 0.02;
+}
+
+static struct leak leak_of(struct stage *s, int reach) {
+    s->frame.outputs = FNL_OUTPUT_RADIANCE;
+    s->frame.shadows = FNL_SHADOWS_OFF;
+    struct shot open = stage_shoot(s, &s->frame);
+    s->frame.shadows = FNL_SHADOWS_RAYS;
+    struct shot rays = stage_shoot(s, &s->frame);
+    s->frame.shadows = FNL_SHADOWS_MAPS;
+    struct shot maps = stage_shoot(s, &s->frame);
+    struct leak leak = {0};
+    double all = 0;
+    for (uint32_t y = 0; y < s->frame.height; y++)
+        for (uint32_t x = 0; x < s->frame.width; x++) {
+            const double whole = luminance_at(&open.radiance, x, y), wanted = luminance_at(&rays.radiance, x, y),
+                         got = luminance_at(&maps.radiance, x, y);
+            all += whole;
+            leak.dark += whole - wanted;
+            leak.error += fabs(got - wanted);
+            if (fabs(got - wanted) > 0.05 * whole && !edge_is_near(&open.radiance, &rays.radiance, x, y, reach)) leak.far_off++;
+        }
+    leak.error /= all;
+    leak.dark /= all;
+    shot_free(&open);
+    shot_free(&rays);
+    shot_free(&maps);
+    return leak;
+}
+
+static void expect_leak(const char *source, double seconds, uint32_t scattered, double most, double dark) {
+    struct stage s = stage_open(source, scattered);
+    s.frame.width = 160, s.frame.height = 90;
+    s.frame.shadow.memory = 256;
+    if (seconds > 0) { /* after a frame in another pose */
+        s.frame.shadows = FNL_SHADOWS_MAPS;
+        assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
+        assert_int_equal(fnl_scene_set_time(s.scene, 0, seconds), FNL_OK);
+    }
+    const struct leak leak = leak_of(&s, 2);
+    print_message("%s: %.2f %% of the light is wrong, %.1f %% is in shadow, %u pixels are wrong far from edges\n", source, 100 * leak.error,
+                  100 * leak.dark, leak.far_off);
+    if (leak.error > most || leak.far_off > 160 * 90 / 500) fail_msg("%s: at most %.2f %%", source, 100 * most);
+    assert_true(leak.dark > dark);
+    stage_close(&s);
+}
+
+static void test_maps_are_what_rays_show(void **state) {
+    UNUSED(state);
+    expect_leak("builtin:hall?lights=256", 0, 0, 0.04, 0.2);
+    expect_leak("builtin:interior?lights=40", 0, 0, 0.02, 0.1); /* all shapes */
+    expect_leak("CornellBox.glb", 0, 8, 0.02, 0.05);
+    expect_leak("Fox.glb", 0.4, 40, 0.02, 0.01);
+}
+
+/* ---- paths and lists ---- */
+
+static void test_lists_give_the_same_maps(void **state) {
+    UNUSED(state);
+    static const fnl_light_lists lists[] = {FNL_LISTS_TILED, FNL_LISTS_FINE, FNL_LISTS_BVH};
+    struct stage s = stage_open("builtin:interior?lights=40", 0);
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    s.frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(&s, &s.frame);
+    for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
+        s.frame.lists = lists[i];
+        struct shot shot = stage_shoot(&s, &s.frame);
+        if (count_differing(&all.radiance, &shot.radiance)) fail_msg("%s", fnl_value_name(FNL_ENUM_LISTS, lists[i]));
+        shot_free(&shot);
+    }
+    shot_free(&all);
+    stage_close(&s);
+}
+
+/* Each path with maps is as close to forward shading with maps as both are without shadows; with several samples too. */
+static void test_paths_give_the_same_maps(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:interior?lights=40", 0);
+    s.frame.width = 64, s.frame.height = 36, s.frame.ev = 1;
+    for (uint32_t msaa = 1; msaa <= 4; msaa += 3) {
+        s.frame.msaa = msaa;
+        struct shot forward[2];
+        for (int k = 0; k < 2; k++) {
+            s.frame.shading = FNL_SHADING_FORWARD;
+            s.frame.shadows = k ? FNL_SHADOWS_MAPS : FNL_SHADOWS_OFF;
+            forward[k] = stage_shoot(&s, &s.frame);
+        }
+        assert_true(count_beyond(&forward[0].color, &forward[1].color, 8) > 500);
+        for (fnl_shading shading = FNL_SHADING_FORWARD + 1; shading < FNL_SHADING_AUTO; shading++) {
+            if (msaa > 1 && shading != FNL_SHADING_DEFERRED && shading != FNL_SHADING_VISIBILITY) continue;
+            double psnr[2];
+            for (int k = 0; k < 2; k++) {
+                s.frame.shading = shading;
+                s.frame.shadows = k ? FNL_SHADOWS_MAPS : FNL_SHADOWS_OFF;
+                struct shot shot = stage_shoot(&s, &s.frame);
+                fnl_image_difference difference;
+                assert_int_equal(fnl_image_compare(NULL, &forward[k].color, &shot.color, &difference), FNL_OK);
+                psnr[k] = fmin(difference.psnr, 60);
+                shot_free(&shot);
+            }
+            if (psnr[1] < psnr[0] - 4 || psnr[1] < 24)
+                fail_msg("%s, %u samples: %.1f dB with shadows, %.1f without", fnl_value_name(FNL_ENUM_SHADING, shading), msaa, psnr[1], psnr[0]);
+        }
+        shot_free(&forward[0]);
+        shot_free(&forward[1]);
+    }
+    stage_close(&s);
+}
+
+/* ---- the budget ---- */
+
+/* However little memory there is, every light keeps its shadow: what is wrong grows, nothing is lost. */
+static void test_small_budgets_make_maps_coarser(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:hall?lights=256", 0);
+    static const uint32_t budgets[] = {256, 8, 1};
+    double last = 0;
+    for (uint32_t i = 0; i < COUNT_OF(budgets); i++) {
+        s.frame.shadow.memory = budgets[i];
+        const struct leak leak = leak_of(&s, 2);
+        const fnl_frame_stats stats = harness_stats(s.renderer);
+        print_message("%u MiB: %.2f %% wrong, %.1f %% dark; pages %u of %u, cells %u, coarser %u, traced %u\n", budgets[i], 100 * leak.error,
+                      100 * leak.dark, (uint32_t)counter(&stats, "shadows.pages"), (uint32_t)counter(&stats, "shadows.wanted"),
+                      (uint32_t)counter(&stats, "shadows.cells"), (uint32_t)counter(&stats, "shadows.coarsened"),
+                      (uint32_t)counter(&stats, "shadows.traced"));
+        assert_true(counter(&stats, "shadows.cells") * 65536 <= budgets[i] * 1048576ull);
+        assert_true((counter(&stats, "shadows.coarsened") > 0) == (i > 0));
+        assert_int_equal(counter(&stats, "shadows.traced"), 0);
+        assert_true(leak.error < leak.dark / 2 && leak.error >= last * 0.9);
+        last = leak.error;
+    }
+    stage_close(&s);
+}
+
+/* ---- work ---- */
+
+static fnl_frame_stats after_frame(struct stage *s) {
+    assert_int_equal(fnl_renderer_render(s->renderer, &s->frame), FNL_OK);
+    return harness_stats(s->renderer);
+}
+
+static void test_only_what_is_new_is_drawn(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:hall?lights=64", 0);
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    fnl_frame_stats stats = after_frame(&s);
+    const uint64_t first = counter(&stats, "shadows.drawn"), pairs = counter(&stats, "shadows.pairs");
+    assert_true(first > 50 && first == counter(&stats, "shadows.pages") && pairs >= first / 2);
+    /* Few of the items stand before a light. */
+    assert_true(pairs < first * stats.items / 4);
+    stats = after_frame(&s);
+    assert_int_equal(counter(&stats, "shadows.drawn"), 0);
+    assert_int_equal(counter(&stats, "shadows.pairs"), 0);
+    assert_int_equal(counter(&stats, "shadows.pages"), first);
+    s.frame.camera.position.x += 0.05f;
+    stats = after_frame(&s);
+    assert_true(counter(&stats, "shadows.drawn") < first / 2);
+    stage_close(&s);
+}
+
+/* Pages whose items find no room wait, and the frame says so; in the end all are drawn. */
+static void test_pages_wait_for_room(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:hall?lights=16", 0);
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    struct shot whole = stage_shoot(&s, &s.frame);
+    assert_int_equal(counter(&whole.stats, "shadows.waiting"), 0);
+    const uint64_t pairs = counter(&whole.stats, "shadows.pairs");
+    fnl_renderer_destroy(&s.renderer);
+    assert_int_equal(fnl_renderer_create(harness_device(), s.scene, &s.renderer), FNL_OK);
+    s.renderer->shadow_pairs = 1; /* then there is room for as many as items */
+    struct shot first = stage_shoot(&s, &s.frame);
+    assert_true(pairs > first.stats.items);
+    assert_int_equal(counter(&first.stats, "shadows.waiting"), pairs - first.stats.items);
+    for (int i = 0; i < GPU_FRAMES_IN_FLIGHT + 1; i++) assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
+    struct shot last = stage_shoot(&s, &s.frame);
+    assert_int_equal(counter(&last.stats, "shadows.waiting"), 0);
+    assert_int_equal(count_differing(&whole.radiance, &last.radiance), 0);
+    shot_free(&whole);
+    shot_free(&first);
+    shot_free(&last);
+    stage_close(&s);
+}
+
+/* Frames without lights, and those without shadows, have no pass more. */
+static void test_nothing_is_added_without_lights(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:hall?lights=0", 0);
+    s.frame.timers = true;
+    const uint32_t plain = after_frame(&s).pass_count;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    after_frame(&s);
+    assert_int_equal(after_frame(&s).pass_count, plain);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_known_shadows, harness_check),
+        cmocka_unit_test_teardown(test_maps_are_what_rays_show, harness_check),
+        cmocka_unit_test_teardown(test_lists_give_the_same_maps, harness_check),
+        cmocka_unit_test_teardown(test_paths_give_the_same_maps, harness_check),
+        cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser, harness_check),
+        cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
+        cmocka_unit_test_teardown(test_pages_wait_for_room, harness_check),
+        cmocka_unit_test_teardown(test_nothing_is_added_without_lights, harness_check),
+    };
+    return cmocka_run_group_tests_name("shadow_maps", tests, harness_begin, harness_end);
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/shadows.h"
+
+#include "passes/shadow/fill.h"
+#include "passes/shadow/maps.h"
+#include "render/orders/order.h"
+
+/* ---- what finds them ---- */
+
+/* Rows of maps are the local lights. More than there is room for: rays find all shadows. */
+static bool has_maps(const fnl_renderer *r, const fnl_frame *frame) {
+    const uint32_t rows = r->scene->light_slot_end;
+    return frame->shadows == FNL_SHADOWS_MAPS && gpu_info(r->device)->clip_distances && rows > 0 && rows <= SHADOW_MOST_ROWS;
+}
+
+static uint32_t atlas_side(const fnl_frame *frame) {
+    const double cells = frame->shadow.memory * (1048576.0 / (SHADOW_PAGE * SHADOW_PAGE * 4));
+    return SHADOW_PAGE * (uint32_t)sqrt(cells);
+}
+
+static bool has_capsules(fnl_renderer *r) {
+    const fnl_scene *scene = r->scene;
+    if (r->capsules_version == scene->light_version + 1) return r->capsules;
+    r->capsules = false;
+    for (uint32_t i = 0; i < scene->lights.count && !r->capsules; i++) r->capsules = scene->lights.data[i].params.kind == FNL_LIGHT_CAPSULE;
+    r->capsules_version = scene->light_version + 1;
+    return r->capsules;
+}
+
+/* Whether rays find some shadows: those of directional lights and capsules, and of any light where the atlas may not hold the coarsest pages of all. */
+static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->shadows == FNL_SHADOWS_RAYS || !has_maps(r, frame)) return true;
+    const uint64_t cells = atlas_side(frame) / SHADOW_PAGE, smallest = SHADOW_PAGE / SHADOW_UNIT;
+    return r->scene->suns.count > 0 || has_capsules(r) ||
+           (uint64_t)r->scene->light_slot_end * SHADOW_FACES > cells * cells * smallest * smallest;
+}
+
+fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {
+    if (!has_maps(r, frame)) return FNL_OK;
+    const struct device_scene *d = r->device_scene;
+    const uint64_t drawn[] = {d->material_version, d->texture_version, d->arrived_before + d->arrived.count, d->ray_key},
+                   placed[] = {d->structure_version, d->scene->transform_version};
+    struct renderer_shadows *s = &view->shadows;
+    const uint64_t bytes = shadow_fill_kept_bytes(d->item_count);
+    s->all_changed |= memcmp(drawn, s->drawn, sizeof drawn) != 0 || s->kept.size < bytes;
+    s->moved |= memcmp(placed, s->placed, sizeof placed) != 0;
+    memcpy(s->drawn, drawn, sizeof drawn);
+    memcpy(s->placed, placed, sizeof placed);
+    if (s->kept.size < bytes) {
+        gpu_buffer_destroy(r->device, &s->kept);
+        TRY(gpu_buffer_create(r->device, "shadow items", bytes + bytes / 4, GPU_MEMORY_DEVICE, &s->kept));
+    }
+    return shadow_pages_prepare(r->device, &s->pages, r->scene->light_slot_end, atlas_side(frame));
+}
+
+/* Once for each renderer. */
+static void tell_of_rays(fnl_renderer *r) {
+    if (r->told_of_maps) return;
+    r->told_of_maps = true;
+    if (!gpu_info(r->device)->clip_distances)
+        log_warning(&r->host, "shadows: this device has no clip_distances, which maps need: rays find all shadows");
+    else
+        log_warning(&r->host, "shadows: the scene has %u lights, more than the %u that may have maps: rays find all shadows",
+                    r->scene->light_slot_end, SHADOW_MOST_ROWS);
+}
+
+fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
+    if (frame->shadows == FNL_SHADOWS_MAPS && r->scene->light_slot_end > 0 && !has_maps(r, frame)) tell_of_rays(r);
+    TRY(device_rays_prepare(r->device_scene, has_traced(r, frame)));
+    return shadows_prepare_view(r, frame, &r->views.data[0]);
+}
+
+void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene) {
+    if (shared->frame->shadows == FNL_SHADOWS_OFF) return;
+    const bool traces = has_traced(shared->r, shared->frame);
+    shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, traces);
+    if (traces) scene->lights.rays = shared->rays;
+}
+
+/* ---- maps ---- */
+
+void shadows_forget(struct renderer_view *view) {
+    shadow_state_forget(&view->shadows.pages);
+    view->shadows.all_changed = true;
+}
+
+void shadows_finish(gpu_device *device, struct renderer_view *view) {
+    shadow_state_finish(device, &view->shadows.pages);
+    gpu_buffer_destroy(device, &view->shadows.kept);
+}
+
+/* What is shaded without a depth that is known before gets one for this alone. */
+static graph_image depth_of(struct frame_state *f) {
+    if (frame_is(f->frame, SHADING_PREPASS) || shading_order(f->frame->shading)->draw) return f->depth;
+    graph_image depth = frame_create_image(f, "shadow depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
+    geometry_depth_add(f->graph, "shadow depth", &f->scene->geometry, &f->draws, f->view_address, depth);
+    return depth;
+}
+
+static struct shadow_pages add_pages(struct frame_state *f) {
+    const struct light_input *lights = &f->scene->lights;
+    const graph_image depth = depth_of(f);
+    struct light_list list = order_add_fallback_lists(f);
+    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS);
+    list.rays = (struct rays){0};
+    graph_buffer wanted = shadow_requests_add(f->graph, &list, lights->local_count, depth);
+    if (order_has_blend(f))
+        shadow_requests_blend_add(f->graph, &list, wanted, &f->scene->geometry, &f->draws, f->view_address, depth);
+    return shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
+                            &(struct shadow_pages_input){.wanted = wanted, .lights = lights});
+}
+
+void shadows_add(struct frame_state *f) {
+    struct light_input *lights = &f->scene->lights;
+    if (!has_maps(f->r, f->frame) || lights->local_count == 0) return;
+    const uint32_t pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count);
+    graph_push_names(f->graph, "shadows");
+    const struct shadow_pages pages = add_pages(f);
+    shadow_fill_add(f->graph, f->r->device,
+                    &(struct shadow_fill_input){.lights = lights,
+                                                                                .scene = &f->scene->geometry,
+                                                                                .rays = &f->rays,
+                                                                                .pages = pages.pages,
+                                                                                .counts = pages.counts,
+                                                                                .page_limit = pages.page_limit,
+                                                                                .atlas = pages.atlas,
+                                                                                .kept = &f->kept->shadows.kept,
+                                                                                .all_changed = f->kept->shadows.all_changed,
+                                                                                .moved = f->kept->shadows.moved,
+                                                                                .pair_capacity = pairs});
+    graph_pop_names(f->graph);
+    f->kept->shadows.all_changed = f->kept->shadows.moved = false;
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
+    struct gpu_shadow_maps *maps = slice.data;
+    if (!maps) return; /* the frame fails */
+    *maps = (struct gpu_shadow_maps){.row_count = pages.row_count};
+    graph_put_address(f->graph, &maps->held, pages.held);
+    graph_put_address(f->graph, &maps->before, pages.before);
+    graph_put_address(f->graph, &maps->pages, pages.pages);
+    graph_put_address(f->graph, &maps->biases, pages.biases);
+    graph_put_sampled(f->graph, &maps->atlas, pages.atlas);
+    lights->maps = (struct shadow_maps){.held = pages.held,
+                                        .before = pages.before,
+                                        .pages = pages.pages,
+                                        .biases = pages.biases,
+                                        .atlas = pages.atlas,
+                                        .address = slice.address};
+    COUNTERS_COPY(f, pages.counts, 0, shadows);
+    counters_note(f, "shadows.waiting", pairs);
+}
+
+/* ---- numbers ---- */
+
+/* What was noted is the room that there was. */
+static bool find_waiting(const struct counted *counted, uint64_t *value) {
+    const uint64_t pairs = counted->counts->shadows.pairs;
+    *value = pairs > *value ? pairs - *value : 0;
+    return true;
+}
+
+#define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadows.member), .needs = "shadows=maps"}
+static const struct counter counters[] = {
+    MAPS("wanted", "pages", "pages of shadow maps that pixels ask for", wanted),
+    MAPS("pages", "pages", "pages that there are: fewer where lights were made coarser", pages),
+    MAPS("drawn", "pages", "of them, drawn in this frame", drawn),
+    MAPS("evicted", "pages", "pages of the last frame that this one does not have", evicted),
+    MAPS("coarsened", "lights", "lights whose maps are coarser than pixels ask for, to fit into shadow.memory", coarsened),
+    MAPS("traced", "lights", "lights whose shadows rays find because there is no room for a map", traced),
+    MAPS("cells", "cells", "squares of 128x128 texels of shadow maps that are in use", cells),
+    MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
+    {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
+     .find = find_waiting, .needs = "shadows=maps", .kind = FNL_COUNTER_OVERFLOW},
+};
+const struct counter_table shadows_counters = {counters, COUNT_OF(counters)};

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/** Shadows in a frame: what finds them, and the maps of each view. */
+#ifndef FNL_RENDER_SHADOWS_H
+#define FNL_RENDER_SHADOWS_H
+
+#include "render/frame_state.h"
+
+/** Outside of frames, after the scene is on the device: what the frame's shadows keep there, and of its first view. */
+fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame);
+/** The same for one more view. */
+fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view);
+/** After a frame that failed: nothing is known of what the maps of a view hold. */
+void shadows_forget(struct renderer_view *view);
+/** The device is idle. */
+void shadows_finish(gpu_device *device, struct renderer_view *view);
+/** What all views of a frame share. */
+void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene);
+/** The maps of a view: lists that are made afterwards cast shadows. After what is drawn before lists, before lists. */
+void shadows_add(struct frame_state *f);
+
+extern const struct counter_table shadows_counters;
+
+#endif
