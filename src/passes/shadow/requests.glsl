@@ -11,23 +11,29 @@ void request_bit(uint_array wanted, uint row, uint bit) {
 }
 
 // `near`: metres within which shading may place the point.
-void request_light(light_list_block l, uint_array wanted, uint row, gpu_shape shape, vec3 position, float near) {
-    vec3 ray = position - shape.position;
-    bool box = shape.kind == GPU_SHAPE_BOX;
-    float most = max(abs(ray.x), max(abs(ray.y), abs(ray.z)));
-    for (uint face = 0u; face < (box ? 1u : SHADOW_FACES); face++) {
-        vec4 clip = shadow_face_clip(shape, face, ray);
-        if (!box && !(clip.w >= most - 2.0 * near && clip.w > 0.0)) continue;
-        vec2 ndc = clip.xy / clip.w;
-        float slack = near / (box ? min(shape.size.x, shape.size.y) : clip.w), across = shadow_across(l, shape, clip.w, position);
-        uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
-        for (uint level = finest; level <= coarsest; level++) {
-            uvec2 low, high;
-            shadow_pages_round(level, ndc, slack, low, high);
-            for (uint y = low.y; y <= high.y; y++)
-                for (uint x = low.x; x <= high.x; x++) request_bit(wanted, row, shadow_bit(face, level, uvec2(x, y)));
-        }
+void request_face(light_list_block l, uint_array wanted, uint row, gpu_shape shape, uint face, vec3 ray, vec3 position, float near) {
+    vec4 clip = shadow_face_clip(shape, face, ray);
+    vec2 ndc = clip.xy / clip.w;
+    float slack = near / (shape.kind == GPU_SHAPE_BOX ? min(shape.size.x, shape.size.y) : clip.w), across = shadow_across(l, shape, clip.w, position);
+    uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
+    for (uint level = finest; level <= coarsest; level++) {
+        uvec2 low, high;
+        shadow_pages_round(level, ndc, slack, low, high);
+        for (uint y = low.y; y <= high.y; y++)
+            for (uint x = low.x; x <= high.x; x++) request_bit(wanted, row, shadow_bit(face, level, uvec2(x, y)));
     }
+}
+
+// All faces that the point may be seen in: more than one only at their edges.
+void request_light(light_list_block l, uint_array wanted, uint row, gpu_shape shape, vec3 position, float near) {
+    vec3 ray = position - shape.position, size = abs(ray);
+    if (shape.kind == GPU_SHAPE_BOX) {
+        request_face(l, wanted, row, shape, 0u, ray, position, near);
+        return;
+    }
+    float least = max(size.x, max(size.y, size.z)) - 2.0 * near;
+    for (uint axis = 0u; axis < 3u; axis++)
+        if (size[axis] >= least && size[axis] > 0.0) request_face(l, wanted, row, shape, 2u * axis + (ray[axis] < 0.0 ? 1u : 0u), ray, position, near);
 }
 
 void request_pages(light_list_block l, uint_array wanted, light_point point) {
