@@ -196,6 +196,11 @@ static fnl_frame_stats after_frame(struct stage *s) {
     return harness_stats(s->renderer);
 }
 
+static uint64_t counter_of_frame(struct stage *s, const char *key) {
+    const fnl_frame_stats stats = after_frame(s);
+    return counter(&stats, key);
+}
+
 static void test_only_what_is_new_is_drawn(void **state) {
     UNUSED(state);
     struct stage s = stage_open("builtin:hall?lights=64", 0);
@@ -212,6 +217,64 @@ static void test_only_what_is_new_is_drawn(void **state) {
     s.frame.camera.position.x += 0.05f;
     stats = after_frame(&s);
     assert_true(counter(&stats, "shadows.drawn") < first / 2);
+    stage_close(&s);
+}
+
+/* What has changed is drawn in the next frame, and nothing in the one after it: a place, a material, a light. */
+static void test_changes_are_drawn(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = shadow_floor();
+    fnl_material_params leaf = matt(1);
+    leaf.alpha_mode = FNL_ALPHA_MASK;
+    const fnl_material_id material = add_material(scene, &leaf);
+    const fnl_instance_id instance = add_instance(scene, add_square_mesh(scene, material), mat4_translation((vec3){0, 1, 0}));
+    fnl_light_params lamp = fnl_light_params_default();
+    lamp.position = (vec3){30, 3, 0};
+    lamp.intensity = 5;
+    lamp.range = 2;
+    struct stage s = stage_open_scene(scene);
+    const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 0.5f, SHADOW_SIZE);
+    s.frame.width = view.width, s.frame.height = view.height;
+    s.frame.camera = view.camera;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    const uint64_t pages = counter_of_frame(&s, "shadows.drawn");
+    assert_true(pages > 2);
+    assert_int_equal(counter_of_frame(&s, "shadows.drawn"), 0);
+    const mat4 moved = mat4_translation((vec3){0.5f, 1, 0});
+    assert_int_equal(fnl_scene_set_instance_transform(scene, instance, &moved), FNL_OK);
+    const uint64_t touched = counter_of_frame(&s, "shadows.drawn");
+    assert_true(touched > 0 && touched < pages);
+    assert_int_equal(counter_of_frame(&s, "shadows.drawn"), 0);
+    leaf.base_color[3] = 0; /* one hole */
+    assert_int_equal(fnl_scene_set_material(scene, material, &leaf), FNL_OK);
+    assert_int_equal(counter_of_frame(&s, "shadows.drawn"), pages);
+    assert_int_equal(counter_of_frame(&s, "shadows.drawn"), 0);
+    fnl_light_id id;
+    assert_int_equal(fnl_scene_add_light(scene, &lamp, &id), FNL_OK); /* out of the view */
+    assert_int_equal(counter_of_frame(&s, "shadows.drawn"), 0);
+    lamp.position = (vec3){0, 1, 2};
+    assert_int_equal(fnl_scene_set_light(scene, id, &lamp), FNL_OK);
+    const uint64_t of_lamp = counter_of_frame(&s, "shadows.drawn");
+    assert_true(of_lamp > 0 && of_lamp < counter_of_frame(&s, "shadows.pages"));
+    assert_int_equal(counter_of_frame(&s, "shadows.drawn"), 0);
+    stage_close(&s);
+}
+
+/* A pane over the floor is nearer to the light than what is seen through it, and asks for pages of its own. */
+static void test_blended_surfaces_ask_for_pages(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = shadow_floor();
+    struct stage s = stage_open_scene(scene);
+    const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 2.5f, SHADOW_SIZE);
+    s.frame.width = view.width, s.frame.height = view.height;
+    s.frame.camera = view.camera;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    const uint64_t without = counter_of_frame(&s, "shadows.wanted");
+    fnl_material_params glass = matt(1);
+    glass.alpha_mode = FNL_ALPHA_BLEND;
+    glass.base_color[3] = 0.25f;
+    add_square(scene, &glass, (vec3){3, 1, 3}, (vec3){0, 2, 0});
+    assert_true(without > 0 && counter_of_frame(&s, "shadows.wanted") > without);
     stage_close(&s);
 }
 
@@ -260,6 +323,8 @@ int main(void) {
         cmocka_unit_test_teardown(test_paths_give_the_same_maps, harness_check),
         cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser, harness_check),
         cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
+        cmocka_unit_test_teardown(test_changes_are_drawn, harness_check),
+        cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_pages_wait_for_room, harness_check),
         cmocka_unit_test_teardown(test_nothing_is_added_without_lights, harness_check),
     };
