@@ -2,6 +2,7 @@
 /* Frames with shadow maps: against shadows whose edges are known, against rays, in all shading paths, on any budget, and the work they cost. */
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
+#include "tests/shadow_paths.h"
 
 /* ---- shadows whose edges are known ---- */
 
@@ -114,54 +115,13 @@ static void test_maps_are_what_rays_show(void **state) {
 
 static void test_lists_give_the_same_maps(void **state) {
     UNUSED(state);
-    static const fnl_light_lists lists[] = {FNL_LISTS_TILED, FNL_LISTS_FINE, FNL_LISTS_BVH};
-    struct stage s = stage_open("builtin:interior?lights=40", 0);
-    s.frame.shadows = FNL_SHADOWS_MAPS;
-    s.frame.lists = FNL_LISTS_ALL;
-    struct shot all = stage_shoot(&s, &s.frame);
-    for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
-        s.frame.lists = lists[i];
-        struct shot shot = stage_shoot(&s, &s.frame);
-        if (count_differing(&all.radiance, &shot.radiance)) fail_msg("%s", fnl_value_name(FNL_ENUM_LISTS, lists[i]));
-        shot_free(&shot);
-    }
-    shot_free(&all);
-    stage_close(&s);
+    expect_lists_alike(FNL_SHADOWS_MAPS);
 }
 
-/* Each path with maps is as close to forward shading with maps as both are without shadows; with several samples too. */
 static void test_paths_give_the_same_maps(void **state) {
     UNUSED(state);
-    struct stage s = stage_open("builtin:interior?lights=40", 0);
-    s.frame.width = 64, s.frame.height = 36, s.frame.ev = 1;
-    for (uint32_t msaa = 1; msaa <= 4; msaa += 3) {
-        s.frame.msaa = msaa;
-        struct shot forward[2];
-        for (int k = 0; k < 2; k++) {
-            s.frame.shading = FNL_SHADING_FORWARD;
-            s.frame.shadows = k ? FNL_SHADOWS_MAPS : FNL_SHADOWS_OFF;
-            forward[k] = stage_shoot(&s, &s.frame);
-        }
-        assert_true(count_beyond(&forward[0].color, &forward[1].color, 8) > 500);
-        for (fnl_shading shading = FNL_SHADING_FORWARD + 1; shading < FNL_SHADING_AUTO; shading++) {
-            if (msaa > 1 && shading != FNL_SHADING_DEFERRED && shading != FNL_SHADING_VISIBILITY) continue;
-            double psnr[2];
-            for (int k = 0; k < 2; k++) {
-                s.frame.shading = shading;
-                s.frame.shadows = k ? FNL_SHADOWS_MAPS : FNL_SHADOWS_OFF;
-                struct shot shot = stage_shoot(&s, &s.frame);
-                fnl_image_difference difference;
-                assert_int_equal(fnl_image_compare(NULL, &forward[k].color, &shot.color, &difference), FNL_OK);
-                psnr[k] = fmin(difference.psnr, 60);
-                shot_free(&shot);
-            }
-            if (psnr[1] < psnr[0] - 4 || psnr[1] < 24)
-                fail_msg("%s, %u samples: %.1f dB with shadows, %.1f without", fnl_value_name(FNL_ENUM_SHADING, shading), msaa, psnr[1], psnr[0]);
-        }
-        shot_free(&forward[0]);
-        shot_free(&forward[1]);
-    }
-    stage_close(&s);
+    expect_paths_alike(FNL_SHADOWS_MAPS, 1);
+    expect_paths_alike(FNL_SHADOWS_MAPS, 4);
 }
 
 /* ---- the budget ---- */

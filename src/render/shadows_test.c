@@ -2,6 +2,7 @@
 /* Frames with shadows by rays: against shadows whose edges are known, against the tracer, in all shading paths, and what the trees cost. */
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
+#include "tests/shadow_paths.h"
 
 #include "fanal/trace.h"
 #include "render/renderer_internal.h"
@@ -98,50 +99,12 @@ static void test_animated_frames(void **state) {
 
 static void test_lists_give_the_same_shadows(void **state) {
     UNUSED(state);
-    static const fnl_light_lists lists[] = {FNL_LISTS_TILED, FNL_LISTS_FINE, FNL_LISTS_ZBIN, FNL_LISTS_BVH};
-    struct stage s = stage_open("builtin:interior?lights=40", 0);
-    s.frame.shadows = FNL_SHADOWS_RAYS;
-    s.frame.lists = FNL_LISTS_ALL;
-    struct shot all = stage_shoot(&s, &s.frame);
-    for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
-        s.frame.lists = lists[i];
-        struct shot shot = stage_shoot(&s, &s.frame);
-        if (count_differing(&all.radiance, &shot.radiance)) fail_msg("%s", fnl_value_name(FNL_ENUM_LISTS, lists[i]));
-        shot_free(&shot);
-    }
-    shot_free(&all);
-    stage_close(&s);
+    expect_lists_alike(FNL_SHADOWS_RAYS);
 }
 
-/* Each path with shadows is as close to forward shading with shadows as both are without. */
 static void test_paths_give_the_same_shadows(void **state) {
     UNUSED(state);
-    struct stage s = stage_open("builtin:interior?lights=40", 0);
-    s.frame.width = 64, s.frame.height = 36, s.frame.ev = 1;
-    struct shot forward[2];
-    for (int k = 0; k < 2; k++) {
-        s.frame.shading = FNL_SHADING_FORWARD;
-        s.frame.shadows = k ? FNL_SHADOWS_RAYS : FNL_SHADOWS_OFF;
-        forward[k] = stage_shoot(&s, &s.frame);
-    }
-    assert_true(count_beyond(&forward[0].color, &forward[1].color, 8) > 500);
-    for (fnl_shading shading = FNL_SHADING_FORWARD + 1; shading < FNL_SHADING_AUTO; shading++) {
-        double psnr[2];
-        for (int k = 0; k < 2; k++) {
-            s.frame.shading = shading;
-            s.frame.shadows = k ? FNL_SHADOWS_RAYS : FNL_SHADOWS_OFF;
-            struct shot shot = stage_shoot(&s, &s.frame);
-            fnl_image_difference difference;
-            assert_int_equal(fnl_image_compare(NULL, &forward[k].color, &shot.color, &difference), FNL_OK);
-            psnr[k] = fmin(difference.psnr, 60);
-            shot_free(&shot);
-        }
-        if (psnr[1] < psnr[0] - 4 || psnr[1] < 24)
-            fail_msg("%s: %.1f dB with shadows, %.1f without", fnl_value_name(FNL_ENUM_SHADING, shading), psnr[1], psnr[0]);
-    }
-    shot_free(&forward[0]);
-    shot_free(&forward[1]);
-    stage_close(&s);
+    expect_paths_alike(FNL_SHADOWS_RAYS, 1);
 }
 
 /* Surfaces of one pixel each have shadows of their own. */

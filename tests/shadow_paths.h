@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/** What holds for all that finds shadows in frames: lists and shading paths do not know of it. */
+#ifndef FNL_TESTS_SHADOW_PATHS_H
+#define FNL_TESTS_SHADOW_PATHS_H
+
+#include "tests/render_harness.h"
+
+/** Several kinds of lists give the picture of brute force, to the bit. */
+void expect_lists_alike(fnl_shadows shadows);
+/** Each path with shadows is as close to forward shading with shadows as both are without. With several samples a few paths are tried. */
+void expect_paths_alike(fnl_shadows shadows, uint32_t msaa);
+
+#endif
