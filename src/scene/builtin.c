@@ -7,6 +7,8 @@
     { "lights", 0, BUILTIN_LIGHTS_MAX, count }
 #define DECALS                                                                                                              \
     { "decals", 0, BUILTIN_DECALS_MAX, 0 }
+#define SUN                                                                                                                 \
+    { "sun", 0, 200000, 0 }
 #define SEED                                                                                                                \
     { "seed", 0, UINT32_MAX, 1 }
 
@@ -17,15 +19,16 @@ static const struct builtin_scene scenes[] = {
       SEED,
       {"instances", 0, BUILTIN_INSTANCES_MAX, 0},
       {"triangles", 0, BUILTIN_TRIANGLES_MAX, 0},
-      DECALS},
+      DECALS,
+      SUN},
      builtin_make_city},
-    {"hall", {LIGHTS(1024), SEED, DECALS, {"overdraw", 0, 1, 0}}, builtin_make_hall},
-    {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}}, builtin_make_interior},
+    {"hall", {LIGHTS(1024), SEED, DECALS, {"overdraw", 0, 1, 0}, SUN}, builtin_make_hall},
+    {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}, SUN}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
-    {"spheres", {LIGHTS(64), SEED, {"segments", 4, 1024, 48}}, builtin_make_spheres},
+    {"spheres", {LIGHTS(64), SEED, {"segments", 4, 1024, 48}, SUN}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
     {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps},
-    {"grass", {LIGHTS(512), SEED}, builtin_make_grass},
+    {"grass", {LIGHTS(512), SEED, SUN}, builtin_make_grass},
     {"onetile", {LIGHTS(1000), SEED}, builtin_make_onetile},
     {"nearplane", {LIGHTS(256), SEED}, builtin_make_nearplane},
     {"sky", {LIGHTS(256), SEED}, builtin_make_sky},
@@ -241,7 +244,16 @@ static fnl_result read_pair(const fnl_host *host, const char *text, const struct
     return FNL_ERROR_INVALID;
 }
 
-/** Scenes with the keys "overdraw" and "decals" get these once everything is in its place. */
+/* A directional light of so many lux. */
+static void add_sun(struct builtin *b, uint64_t lux) {
+    fnl_light_params light = fnl_light_params_default();
+    light.kind = FNL_LIGHT_DIRECTIONAL;
+    light.direction = vec3_normalize((vec3){0.45f, -0.8f, -0.35f});
+    light.intensity = (float)lux;
+    if (lux > 0) builtin_light(b, &light);
+}
+
+/** Scenes with the keys "overdraw", "decals" and "sun" get these once everything is in its place. */
 static void finish_scene(struct builtin *b, const struct builtin_scene *what, const uint64_t *values) {
     uint64_t count = 0, seed = 1;
     for (uint32_t i = 0; i < key_count(what); i++) {
@@ -250,6 +262,7 @@ static void finish_scene(struct builtin *b, const struct builtin_scene *what, co
             scene_update_transforms(b->scene);
         }
         if (strcmp(what->keys[i].name, "decals") == 0) count = values[i];
+        if (strcmp(what->keys[i].name, "sun") == 0) add_sun(b, values[i]);
         if (strcmp(what->keys[i].name, "seed") == 0) seed = values[i];
     }
     if (!b->failed && fnl_scene_scatter_decals(b->scene, (uint32_t)count, seed) != FNL_OK) b->failed = true;

@@ -70,7 +70,7 @@ struct builtin_key {
 /** A line of the table: `make` gets the values in the order of the keys. */
 struct builtin_scene {
     const char *name;
-    struct builtin_key keys[6]; /* ends with a NULL name or with the array */
+    struct builtin_key keys[7]; /* ends with a NULL name or with the array */
     void (*make)(struct builtin *b, const uint64_t *values);
 };
 
