@@ -139,10 +139,14 @@ float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 norm
 
 // The same of a directional light.
 float sun_visibility(light_list_block l, uint light, vec3 position, vec3 normal) {
-    if (!LIST_RAYS) return 1.0;
     vec3 to_light = -l.list.lights.at[light].shape.direction;
     if (!(dot(normal, to_light) > 0.0)) return 0.0;
-    return ray_visibility(rays_block(l.list.rays), position, to_light, 1e30, shadow_slack(l, position));
+    float slack = shadow_slack(l, position);
+    if (LIST_MAPS) {
+        float open = sun_map_visibility(l, light, position, slack);
+        if (!LIST_RAYS || open >= 0.0) return abs(open);
+    }
+    return ray_visibility(rays_block(l.list.rays), position, to_light, 1e30, slack);
 }
 
 // What a directional light gives, in lux.

@@ -7,8 +7,12 @@
 #include "lights/bounds_shared.h"
 
 layout(buffer_reference) buffer shadow_page_array;
+layout(buffer_reference) buffer const_shadow_shape_array;
+layout(buffer_reference) buffer const_shadow_sun_array;
 #include "shadows/maps_shared.h"
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_page_array { gpu_shadow_page at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer const_shadow_shape_array { gpu_shape at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer const_shadow_sun_array { gpu_shadow_sun at[]; };
 
 // Pages on a side of a level, and the texels of one without its borders.
 uint shadow_side(uint level) { return level < SHADOW_SQUARE_LEVELS ? 16u >> level : 1u; }

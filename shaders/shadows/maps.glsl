@@ -4,7 +4,7 @@
 #define SHADOWS_MAPS_GLSL
 
 #include "lights/iterate.glsl"
-#include "shadows/faces.glsl"
+#include "shadows/suns.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer shadow_maps_block { gpu_shadow_maps maps; };
 
@@ -41,35 +41,61 @@ bool shadow_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, ve
     return nearest > depth && mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y) > depth + 0.25 * (most - least);
 }
 
-// Whether the light shines on the position: 0 or 1, or -1 where no map tells. `slack`: metres by which positions may be wrong; besides, what is
-// nearer by less than half a texel's width casts no shadow, or there would be lines in corners, whose depth lies between texels.
-float map_visibility(light_list_block l, uint light, vec3 position, float slack) {
-    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
-    gpu_shape shape = l.list.lights.at[light].shape;
-    uint row = light - l.list.directional_count;
-    uint bias = shadow_has_map(shape) ? maps.biases.at[row] : SHADOW_TRACED;
-    if (bias == SHADOW_TRACED) return -1.0;
-    vec3 ray = position - shape.position;
-    shadow_page at;
-    at.face = shadow_face_of(shape.kind, ray);
+// Whether a point lies in the light of a row, 0 or 1, or -1 where no map tells. Pages of `at.level` are looked up, and of coarser levels where there are none.
+float row_visibility(gpu_shadow_maps maps, uint row, gpu_shape shape, shadow_page at, vec3 ray, float slack) {
     vec4 clip = shadow_face_clip(shape, at.face, ray);
     vec2 ndc = clip.xy / clip.w;
-    at.level = min(shadow_level_for(shadow_across(l, shape, clip.w, position)) + bias, SHADOW_LEVELS - 1u);
     uint page = 0u;
     bool found = false;
     for (; at.level < SHADOW_LEVELS; at.level++) { // pixels asked for the first; what is beside them may have to look farther
-        at.at = min(uvec2((ndc * 0.5 + 0.5) * float(shadow_side(at.level))), uvec2(shadow_side(at.level) - 1u));
+        at.at = min(uvec2(max(ndc * 0.5 + 0.5, 0.0) * float(shadow_side(at.level))), uvec2(shadow_side(at.level) - 1u));
         found = shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), page);
         if (found) break;
     }
     if (!found) return -1.0;
     float texel = 2.0 / shadow_width(at.level);
-    if (shape.kind == GPU_SHAPE_BOX) {
+    if (shape.kind == GPU_SHAPE_BOX) { // what is beyond the last that casts has the least depth
         float before = slack + 0.5 * texel * max(shape.size.x, shape.size.y);
-        return shadow_hides(maps, maps.pages.at[page], at, ndc, clip.z + 0.5 * before / shape.size.z) ? 0.0 : 1.0;
+        return shadow_hides(maps, maps.pages.at[page], at, ndc, max(clip.z + 0.5 * before / shape.size.z, 0.0)) ? 0.0 : 1.0;
     }
     float along = clip.w - slack - 0.5 * texel * clip.w;
     return along > 0.0 && shadow_hides(maps, maps.pages.at[page], at, ndc, SHADOW_NEAR / along) ? 0.0 : 1.0;
+}
+
+// Whether the light shines on the position: 0 or 1, or -1 where no map tells. `slack`: metres by which positions may be wrong; besides, what is
+// nearer by less than half a texel's width casts no shadow, or there would be lines in corners, whose depth lies between texels.
+float map_visibility(light_list_block l, uint light, vec3 position, float slack) {
+    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+    gpu_shape shape = l.list.lights.at[light].shape;
+    uint row = light + maps.first_row;
+    uint bias = shadow_has_map(shape) ? maps.biases.at[row] : SHADOW_TRACED;
+    if (bias == SHADOW_TRACED) return -1.0;
+    shadow_page at;
+    at.face = shadow_face_of(shape.kind, position - shape.position);
+    float along = shadow_face_clip(shape, at.face, position - shape.position).w;
+    at.level = min(shadow_level_for(shadow_across(l, shape, along, position)) + bias, SHADOW_LEVELS - 1u);
+    return row_visibility(maps, row, shape, at, position - shape.position, slack);
+}
+
+// The same of a directional light.
+float sun_map_visibility(light_list_block l, uint light, vec3 position, float slack) {
+    view_block v = l.list.view;
+    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+    gpu_shadow_sun sun = maps.suns.at[light];
+    vec2 place = vec2(dot(position, sun.side), dot(position, sun.up));
+    for (int grid = shadow_sun_grid(sun, pixel_width(v, length(v.view.eye - position))); grid <= sun.coarsest; grid++) {
+        ivec2 block = ivec2(floor(place / shadow_sun_page(grid))) >> 4, first = shadow_sun_first(sun, grid);
+        if (any(lessThan(block, first)) || any(greaterThanEqual(block, first + SHADOW_SUN_SIDE))) continue;
+        uint row = shadow_sun_row(light, grid, block), bias = maps.biases.at[row];
+        if (bias == SHADOW_TRACED) continue;
+        gpu_shape shape = maps.shapes.at[row];
+        shadow_page at;
+        at.face = 0u;
+        at.level = bias;
+        float open = row_visibility(maps, row, shape, at, position - shape.position, slack);
+        if (open >= 0.0) return open;
+    }
+    return -1.0;
 }
 
 #endif

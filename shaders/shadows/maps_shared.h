@@ -5,10 +5,15 @@
  * levels: 1920, 960, 480, 240 and 120 texels wide in pages of 120, then 56, 24 and 8 wide as one small page each. Only pages that pixels ask for
  * are there: a bit for each, the sums of the bits before each word, and the pages in that order (so page number = sum + bits below). They lie in
  * one depth image, the atlas, with a border on each side that shows what lies beside them.
+ *
+ * A directional light, a sun, has rows like those of box lights, before those of the local lights. Across its direction lie square grids that
+ * do not move, one for each width of texels that is a power of two metres. A block of a grid is as wide as a face, and has a row while it is one
+ * of the SHADOW_SUN_SIDE squared round the viewer. Which row depends on where it is, so that it keeps the row, and its pages, while the viewer moves.
  */
 #ifndef FNL_SHADERS_SHADOW_MAPS_SHARED_H
 #define FNL_SHADERS_SHADOW_MAPS_SHARED_H
 
+#include "lights/bounds_shared.h"
 #include "shared.h"
 
 #define SHADOW_FACES 6u
@@ -20,6 +25,11 @@
 #define SHADOW_FACE_WORDS 11u     /* words of 32 pages; 344 are used: 256 + 64 + 16 + 4 + 1, then 1 + 1 + 1 */
 #define SHADOW_ROW_WORDS 66u
 #define SHADOW_MOST_ROWS 65536u
+#define SHADOW_BLOCK_TEXELS 1920  /* across a block of a sun: as across the finest level of a face */
+#define SHADOW_SUN_LEVELS 12      /* grids of a sun that have rows */
+#define SHADOW_SUN_SIDE 4         /* blocks on a side of each */
+#define SHADOW_SUN_ROWS 192u
+#define SHADOW_SUN_REACH 2880.0f  /* texels round the viewer that the blocks of a grid hold, at least */
 #define SHADOW_NEAR 1e-4f         /* metres from the light along the axis of a face: what is nearer casts no shadow. Depth is this / that distance */
 
 #define SHADOW_PAGE_DRAW 1u       /* the atlas does not hold what the page shows in this frame: it is to be drawn. Who draws it takes the flag off; till then it stays */
@@ -30,6 +40,17 @@ struct gpu_shadow_page {
     uint bit;   /* of the row, 0 .. SHADOW_ROW_WORDS * 32 - 1: which face, level and page; shadow_page_of() */
     uint place; /* least corner in the atlas, in units: x | y << 16 */
     uint flags; /* SHADOW_PAGE_… */
+};
+
+/* How the blocks of a directional light lie. Places are metres along three axes at right angles. */
+struct gpu_shadow_sun {
+    vec3 side;      /* unit, along the rows of pages */
+    vec3 up;        /* unit, along their columns */
+    vec3 direction; /* unit, in which light travels */
+    vec2 eye;       /* the viewer, along side and up */
+    float middle;   /* along the direction: whatever casts shadows is within `reach` of it */
+    float reach;
+    int coarsest;   /* of its grids: its texels are 2 to this power metres wide, and its blocks hold all that casts shadows */
 };
 
 /* By row: how many levels coarser than asked for its pages are. */
@@ -53,8 +74,10 @@ struct gpu_shadow_maps {
     ADDRESS(const_uint_array) before; /* for each of those words: pages before it */
     ADDRESS(shadow_page_array) pages;
     ADDRESS(const_uint_array) biases; /* by row: levels coarser, or SHADOW_TRACED */
+    ADDRESS(const_shadow_shape_array) shapes; /* by row: struct gpu_shape, what its faces are those of */
+    ADDRESS(const_shadow_sun_array) suns;
     uint atlas;                       /* sampled index of the depth image */
-    uint row_count;
+    uint first_row;                   /* a local light's row is this + its index among all lights, modulo 2^32 */
 };
 
 #endif

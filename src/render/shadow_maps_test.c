@@ -2,6 +2,7 @@
 /* Frames with shadow maps: against shadows whose edges are known, against rays, in all shading paths, on any budget, and the work they cost. */
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
+#include "tests/shadow_leak.h"
 #include "tests/shadow_paths.h"
 
 /* ---- shadows whose edges are known ---- */
@@ -34,58 +35,6 @@ static void test_known_shadows(void **state) {
 
 /* ---- against rays ---- */
 
-/* Luminance that differs from rays, as a part of what there would be without shadows. */
-struct leak {
-    double error, dark; /* dark: what rays take away */
-    uint32_t far_off;   /* pixels that differ although no edge of a shadow is near */
-};
-
-static double luminance_at(const fnl_image *image, uint32_t x, uint32_t y) {
-    const float *p = pixel_at(image, x, y);
-    return 0.2126 * (double)p[0] + 0.7152 * (double)p[1] + 0.0722 * (double)p[2];
-}
-
-/* Whether rays give neighbours within `reach` pixels another part of their light than the pixel: an edge is near, of a shadow or a surface. */
-static bool edge_is_near(const fnl_image *open, const fnl_image *rays, uint32_t x, uint32_t y, int reach) {
-    double low = INFINITY, high = -INFINITY;
-    for (int dy = -reach; dy <= reach; dy++)
-        for (int dx = -reach; dx <= reach; dx++) {
-            const int u = (int)x + dx, v = (int)y + dy;
-            if (u < 0 || v < 0 || u >= (int)open->width || v >= (int)open->height) continue;
-            const double part = luminance_at(rays, (uint32_t)u, (uint32_t)v) / fmax(luminance_at(open, (uint32_t)u, (uint32_t)v), 1e-9);
-            low = fmin(low, part);
-            high = fmax(high, part);
-        }
-    return high - low > 0.02;
-}
-
-static struct leak leak_of(struct stage *s, int reach) {
-    s->frame.outputs = FNL_OUTPUT_RADIANCE;
-    s->frame.shadows = FNL_SHADOWS_OFF;
-    struct shot open = stage_shoot(s, &s->frame);
-    s->frame.shadows = FNL_SHADOWS_RAYS;
-    struct shot rays = stage_shoot(s, &s->frame);
-    s->frame.shadows = FNL_SHADOWS_MAPS;
-    struct shot maps = stage_shoot(s, &s->frame);
-    struct leak leak = {0};
-    double all = 0;
-    for (uint32_t y = 0; y < s->frame.height; y++)
-        for (uint32_t x = 0; x < s->frame.width; x++) {
-            const double whole = luminance_at(&open.radiance, x, y), wanted = luminance_at(&rays.radiance, x, y),
-                         got = luminance_at(&maps.radiance, x, y);
-            all += whole;
-            leak.dark += whole - wanted;
-            leak.error += fabs(got - wanted);
-            if (fabs(got - wanted) > 0.05 * whole && !edge_is_near(&open.radiance, &rays.radiance, x, y, reach)) leak.far_off++;
-        }
-    leak.error /= all;
-    leak.dark /= all;
-    shot_free(&open);
-    shot_free(&rays);
-    shot_free(&maps);
-    return leak;
-}
-
 static void expect_leak(const char *source, double seconds, uint32_t scattered, double most, double dark) {
     struct stage s = stage_open(source, scattered);
     s.frame.width = 160, s.frame.height = 90;
@@ -95,7 +44,7 @@ static void expect_leak(const char *source, double seconds, uint32_t scattered, 
         assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
         assert_int_equal(fnl_scene_set_time(s.scene, 0, seconds), FNL_OK);
     }
-    const struct leak leak = leak_of(&s, 2);
+    const struct shadow_leak leak = shadow_leak_of(&s, 2);
     print_message("%s: %.2f %% of the light is wrong, %.1f %% is in shadow, %u pixels are wrong far from edges\n", source, 100 * leak.error,
                   100 * leak.dark, leak.far_off);
     if (leak.error > most || leak.far_off > 160 * 90 / 500) fail_msg("%s: at most %.2f %%", source, 100 * most);
@@ -134,7 +83,7 @@ static void test_small_budgets_make_maps_coarser(void **state) {
     double last = 0;
     for (uint32_t i = 0; i < COUNT_OF(budgets); i++) {
         s.frame.shadow.memory = budgets[i];
-        const struct leak leak = leak_of(&s, 2);
+        const struct shadow_leak leak = shadow_leak_of(&s, 2);
         const fnl_frame_stats stats = harness_stats(s.renderer);
         print_message("%u MiB: %.2f %% wrong, %.1f %% dark; pages %u of %u, cells %u, coarser %u, traced %u\n", budgets[i], 100 * leak.error,
                       100 * leak.dark, (uint32_t)counter(&stats, "shadows.pages"), (uint32_t)counter(&stats, "shadows.wanted"),

@@ -7,9 +7,13 @@
 
 /* ---- what finds them ---- */
 
-/* Rows of maps are the local lights. More than there is room for: rays find all shadows. */
+static uint64_t row_count(const fnl_renderer *r) {
+    return r->scene->suns.count * (uint64_t)SHADOW_SUN_ROWS + r->scene->light_slot_end;
+}
+
+/* More rows of maps than there is room for: rays find all shadows. */
 static bool has_maps(const fnl_renderer *r, const fnl_frame *frame) {
-    const uint32_t rows = r->scene->light_slot_end;
+    const uint64_t rows = row_count(r);
     return frame->shadows == FNL_SHADOWS_MAPS && gpu_info(r->device)->clip_distances && rows > 0 && rows <= SHADOW_MOST_ROWS;
 }
 
@@ -27,12 +31,11 @@ static bool has_capsules(fnl_renderer *r) {
     return r->capsules;
 }
 
-/* Whether rays find some shadows: those of directional lights and capsules, and of any light where the atlas may not hold the coarsest pages of all. */
+/* Whether rays find some shadows: those of capsules, and of any light where the atlas may not hold the coarsest pages of all. */
 static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_RAYS || !has_maps(r, frame)) return true;
     const uint64_t cells = atlas_side(frame) / SHADOW_PAGE, smallest = SHADOW_PAGE / SHADOW_UNIT;
-    return r->scene->suns.count > 0 || has_capsules(r) ||
-           (uint64_t)r->scene->light_slot_end * SHADOW_FACES > cells * cells * smallest * smallest;
+    return has_capsules(r) || row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
 }
 
 fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {
@@ -50,7 +53,7 @@ fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct 
         gpu_buffer_destroy(r->device, &s->kept);
         TRY(gpu_buffer_create(r->device, "shadow items", bytes + bytes / 4, GPU_MEMORY_DEVICE, &s->kept));
     }
-    return shadow_pages_prepare(r->device, &s->pages, r->scene->light_slot_end, atlas_side(frame));
+    return shadow_pages_prepare(r->device, &s->pages, (uint32_t)row_count(r), atlas_side(frame));
 }
 
 /* Once for each renderer. */
@@ -60,13 +63,13 @@ static void tell_of_rays(fnl_renderer *r) {
     if (!gpu_info(r->device)->clip_distances)
         log_warning(&r->host, "shadows: this device has no clip_distances, which maps need: rays find all shadows");
     else
-        log_warning(&r->host, "shadows: the scene has %u lights, more than the %u that may have maps: rays find all shadows",
-                    r->scene->light_slot_end, SHADOW_MOST_ROWS);
+        log_warning(&r->host, "shadows: the scene has %u local and %u directional lights, more than may have maps: rays find all shadows",
+                    r->scene->light_slot_end, r->scene->suns.count);
 }
 
 fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
-    if (frame->shadows == FNL_SHADOWS_MAPS && r->scene->light_slot_end > 0 && !has_maps(r, frame)) tell_of_rays(r);
+    if (frame->shadows == FNL_SHADOWS_MAPS && row_count(r) > 0 && !has_maps(r, frame)) tell_of_rays(r);
     TRY(device_rays_prepare(r->device_scene, has_traced(r, frame)));
     return shadows_prepare_view(r, frame, &r->views.data[0]);
 }
@@ -98,52 +101,59 @@ static graph_image depth_of(struct frame_state *f) {
     return depth;
 }
 
-static struct shadow_pages add_pages(struct frame_state *f) {
+static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
     const struct light_input *lights = &f->scene->lights;
     const graph_image depth = depth_of(f);
     struct light_list list = order_add_fallback_lists(f);
     list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS);
     list.rays = (struct rays){0};
-    graph_buffer wanted = shadow_requests_add(f->graph, &list, lights->local_count, depth);
+    list.maps = (struct shadow_maps){0};
+    graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);
     if (order_has_blend(f))
-        shadow_requests_blend_add(f->graph, &list, wanted, &f->scene->geometry, &f->draws, f->view_address, depth);
+        shadow_requests_blend_add(f->graph, &list, suns, wanted, &f->scene->geometry, &f->draws, f->view_address, depth);
     return shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
-                            &(struct shadow_pages_input){.wanted = wanted, .lights = lights});
+                            &(struct shadow_pages_input){.wanted = wanted, .suns = suns, .lights = lights});
 }
 
 void shadows_add(struct frame_state *f) {
     struct light_input *lights = &f->scene->lights;
-    if (!has_maps(f->r, f->frame) || lights->local_count == 0) return;
+    if (!has_maps(f->r, f->frame) || shadow_row_count(lights) == 0) return;
     const uint32_t pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count);
-    graph_push_names(f->graph, "shadows");
-    const struct shadow_pages pages = add_pages(f);
-    shadow_fill_add(f->graph, f->r->device,
-                    &(struct shadow_fill_input){.lights = lights,
-                                                                                .scene = &f->scene->geometry,
-                                                                                .rays = &f->rays,
-                                                                                .pages = pages.pages,
-                                                                                .counts = pages.counts,
-                                                                                .page_limit = pages.page_limit,
-                                                                                .atlas = pages.atlas,
-                                                                                .kept = &f->kept->shadows.kept,
-                                                                                .all_changed = f->kept->shadows.all_changed,
-                                                                                .moved = f->kept->shadows.moved,
-                                                                                .pair_capacity = pairs});
-    graph_pop_names(f->graph);
-    f->kept->shadows.all_changed = f->kept->shadows.moved = false;
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
     struct gpu_shadow_maps *maps = slice.data;
     if (!maps) return; /* the frame fails */
-    *maps = (struct gpu_shadow_maps){.row_count = pages.row_count};
+    graph_push_names(f->graph, "shadows");
+    *maps = (struct gpu_shadow_maps){.first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
+    graph_buffer suns = shadow_suns_add(f->graph, f->r->device, lights, &f->rays);
+    if (suns.id) graph_put_address(f->graph, &maps->suns, suns);
+    lights->maps.address = slice.address;
+    const struct shadow_pages pages = add_pages(f, suns);
+    const struct shadow_fill_input fill = {.shapes = pages.shapes,
+                                           .scene = &f->scene->geometry,
+                                           .rays = &f->rays,
+                                           .pages = pages.pages,
+                                           .counts = pages.counts,
+                                           .page_limit = pages.page_limit,
+                                           .atlas = pages.atlas,
+                                           .kept = &f->kept->shadows.kept,
+                                           .all_changed = f->kept->shadows.all_changed,
+                                           .moved = f->kept->shadows.moved,
+                                           .pair_capacity = pairs};
+    shadow_fill_add(f->graph, f->r->device, &fill);
+    graph_pop_names(f->graph);
+    f->kept->shadows.all_changed = f->kept->shadows.moved = false;
     graph_put_address(f->graph, &maps->held, pages.held);
     graph_put_address(f->graph, &maps->before, pages.before);
     graph_put_address(f->graph, &maps->pages, pages.pages);
     graph_put_address(f->graph, &maps->biases, pages.biases);
+    graph_put_address(f->graph, &maps->shapes, pages.shapes);
     graph_put_sampled(f->graph, &maps->atlas, pages.atlas);
     lights->maps = (struct shadow_maps){.held = pages.held,
                                         .before = pages.before,
                                         .pages = pages.pages,
                                         .biases = pages.biases,
+                                        .shapes = pages.shapes,
+                                        .suns = suns,
                                         .atlas = pages.atlas,
                                         .address = slice.address};
     COUNTERS_COPY(f, pages.counts, 0, shadows);

@@ -43,14 +43,13 @@ static void execute_draw(const struct graph_context *context, const void *data) 
 }
 
 static void add_draw(struct graph *graph, gpu_device *device, const struct shadow_fill_input *in,
-                     const struct shadow_fill *fill, graph_buffer cleared, graph_buffer draws, VkDeviceAddress lights) {
+                     const struct shadow_fill *fill, graph_buffer cleared, graph_buffer draws) {
     static const uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
     struct draw_data data = {.scene = in->scene,
                              .draws = draws,
                              .totals = fill->totals,
                              .corners = gpu_frame_allocate(device, sizeof corners),
                              .push = {.geometry = {.scene = in->scene->scene},
-                                      .lights = lights,
                                       .side = (float)graph_image_info(graph, in->atlas).width}};
     if (!data.corners.data) return; /* the error sticks to the device */
     memcpy(data.corners.data, corners, sizeof corners);
@@ -58,12 +57,12 @@ static void add_draw(struct graph *graph, gpu_device *device, const struct shado
         if (geometry_bucket_clustered(&in->scene->buckets[i])) data.casts[in->scene->buckets[i].mask] = true;
     struct graph_pass *pass = graph_add_pass(graph, "shadow fill", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
     graph_use_buffer(pass, in->scene->vertices, GRAPH_READ_VERTEX);
-    graph_use_buffer(pass, in->lights->buffer, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws, GRAPH_INDIRECT);
     graph_use_buffer(pass, fill->totals, GRAPH_INDIRECT);
     graph_add_row(pass, graph_buffer_row(&data.push.pairs, fill->pairs, GRAPH_READ_VERTEX));
     graph_add_row(pass, graph_buffer_row(&data.push.cleared, cleared, GRAPH_READ_VERTEX));
     graph_add_row(pass, graph_buffer_row(&data.push.pages, in->pages, GRAPH_READ_VERTEX));
+    graph_add_row(pass, graph_buffer_row(&data.push.shapes, in->shapes, GRAPH_READ_VERTEX));
     graph_depth(pass, in->atlas, VK_ATTACHMENT_LOAD_OP_LOAD, 0);
 }
 
@@ -80,7 +79,6 @@ static void add_marks(struct graph *graph, const struct shadow_fill_input *in, c
     graph_buffer kept = graph_import_buffer(graph, "shadow fill kept", in->kept),
                  changed = graph_create_buffer(graph, "shadow fill changed", (most + 1) * 4ull);
     struct gpu_fill_mark_push push = {.rays = fill->rays,
-                                      .lights = fill->lights,
                                       .page_limit = in->page_limit,
                                       .item_count = item_count,
                                       .caster_count = fill->caster_count,
@@ -104,7 +102,7 @@ static void add_marks(struct graph *graph, const struct shadow_fill_input *in, c
                                  .groups = {DIVIDE_UP(in->page_limit, 64u)},
                                  GRAPH_PUSH(push),
                                  GRAPH_ROWS(graph_changes(&push.pages, in->pages), graph_changes(&push.counts, in->counts),
-                                            graph_reads(NULL, in->lights->buffer),
+                                            graph_reads(&push.shapes, in->shapes),
                                             graph_row_if(!in->all_changed, graph_reads(&push.kept, kept)),
                                             graph_row_if(!in->all_changed, graph_reads(&push.changed, changed)))});
     rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
@@ -130,12 +128,10 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                  draws = graph_create_buffer(graph, "shadow fill draws",
                                              MAX(scene->group_count, 1u) * 2ull * sizeof(struct gpu_draw));
     struct gpu_fill_push push = {.rays = in->rays->address,
-                                 .lights = in->lights->lights + in->lights->directional_count * sizeof(struct gpu_light),
                                  .page_limit = in->page_limit,
                                  .pair_capacity = capacity,
                                  .caster_count = scene->blend_item_count ? scene->blend_first_item : scene->item_count,
                                  .group_count = scene->group_count};
-    const VkDeviceAddress lights = push.lights;
     const uint32_t page_groups = DIVIDE_UP(in->page_limit + 1, 64u);
     if (in->all_changed || in->moved) add_marks(graph, in, &push);
     graph_add_clear(graph, "shadow fill clear", GRAPH_QUEUE_GRAPHICS,
@@ -147,7 +143,7 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                                  .groups = {page_groups},
                                  GRAPH_PUSH(push),
                                  GRAPH_ROWS(graph_reads(&push.pages, in->pages), graph_reads(&push.counts, in->counts),
-                                            graph_reads(NULL, in->lights->buffer), graph_writes(&push.sums, sums))});
+                                            graph_reads(&push.shapes, in->shapes), graph_writes(&push.sums, sums))});
     rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
     prefix_sum_add(graph, "shadow fill pages", GRAPH_QUEUE_GRAPHICS, sums, in->page_limit + 1);
     pass = graph_dispatch(graph,
@@ -157,7 +153,7 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                               .groups = {page_groups},
                               GRAPH_PUSH(push),
                               GRAPH_ROWS(graph_changes(&push.pages, in->pages), graph_changes(&push.counts, in->counts),
-                                         graph_reads(NULL, in->lights->buffer), graph_reads(&push.sums, sums),
+                                         graph_reads(&push.shapes, in->shapes), graph_reads(&push.sums, sums),
                                          graph_changes(&push.item_sums, item_sums), graph_writes(&push.entries, entries),
                                          graph_writes(&push.cleared, cleared), graph_changes(&push.totals, fill.totals))});
     rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
@@ -170,6 +166,6 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                               GRAPH_ROWS(graph_reads(&push.sums, sums), graph_reads(&push.item_sums, item_sums),
                                          graph_reads(&push.entries, entries), graph_writes(&push.pairs, fill.pairs),
                                          graph_writes(&push.draws, draws), graph_changes(&push.totals, fill.totals))});
-    add_draw(graph, device, in, &fill, cleared, draws, lights);
+    add_draw(graph, device, in, &fill, cleared, draws);
     return fill;
 }

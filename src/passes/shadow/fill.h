@@ -18,12 +18,11 @@
 #define FNL_PASSES_SHADOW_FILL_H
 
 #include "passes/geometry/geometry.h"
-#include "passes/lights/light_list.h"
 #include "passes/shadow/rays.h"
 #include "shadows/maps_shared.h"
 
 struct shadow_fill_input {
-    const struct light_input *lights; /* rows are its local lights */
+    graph_buffer shapes;           /* by row: struct gpu_shape, whose faces the pages are of */
     const struct geometry_scene *scene;
     const struct rays *rays;       /* of the same scene; the tree over items is enough */
     graph_buffer pages;            /* struct gpu_shadow_page[page_limit] */

@@ -22,7 +22,7 @@ void main() {
     vec3 position = transform_point(s.scene.instances.at[item.instance], s.scene.positions.at[gl_VertexIndex]);
     gpu_shadow_page page = push.pages.at[pair.page];
     shadow_page p = shadow_page_of(page.bit);
-    gpu_shape shape = push.lights.at[page.row].shape;
+    gpu_shape shape = push.shapes.at[page.row];
     vec4 clip = shadow_face_clip(shape, p.face, position - shape.position);
     // Texels of the page, times w, which are linear on the triangle.
     vec2 texel = 0.5 * shadow_width(p.level) * (clip.xy + clip.w) + (float(SHADOW_BORDER) - vec2(p.at * shadow_page_texels(p.level))) * clip.w;

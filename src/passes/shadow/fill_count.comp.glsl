@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform push_block { gpu_fill_push push; };
 
 uint walk(uint page, uint at) {
     gpu_shadow_page p = push.pages.at[page];
-    page_volume volume = page_volume_of(push.lights.at[p.row].shape, p.bit);
+    page_volume volume = page_volume_of(push.shapes.at[p.row], p.bit);
     gpu_ray_tree tree = push.rays.rays.items;
     uint count = 0u;
     for (uint reference = tree.root; reference != RAY_END;) {

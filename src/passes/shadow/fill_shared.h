@@ -35,7 +35,7 @@ struct gpu_fill_caster {
 /* Which pages no longer show what is there. */
 struct gpu_fill_mark_push {
     ADDRESS(rays_block) rays;
-    ADDRESS(light_array) lights;
+    ADDRESS(const_shadow_shape_array) shapes;
     ADDRESS(shadow_page_array) pages;
     ADDRESS(shadow_counts_block) counts;
     ADDRESS(fill_kept_block) kept;
@@ -48,7 +48,7 @@ struct gpu_fill_mark_push {
 
 struct gpu_fill_push {
     ADDRESS(rays_block) rays;
-    ADDRESS(light_array) lights;         /* by row */
+    ADDRESS(const_shadow_shape_array) shapes; /* by row */
     ADDRESS(shadow_page_array) pages;
     ADDRESS(shadow_counts_block) counts;
     ADDRESS(uint_array) sums;            /* entries of each page, and one more; then their prefix sums */
@@ -70,7 +70,7 @@ struct gpu_fill_draw_push {
     ADDRESS(fill_pair_array) pairs;
     ADDRESS(const_uint_array) cleared;
     ADDRESS(shadow_page_array) pages;
-    ADDRESS(light_array) lights;
+    ADDRESS(const_shadow_shape_array) shapes;
     float side; /* of the atlas, texels */
 };
 

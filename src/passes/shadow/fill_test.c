@@ -6,7 +6,7 @@
 #include "tests/render_test.h"
 #include "tests/vulkan_spy.h"
 
-enum { SIDE = 1024, CELLS = SIDE / 128, MOST_PAGES = 160, MOST_ITEMS = 64 };
+enum { SIDE = 1024, CELLS = SIDE / 128, MOST_PAGES = 160, MOST_ITEMS = 64, MOST_ROWS = 64 };
 #define UNTOUCHED 0.25f /* what the atlas holds where nothing was drawn */
 
 /* ---- pages, as maps_shared.h defines them ---- */
@@ -286,8 +286,11 @@ static void fill(struct world *w, uint32_t capacity) {
     for (uint32_t i = w->pages.count; i < MOST_PAGES; i++)
         rows[i].flags = SHADOW_PAGE_DRAW; /* what is behind does not count */
     const struct gpu_shadow_counts counts = {.pages = w->pages.count, .pairs = 12345};
-    struct gpu_buffer page_buffer, count_buffer, read_buffer;
-    struct shadow_fill_input input = {.lights = &frame.lights,
+    struct gpu_shape shapes[MOST_ROWS] = {{.kind = 0}};
+    assert_true(frame.lights.local_count <= MOST_ROWS);
+    for (uint32_t i = 0; i < frame.lights.local_count; i++) shapes[i] = w->user.scene->light_data.data[i].shape;
+    struct gpu_buffer page_buffer, count_buffer, shape_buffer, read_buffer;
+    struct shadow_fill_input input = {.shapes = import_with(w, "shapes", shapes, sizeof shapes, &shape_buffer),
                                       .scene = &frame.geometry,
                                       .rays = &rays,
                                       .pages = import_with(w, "pages", rows, sizeof rows, &page_buffer),
@@ -338,6 +341,7 @@ static void fill(struct world *w, uint32_t capacity) {
     memcpy(w->texels, bytes + size, texel_bytes);
     gpu_buffer_destroy(test_device, &page_buffer);
     gpu_buffer_destroy(test_device, &count_buffer);
+    gpu_buffer_destroy(test_device, &shape_buffer);
     gpu_buffer_destroy(test_device, &read_buffer);
     gather_triangles(w);
 }

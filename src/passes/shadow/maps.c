@@ -4,6 +4,7 @@
 #include "passes/geometry/geometry.h"
 #include "passes/lights/light_list.h"
 #include "passes/shadow/requests_shared.h"
+#include "passes/shadow/suns_shared.h"
 #include "constants_shared.h"
 #include "shaders.h"
 
@@ -12,10 +13,30 @@ void shadow_maps_use(struct graph_pass *pass, const struct shadow_maps *maps, en
     graph_use_buffer(pass, maps->before, use);
     graph_use_buffer(pass, maps->pages, use);
     graph_use_buffer(pass, maps->biases, use);
+    graph_use_buffer(pass, maps->shapes, use);
+    if (maps->suns.id) graph_use_buffer(pass, maps->suns, use);
     graph_use_image(pass, maps->atlas, use == GRAPH_READ_COMPUTE ? GRAPH_SAMPLE_COMPUTE : GRAPH_SAMPLE_FRAGMENT);
 }
 
-graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, uint32_t row_count, graph_image depth) {
+uint32_t shadow_row_count(const struct light_input *lights) { return lights->directional_count * SHADOW_SUN_ROWS + lights->local_count; }
+
+graph_buffer shadow_suns_add(struct graph *graph, gpu_device *device, const struct light_input *lights, const struct rays *rays) {
+    if (lights->directional_count == 0) return (graph_buffer){0};
+    graph_buffer suns = graph_create_buffer(graph, "shadow suns", lights->directional_count * (uint64_t)sizeof(struct gpu_shadow_sun));
+    struct gpu_shadow_suns_push push = {.rays = rays->address};
+    light_list_header(device, lights, &push.list);
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "shadow suns",
+                                        .pipeline = {.shader = &shader_suns_comp},
+                                        .groups = {DIVIDE_UP(lights->directional_count, 64u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_reads(NULL, lights->buffer), graph_writes(&push.suns, suns))});
+    rays_use(pass, rays, GRAPH_READ_COMPUTE);
+    return suns;
+}
+
+graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, graph_buffer suns, uint32_t row_count,
+                                 graph_image depth) {
     const struct graph_image_params image = graph_image_info(graph, depth);
     graph_buffer wanted = graph_create_buffer(graph, "shadow requests", row_count * SHADOW_ROW_WORDS * 4ull);
     graph_add_clear(graph, "shadow requests clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {wanted}});
@@ -27,6 +48,7 @@ graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *l
                                         GRAPH_PUSH(push),
                                         GRAPH_ROWS(graph_samples(&push.depth, depth), graph_changes(&push.wanted, wanted))});
     light_list_use(pass, list, GRAPH_READ_COMPUTE);
+    if (suns.id) graph_use_buffer(pass, suns, GRAPH_READ_COMPUTE);
     return wanted;
 }
 
@@ -51,8 +73,8 @@ static void execute_blend(const struct graph_context *context, const void *data)
                   (struct gpu_geometry_push){.view = d->view, .lights = d->lights, .counters = graph_address(context, d->wanted)});
 }
 
-void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer wanted, const struct geometry_scene *scene,
-                               const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth) {
+void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted,
+                               const struct geometry_scene *scene, const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth) {
     struct blend_data data = {.scene = scene,
                               .draws = *draws,
                               .view = view,
@@ -63,6 +85,7 @@ void shadow_requests_blend_add(struct graph *graph, const struct light_list *lis
     struct graph_pass *pass = graph_add_pass(graph, "shadow requests blend", GRAPH_QUEUE_GRAPHICS, execute_blend, &data, sizeof data);
     geometry_use(pass, scene, draws, GEOMETRY_BLEND);
     light_list_use(pass, list, GRAPH_READ_FRAGMENT);
+    if (suns.id) graph_use_buffer(pass, suns, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, wanted, GRAPH_READ_WRITE_FRAGMENT);
     graph_depth_read_only(pass, depth);
 }

@@ -14,7 +14,8 @@
 #include "shadows/maps_shared.h"
 
 struct shadow_maps {
-    graph_buffer held, before, pages, biases;
+    graph_buffer held, before, pages, biases, shapes;
+    graph_buffer suns; /* id 0: no light is directional */
     graph_image atlas;
     VkDeviceAddress address; /* struct gpu_shadow_maps; 0: there are none */
 };
@@ -22,17 +23,25 @@ struct shadow_maps {
 void shadow_maps_use(struct graph_pass *pass, const struct shadow_maps *maps, enum graph_use use);
 
 struct light_list;
+struct light_input;
+struct rays;
 struct geometry_scene;
 struct geometry_draws;
 
+/** Rows of shadow maps: those of the directional lights, then one for each local light. */
+uint32_t shadow_row_count(const struct light_input *lights);
+/** How the grids of the directional lights lie: a struct gpu_shadow_sun each. The tree over items is enough of `rays`. Returns id 0 where there are none. */
+graph_buffer shadow_suns_add(struct graph *graph, gpu_device *device, const struct light_input *lights, const struct rays *rays);
+
 /**
  * A page for each opaque surface in `depth` and each light of `list`, which finds lights by pixel and position, that reaches it. `list` has neither
- * GPU_LIST_RAYS nor GPU_LIST_MAPS. Returns SHADOW_ROW_WORDS words for each of its `row_count` local lights. Cost: a visit of every light of the list for every sample
+ * GPU_LIST_RAYS nor GPU_LIST_MAPS; of its struct gpu_shadow_maps `suns` and `first_row` are read. Returns SHADOW_ROW_WORDS words for each row. Cost: a visit of every light of the list for every sample
  * whose depth is not that of the last one.
  */
-graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, uint32_t row_count, graph_image depth);
+graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, graph_buffer suns, uint32_t row_count,
+                                 graph_image depth);
 /** The same of blended surfaces, added to `wanted`. */
-void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer wanted, const struct geometry_scene *scene,
-                               const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth);
+void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted,
+                               const struct geometry_scene *scene, const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth);
 
 #endif

@@ -36,7 +36,7 @@ static fnl_result create(gpu_device *device, struct shadow_state *state, uint32_
         TRY(gpu_buffer_create(device, "shadow before", words, GPU_MEMORY_DEVICE, &state->before[i]));
         TRY(gpu_buffer_create(device, "shadow pages", pages, GPU_MEMORY_DEVICE, &state->pages[i]));
     }
-    TRY(gpu_buffer_create(device, "shadow shapes", row_room * sizeof(struct gpu_shadow_shape), GPU_MEMORY_DEVICE,
+    TRY(gpu_buffer_create(device, "shadow shapes", row_room * sizeof(struct gpu_shape), GPU_MEMORY_DEVICE,
                           &state->shapes));
     TRY(gpu_buffer_create(device, "shadow counts", sizeof(struct gpu_shadow_counts), GPU_MEMORY_DEVICE, &state->counts));
     const struct gpu_image_params atlas = {.name = "shadow atlas",
@@ -79,7 +79,7 @@ struct build {
     graph_buffer cells;   /* struct gpu_shadow_cell */
     graph_buffer faces;   /* pages of each face, then those before it; and one more */
     graph_buffer places;  /* gpu_shadow_places.sums */
-    uint32_t face_count, side, cell_count, block_count;
+    uint32_t sun_rows, face_count, side, cell_count, block_count;
     struct {
         graph_buffer held, before, pages;
         uint32_t row_count; /* 0: there is no last frame */
@@ -98,18 +98,19 @@ static graph_image add_atlas(struct graph *graph, struct shadow_state *state) {
 }
 
 /* How coarse the pages of each light are. */
-static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes) {
+static void add_choice(struct build *b, gpu_device *device) {
     struct graph *graph = b->graph;
     const struct light_input *lights = b->input->lights;
-    struct gpu_shadow_rows_push rows = {.row_count = b->out.row_count};
+    struct gpu_shadow_rows_push rows = {.row_count = b->out.row_count, .sun_rows = b->sun_rows};
     light_list_header(device, lights, &rows.list);
     graph_dispatch(
         graph, &(struct graph_dispatch){.name = "shadow rows",
                                         .pipeline = {.shader = &shader_pages_rows_comp},
                                         .groups = {DIVIDE_UP(b->out.row_count, 64u)},
                                         GRAPH_PUSH(rows),
-                                        GRAPH_ROWS(graph_reads(NULL, lights->buffer), graph_changes(&rows.shapes, shapes),
-                                                   graph_writes(&rows.rows, b->rows))});
+                                        GRAPH_ROWS(graph_reads(NULL, lights->buffer), graph_changes(&rows.shapes, b->out.shapes),
+                                                   graph_writes(&rows.rows, b->rows),
+                                                   graph_row_if(b->sun_rows > 0, graph_reads(&rows.suns, b->input->suns)))});
     struct gpu_shadow_count_push count = {.face_count = b->face_count};
     graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow count",
                                                    .pipeline = {.shader = &shader_pages_count_comp},
@@ -131,7 +132,7 @@ static void add_choice(struct build *b, gpu_device *device, graph_buffer shapes)
 /* The pages that pixels look up. */
 static void add_wanted(struct build *b) {
     struct graph *graph = b->graph;
-    struct gpu_shadow_hold_push hold = {.face_count = b->face_count, .last_rows = b->last.row_count};
+    struct gpu_shadow_hold_push hold = {.face_count = b->face_count, .last_rows = b->last.row_count, .sun_rows = b->sun_rows};
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = "shadow hold",
                               .pipeline = {.shader = &shader_pages_hold_comp},
@@ -226,8 +227,8 @@ static void add_places(const struct build *b, uint32_t sum_count) {
 
 struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
                                      const struct shadow_pages_input *input) {
-    const uint32_t last = state->turn, now = 1 - last, row_count = input->lights->local_count,
-                   face_count = row_count * SHADOW_FACES, side = state->atlas.params.width / SHADOW_PAGE,
+    const uint32_t last = state->turn, now = 1 - last, sun_rows = input->suns.id ? input->lights->directional_count * SHADOW_SUN_ROWS : 0,
+                   row_count = sun_rows + input->lights->local_count, face_count = row_count * SHADOW_FACES, side = state->atlas.params.width / SHADOW_PAGE,
                    cells = side * side, page_limit = cells * CELL_PAGES, blocks = DIVIDE_UP(page_limit, SHADOW_BLOCK),
                    sum_count = 2 * SHADOW_CLASSES * blocks + (SHADOW_CLASSES + 1) * cells + 1;
     if (row_count > state->row_room) {
@@ -241,6 +242,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                               .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
                               .biases = graph_create_buffer(graph, "shadow biases", row_count * 4ull),
                               .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
+                              .shapes = graph_import_buffer(graph, "shadow shapes", &state->shapes),
                               .atlas = add_atlas(graph, state),
                               .row_count = row_count,
                               .page_limit = page_limit},
@@ -251,6 +253,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                       .cells = graph_create_buffer(graph, "shadow cells", cells * sizeof(struct gpu_shadow_cell)),
                       .faces = graph_create_buffer(graph, "shadow faces", (face_count + 1) * 4ull),
                       .places = graph_create_buffer(graph, "shadow places", sum_count * 4ull),
+                      .sun_rows = sun_rows,
                       .face_count = face_count,
                       .side = side,
                       .cell_count = cells,
@@ -262,7 +265,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
     graph_add_clear(graph, "shadow tallies clear", GRAPH_QUEUE_GRAPHICS,
                     (struct graph_clear){.buffers = {b.tallies, b.rooms, b.cells}});
     graph_add_clear(graph, "shadow held clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b.out.held}});
-    add_choice(&b, device, graph_import_buffer(graph, "shadow shapes", &state->shapes));
+    add_choice(&b, device);
     add_wanted(&b);
     add_idle(&b);
     add_list(&b);

@@ -8,7 +8,11 @@
 #ifndef LIGHTS_ITERATE_GLSL
 layout(buffer_reference) buffer light_list_block;
 #endif
+#ifndef SHADOWS_FACES_GLSL
 layout(buffer_reference) buffer shadow_page_array;
+layout(buffer_reference) buffer const_shadow_shape_array;
+layout(buffer_reference) buffer const_shadow_sun_array;
+#endif
 layout(buffer_reference) buffer shadow_shape_array;
 layout(buffer_reference) buffer shadow_choice_block;
 layout(buffer_reference) buffer shadow_counts_block;
@@ -16,8 +20,10 @@ layout(buffer_reference) buffer shadow_cell_array;
 
 #include "passes/shadow/pages_shared.h"
 
+#ifndef SHADOWS_FACES_GLSL
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_page_array { gpu_shadow_page at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_shape_array { gpu_shadow_shape at[]; };
+#endif
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_shape_array { gpu_shape at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_choice_block { gpu_shadow_choice choice; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_counts_block { gpu_shadow_counts counts; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_cell_array { gpu_shadow_cell at[]; };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Which pages of shadow maps there are (shadows/maps_shared.h), and where in the atlas. Pixels have asked for pages at the level that suits
- * them; here every light with a page to be shown is given some, however many there are. If all that was asked for does not fit, pages become
+ * them; here every row, of a local light or of a block of a directional one, with a page to be shown is given some, however many there are. If all that was asked for does not fit, pages become
  * coarser, those of the least important lights first: under a pressure of p a light with offset o gets pages min(max(p - o, 0), 7) levels
  * coarser, where o is half the logarithm to base 2 of how many times more important than the least important one it is, rounded down, at most
  * 8. Importance is flux times the part of the directions round the viewer that the light's volume takes. The least pressure under which all
@@ -15,7 +15,7 @@
  * the places of wanted pages are so scattered that the new ones still do not fit, all pages are laid out anew, and drawn. Everything is done by
  * counts and prefix sums, so two runs give the same bytes.
  *
- * Cost: 1.1 KiB for each light (and the atlas, and 2 KiB for each of its cells of 128 x 128 texels); a few dozen operations for each face of a
+ * Cost: 1.2 KiB for each row (and the atlas, and 2 KiB for each of its cells of 128 x 128 texels); a few dozen operations for each face of a
  * light, and for each page that there is room for.
  */
 #ifndef FNL_PASSES_SHADOW_PAGES_H
@@ -47,12 +47,12 @@ fnl_result shadow_pages_prepare(gpu_device *device, struct shadow_state *state, 
 
 struct shadow_pages_input {
     graph_buffer wanted; /* SHADOW_ROW_WORDS words for each row: a bit for each page that a pixel asks for */
-    const struct light_input
-        *lights; /* its local lights are the rows, at least one, as many as the state was prepared for or fewer */
+    graph_buffer suns;   /* of shadow_suns_add(). id 0: directional lights have no rows */
+    const struct light_input *lights; /* whose rows they are: at least one, as many as the state was prepared for or fewer */
 };
 struct shadow_pages {
     graph_buffer held, before, pages,
-        biases;          /* as struct gpu_shadow_maps has them; `before` is undefined for words without pages */
+        biases, shapes;  /* as struct gpu_shadow_maps has them; `before` is undefined for words without pages */
     graph_buffer counts; /* struct gpu_shadow_counts, whose `pairs` is 0 */
     graph_image
         atlas; /* holds what pages without SHADOW_PAGE_DRAW show; others are to be cleared and drawn, but for idle ones */

@@ -8,7 +8,10 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_shadow_hold_push push; };
 
 // Notes it once for each light, whichever of its faces comes first.
-bool is_first(uint row, uint flag) { return (atomicOr(push.rows.at[row], flag) & flag) == 0u; }
+bool is_first(uint row, uint flag) {
+    uint of_light = row < push.sun_rows ? row - row % SHADOW_SUN_ROWS : row;
+    return (atomicOr(push.rows.at[of_light], flag) & flag) == 0u;
+}
 
 void main() {
     uint face = LINEAR_INVOCATION, row = face / SHADOW_FACES;

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // How important each light is, and whether it is what it was when its pages were drawn.
 #include "lights/iterate.glsl"
+#include "shadows/suns.glsl"
 #include "passes/shadow/pages.glsl"
 
 layout(local_size_x = 64) in;
@@ -29,18 +30,42 @@ float importance_of(light_list_block l, uint row, gpu_light light) {
     return max(flux_of(light) * size * size, 0.0);
 }
 
+// What the pages of a local light depend on; nothing else, or they would be drawn again when that changes.
+gpu_shape shape_of(gpu_shape s) {
+    s.hull_count = s.hull_first = 0u;
+    s.spot_scale = s.spot_offset = 0.0;
+    if (s.kind != GPU_SHAPE_BOX) s.direction = s.side = s.size = vec3(0.0);
+    return s;
+}
+
+// The block that has a row.
+gpu_shape shape_of_row(gpu_shadow_sun sun, uint row) {
+    uint slot = row / uint(SHADOW_SUN_SIDE * SHADOW_SUN_SIDE), levels = uint(SHADOW_SUN_LEVELS), side = uint(SHADOW_SUN_SIDE);
+    int grid = sun.coarsest - int((uint(sun.coarsest + 100 * SHADOW_SUN_LEVELS) - slot) % levels);
+    ivec2 first = shadow_sun_first(sun, grid);
+    uvec2 at = uvec2(row, row / side) - uvec2(first);
+    return shadow_sun_shape(sun, grid, first + ivec2(at % side));
+}
+
 void main() {
     uint row = LINEAR_INVOCATION;
     if (row >= push.row_count) return;
-    gpu_light light = push.list.list.lights.at[push.list.list.directional_count + row];
-    gpu_shadow_shape now = gpu_shadow_shape(light.shape.position, light.shape.range, light.shape.kind, vec3(0.0), vec3(0.0), vec3(0.0));
-    if (now.kind == GPU_SHAPE_BOX) {
-        now.direction = light.shape.direction;
-        now.side = light.shape.side;
-        now.size = light.shape.size;
+    gpu_shape now;
+    float importance;
+    if (row < push.sun_rows) {
+        uint index = row / SHADOW_SUN_ROWS;
+        gpu_shadow_sun sun = push.suns.at[index];
+        now = shape_of_row(sun, row % SHADOW_SUN_ROWS);
+        float radius = ldexp(SHADOW_SUN_REACH, sun.coarsest); // its light falls on all of this
+        importance = luminance(push.list.list.lights.at[index].color) * PI * radius * radius;
+    } else {
+        uint local = row - push.sun_rows;
+        gpu_light light = push.list.list.lights.at[push.list.list.directional_count + local];
+        now = shape_of(light.shape);
+        importance = importance_of(push.list, local, light);
     }
     bool changed = push.shapes.at[row] != now;
     if (changed) push.shapes.at[row] = now;
-    uint exponent = floatBitsToUint(importance_of(push.list, row, light)) >> 23 & SHADOW_ROW_IMPORTANCE;
+    uint exponent = floatBitsToUint(max(importance, 0.0)) >> 23 & SHADOW_ROW_IMPORTANCE;
     push.rows.at[row] = exponent | (changed ? SHADOW_ROW_CHANGED : 0u);
 }

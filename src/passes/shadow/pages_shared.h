@@ -29,16 +29,6 @@
 #define SHADOW_ROW_TRACED 0x400u
 #define SHADOW_ROW_FACE 0x10000u      /* times 2^face: pixels look up pages of it */
 
-/* What the pages of a row depend on besides the scene. The directions and the size are those of box lights, of others 0. */
-struct gpu_shadow_shape {
-    vec3 position;
-    float range;
-    uint kind;
-    vec3 direction;
-    vec3 side;
-    vec3 size;
-};
-
 struct gpu_shadow_choice {
     uint pressure; /* 0 .. SHADOW_PRESSURES - 1 */
     uint cut;      /* exponent of importance: from it on lights are under the pressure before; SHADOW_IMPORTANCES: none is */
@@ -62,9 +52,11 @@ struct gpu_shadow_cell {
 
 struct gpu_shadow_rows_push {
     ADDRESS(light_list_block) list;
+    ADDRESS(const_shadow_sun_array) suns;
     ADDRESS(shadow_shape_array) shapes; /* those that the last frame's pages were drawn for; those of this frame come in their place */
     ADDRESS(uint_array) rows;
     uint row_count;
+    uint sun_rows; /* how many of them, the first ones, are of directional lights */
 };
 
 struct gpu_shadow_count_push {
@@ -94,6 +86,7 @@ struct gpu_shadow_hold_push {
     ADDRESS(shadow_counts_block) counts;
     uint face_count;
     uint last_rows;
+    uint sun_rows;
 };
 
 /* For each page of the last frame. */

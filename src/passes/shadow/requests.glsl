@@ -4,6 +4,7 @@
 #define SHADOW_REQUESTS_GLSL
 
 #include "lights/illuminate.glsl"
+#include "shadows/suns.glsl"
 
 void request_bit(uint_array wanted, uint row, uint bit) {
     uint word = row * SHADOW_ROW_WORDS + bit / 32u, mask = 1u << (bit % 32u);
@@ -36,15 +37,40 @@ void request_light(light_list_block l, uint_array wanted, uint row, gpu_shape sh
         if (size[axis] >= least && size[axis] > 0.0) request_face(l, wanted, row, shape, 2u * axis + (ray[axis] < 0.0 ? 1u : 0u), ray, position, near);
 }
 
+// Of the grid that suits the point, or where its blocks do not hold all of the point, of coarser ones besides.
+void request_sun(uint_array wanted, uint index, gpu_shadow_sun sun, vec3 position, float pixel, float seen_from, float near) {
+    vec2 at = vec2(dot(position, sun.side), dot(position, sun.up));
+    float part = near / seen_from + 1e-4;
+    int coarsest = shadow_sun_grid(sun, pixel * (1.0 + part));
+    for (int grid = shadow_sun_grid(sun, pixel / (1.0 + part)); grid <= sun.coarsest; grid++) {
+        float page = shadow_sun_page(grid);
+        ivec2 first = shadow_sun_first(sun, grid) * 16, end = first + SHADOW_SUN_SIDE * 16;
+        ivec2 low = ivec2(floor((at - near) / page)), high = ivec2(floor((at + near) / page));
+        bool is_whole = all(greaterThanEqual(low, first)) && all(lessThan(high, end));
+        low = max(low, first);
+        high = min(high, end - 1);
+        for (int y = low.y; y <= high.y; y++)
+            for (int x = low.x; x <= high.x; x++) {
+                uint row = shadow_sun_row(index, grid, ivec2(x, y) >> 4);
+                request_bit(wanted, row, shadow_bit(0u, 0u, uvec2(x, y) % 16u));
+            }
+        if (is_whole && grid >= coarsest) return;
+    }
+}
+
 void request_pages(light_list_block l, uint_array wanted, light_point point) {
     view_block v = l.list.view;
     float seen_from = length(v.view.eye - point.position);
     float near = shadow_slack(l, point.position) + (v.view.samples > 1u ? pixel_width(v, seen_from) : 0.0);
+    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+    for (uint i = 0u; i < l.list.directional_count; i++)
+        if (any(greaterThan(l.list.lights.at[i].color, vec3(0.0))))
+            request_sun(wanted, i, maps.suns.at[i], point.position, pixel_width(v, seen_from), seen_from, near);
     light_cursor cursor = lights_begin(l, point);
     FOR_EACH_LIGHT(l, cursor, light) {
         gpu_shape shape = l.list.lights.at[light].shape;
         if (!shadow_has_map(shape) || !light_reaches(l, light, point.position)) continue;
-        request_light(l, wanted, light - l.list.directional_count, shape, point.position, near);
+        request_light(l, wanted, light + maps.first_row, shape, point.position, near);
     }
 }
 
