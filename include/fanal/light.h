@@ -49,10 +49,11 @@ typedef struct fnl_light_params {
     /** Wedges and boxes: full intensity up to this fraction of the way from the axis to the edge, then a fade to zero at the
         edge, 0 .. 1; default 0.7. */
     float inner_fraction;
+    bool casts_shadows; /**< default true; false: it shines through everything, where frames have shadows too */
 } fnl_light_params;
 
 FNL_API fnl_light_params fnl_light_params_default(void);
-/** A scene has at most 50 million lights that are not directional: FNL_ERROR_UNSUPPORTED, also from other calls that add some. */
+/** A scene has at most 48 million lights that are not directional: FNL_ERROR_UNSUPPORTED, also from other calls that add some. */
 FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
 /**
  * Changes `count` lights: lights[i] gets params[i]. All elements are checked before any light changes: an error names the

@@ -113,6 +113,8 @@ float light_distance(light_list_block l, uint light, vec3 position, vec3 to_ligh
     return length(ray + direction * clamp(-dot(ray, direction), -size.x, size.x));
 }
 
+bool light_casts(light_list_block l, uint light) { return l.list.lights.at[light].source >= 0.0; }
+
 // How far from their surfaces the positions may be that pixels are shaded at, metres. Depths of orthographic views are all as coarse as the
 // farthest. With several samples a pixel, positions are interpolated somewhere in it, and may be a pixel's width beside the triangle.
 float shadow_slack(light_list_block l, vec3 position) {
@@ -125,7 +127,7 @@ float shadow_slack(light_list_block l, vec3 position) {
 // The part, 0 .. 1, of a light that no surface stops on its way to the position; `to_light` and `light` as illuminate() has them. 0 also for
 // light that comes from behind the surface, which reflects none of it.
 float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 normal, vec3 to_light) {
-    if (!LIST_SHADOWED) return 1.0;
+    if (!LIST_SHADOWED || !light_casts(l, light)) return 1.0;
     if (!(dot(normal, to_light) > 0.0)) return 0.0;
     float slack = shadow_slack(l, position);
     if (LIST_MAPS) {
@@ -139,6 +141,7 @@ float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 norm
 
 // The same of a directional light.
 float sun_visibility(light_list_block l, uint light, vec3 position, vec3 normal) {
+    if (!light_casts(l, light)) return 1.0;
     vec3 to_light = -l.list.lights.at[light].shape.direction;
     if (!(dot(normal, to_light) > 0.0)) return 0.0;
     float slack = shadow_slack(l, position);

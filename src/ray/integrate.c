@@ -53,7 +53,7 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
         if (!(strength > 0)) continue;
         dvec3 light = dvec3_scale(dvec3_mul(ray_brdf_cos(s, to_view, to_light), l->color), strength);
         if (!(dvec3_max(light) > 0)) continue;
-        double visibility = c->params->shadows ? light_visibility(c, s, l, to_light, distance) : 1;
+        double visibility = c->params->shadows && l->casts_shadows ? light_visibility(c, s, l, to_light, distance) : 1;
         out = dvec3_add_scaled(out, light, visibility);
         if (!sum) continue;
         sum->unshadowed += dvec3_luminance(light);

@@ -16,6 +16,7 @@ struct ray_light {
     double tangents[2];
     dvec3 half_size;
     const struct light_hull *hull; /* borrowed; or NULL */
+    bool casts_shadows;
 };
 
 /** `range` in metres is used in place of the parameter. */

@@ -112,8 +112,8 @@ struct fnl_renderer {
     ARRAY(fnl_counter) counters;           /* handed out with all stats */
     struct virtual_atlas atlas; /* of virtual texturing */
     bool told_of_maps;         /* the log knows that rays stand in for shadow maps */
-    uint64_t capsules_version; /* light_version of the scene + 1 at which it was asked whether it has capsules: shadows.c */
-    bool capsules;
+    uint64_t mapless_version; /* light_version of the scene + 1 at which it was asked whether it has lights without maps: shadows.c */
+    bool mapless;
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;  /* of what holds decals */

@@ -22,20 +22,25 @@ static uint32_t atlas_side(const fnl_frame *frame) {
     return SHADOW_PAGE * (uint32_t)sqrt(cells);
 }
 
-static bool has_capsules(fnl_renderer *r) {
+/* Lights that cast shadows and have no maps: capsules. */
+static bool has_mapless(fnl_renderer *r) {
     const fnl_scene *scene = r->scene;
-    if (r->capsules_version == scene->light_version + 1) return r->capsules;
-    r->capsules = false;
-    for (uint32_t i = 0; i < scene->lights.count && !r->capsules; i++) r->capsules = scene->lights.data[i].params.kind == FNL_LIGHT_CAPSULE;
-    r->capsules_version = scene->light_version + 1;
-    return r->capsules;
+    if (r->mapless_version == scene->light_version + 1) return r->mapless;
+    r->mapless = false;
+    for (uint32_t i = 0; i < scene->lights.count && !r->mapless; i++) {
+        const fnl_light_params *light = &scene->lights.data[i].params;
+        r->mapless = light->casts_shadows && light->kind == FNL_LIGHT_CAPSULE;
+    }
+    r->mapless_version = scene->light_version + 1;
+    return r->mapless;
 }
 
 /* Whether rays find some shadows: those of capsules, and of any light where the atlas may not hold the coarsest pages of all. */
 static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_RAYS || !has_maps(r, frame)) return true;
     const uint64_t cells = atlas_side(frame) / SHADOW_PAGE, smallest = SHADOW_PAGE / SHADOW_UNIT;
-    return has_capsules(r) || row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
+    return has_mapless(r) ||
+           row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
 }
 
 fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {

@@ -93,6 +93,16 @@ static void load_shape(struct gltf *g, json_t *light_object, const struct at *li
     gltf_float(g, object, at, "innerFraction", false, 0, 1, &light->inner_fraction);
 }
 
+/** And what no extension says of shadows (docs/techniques/shadows.md). */
+static void load_shadows(struct gltf *g, json_t *light_object, const struct at *light_at, fnl_light_params *light) {
+    json_t *extras = json_object_get(light_object, "extras");
+    if (!json_is_object(extras)) return;
+    const struct at *extras_at = AT_KEY(light_at, "extras"), *at = AT_KEY(extras_at, "FNL_light_shadows");
+    json_t *object = gltf_object(g, extras, extras_at, "FNL_light_shadows", false);
+    if (!object) return;
+    light->casts_shadows = gltf_bool(g, object, at, "castsShadows", true);
+}
+
 static void load_light(struct gltf *g, json_t *object, const struct at *at, struct gltf_light *out) {
     fnl_light_params *light = &out->params;
     *light = fnl_light_params_default();
@@ -122,6 +132,7 @@ static void load_light(struct gltf *g, json_t *object, const struct at *at, stru
         if (spot) load_spot(g, spot, AT_KEY(at, "spot"), light);
     }
     load_shape(g, object, at, light);
+    load_shadows(g, object, at, light);
     out->valid = true;
 }
 

@@ -480,6 +480,30 @@ static void test_light_shapes_in_extras(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* What lights say of their shadows; what is no such thing is warned of. */
+static void test_light_shadows_in_extras(void **state) {
+    UNUSED(state);
+    static const char json[] =
+        "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":false}}},"
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":0}}},"
+        "{\"type\":\"directional\",\"extras\":{\"FNL_light_shadows\":[]}}]}},"
+        "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
+        "}";
+    size_t size;
+    unsigned char *glb = test_glb(json, NULL, 0, &size);
+    fnl_host host = test_host(&file_log);
+    fnl_scene *scene;
+    assert_int_equal(gltf_load_memory(&host, glb, size, "shadows.glb", NULL, &scene), FNL_OK);
+    free(glb);
+    assert_non_null(strstr(file_log.text, "/lights/1/extras/FNL_light_shadows/castsShadows: is a number, not a boolean"));
+    assert_non_null(strstr(file_log.text, "/lights/2/extras/FNL_light_shadows"));
+    assert_int_equal(file_log.count, 2);
+    for (uint32_t i = 0; i < 3; i++) assert_int_equal(scene->lights.data[i].params.casts_shadows, i > 0);
+    fnl_scene_destroy(&scene);
+}
+
 static void test_sample_cameras(void **state) {
     UNUSED(state);
     fnl_scene *scene = load_sample(SCENES "geometry-camera-light.glb");
@@ -508,6 +532,7 @@ int main(void) {
         cmocka_unit_test(test_sample_primitive_modes),
         cmocka_unit_test(test_sample_lights),
         cmocka_unit_test(test_light_shapes_in_extras),
+        cmocka_unit_test(test_light_shadows_in_extras),
         cmocka_unit_test(test_sample_cameras),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -40,6 +40,7 @@ fnl_light_params fnl_light_params_default(void) {
         .wedge_angles = {PI / 4, PI / 6},
         .box_size = {1, 1, 1},
         .inner_fraction = 0.7f,
+        .casts_shadows = true,
     };
 }
 

@@ -285,7 +285,7 @@ void scene_structure_changed(fnl_scene *scene);
 void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
 /** Local lights of a scene: the device counts to the shape of each in bytes, with 32 bits. */
-enum { SCENE_LOCAL_LIGHTS_MAX = 50000000 };
+enum { SCENE_LOCAL_LIGHTS_MAX = 48000000 };
 /**
  * Makes room for `count` lights to come, or to become local or directional: so many scene_add_light() cannot fail after it,
  * where nothing is removed. FNL_ERROR_UNSUPPORTED, with a log line, where they could be more than SCENE_LOCAL_LIGHTS_MAX.

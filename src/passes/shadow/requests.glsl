@@ -64,12 +64,12 @@ void request_pages(light_list_block l, uint_array wanted, light_point point) {
     float near = shadow_slack(l, point.position) + (v.view.samples > 1u ? pixel_width(v, seen_from) : 0.0);
     gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
     for (uint i = 0u; i < l.list.directional_count; i++)
-        if (any(greaterThan(l.list.lights.at[i].color, vec3(0.0))))
+        if (light_casts(l, i) && any(greaterThan(l.list.lights.at[i].color, vec3(0.0))))
             request_sun(wanted, i, maps.suns.at[i], point.position, pixel_width(v, seen_from), seen_from, near);
     light_cursor cursor = lights_begin(l, point);
     FOR_EACH_LIGHT(l, cursor, light) {
         gpu_shape shape = l.list.lights.at[light].shape;
-        if (!shadow_has_map(shape) || !light_reaches(l, light, point.position)) continue;
+        if (!light_casts(l, light) || !shadow_has_map(shape) || !light_reaches(l, light, point.position)) continue;
         request_light(l, wanted, light + maps.first_row, shape, point.position, near);
     }
 }

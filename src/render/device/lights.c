@@ -50,7 +50,8 @@ _Static_assert((uint64_t)SCENE_LOCAL_LIGHTS_MAX * sizeof(struct gpu_light) <= GP
 void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light *out, struct gpu_entity_bounds *out_bounds) {
     struct gpu_light g = {.shape = {.position = light->position, .kind = (uint32_t)light->kind, .direction = light->direction},
                           .color = {light->color[0] * light->intensity, light->color[1] * light->intensity,
-                                    light->color[2] * light->intensity}};
+                                    light->color[2] * light->intensity},
+                          .source = light->casts_shadows ? 0 : GPU_LIGHT_UNSHADOWED};
     struct gpu_entity_bounds bounds = {
         .center = light->position, .shape = GPU_NO_SHAPE, .kind = GPU_ENTITY_LIGHT, .user = slot};
     struct gpu_shape *s = &g.shape;

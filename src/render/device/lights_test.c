@@ -8,7 +8,7 @@
 
 /* Directional lights have no bounds. */
 enum { LIGHTS = 400, SUN_BYTES = sizeof(struct gpu_light), LIGHT_BYTES = SUN_BYTES + sizeof(struct gpu_entity_bounds) };
-_Static_assert(LIGHT_BYTES == 112, "what the edit of a light sends");
+_Static_assert(LIGHT_BYTES == 116, "what the edit of a light sends");
 
 static fnl_light_id ids[4 * LIGHTS];
 
