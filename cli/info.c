@@ -283,6 +283,8 @@ static json_t *json_light(const char *name, const fnl_light_params *light) {
         json_object_set_new(object, "up", json_vec3(light->up));
         json_object_set_new(object, "inner_fraction", json_real((double)light->inner_fraction));
     }
+    const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
+    json_object_set_new(object, parallel ? "source_angle" : "source_radius", json_real((double)(parallel ? light->source_angle : light->source_radius)));
     json_object_set_new(object, "casts_shadows", json_boolean(light->casts_shadows));
     return object;
 }

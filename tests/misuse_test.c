@@ -393,6 +393,10 @@ static void test_fields_of_lights(void **state) {
     LIGHT(BOX, box_size.y, INFINITY, "box_size.y is infinity, must be 1.17549e-38 .. 1e+18 metres");
     LIGHT(BOX, inner_fraction, 1.5f, "inner_fraction is 1.5, must be 0 .. 1");
     LIGHT(BOX, inner_fraction, 1.0000001f, "inner_fraction is 1.0000001, must be 0 .. 1");
+    LIGHT(BOX, source_angle, 2, "source_angle is 2, must be 0 .. 1 radians");
+    LIGHT(DIRECTIONAL, source_angle, -1, "source_angle is -1, must be 0 .. 1 radians");
+    LIGHT(SPOT, source_radius, NAN, "source_radius is NaN, must be at least 0 metres and finite");
+    LIGHT(CAPSULE, source_radius, INFINITY, "source_radius is infinity, must be at least 0 metres and finite");
 }
 
 #define MATERIAL(field, value, words)                                                                                       \

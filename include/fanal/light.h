@@ -49,6 +49,14 @@ typedef struct fnl_light_params {
     /** Wedges and boxes: full intensity up to this fraction of the way from the axis to the edge, then a fade to zero at the
         edge, 0 .. 1; default 0.7. */
     float inner_fraction;
+    /**
+     * Radius of what shines, metres, >= 0; default 0, a point. Not for directional lights and boxes. It makes shadows soft (fanal/trace.h): a
+     * shadow is as dark as the part is large that is hidden of a disk of this radius that faces the surface; for capsules of all disks round
+     * points of the segment. How bright the light is, and its highlights, do not change.
+     */
+    float source_radius;
+    /** The same for directional lights and boxes: half the angle that the source fills, radians, 0 .. 1; default 0. The sun's: 0.00465. */
+    float source_angle;
     bool casts_shadows; /**< default true; false: it shines through everything, where frames have shadows too */
 } fnl_light_params;
 

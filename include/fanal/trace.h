@@ -9,6 +9,8 @@
 #include "fanal/frame.h"
 #include "fanal/image.h"
 
+#include <math.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -26,12 +28,12 @@ typedef struct fnl_trace_params {
     /** Default true. */
     bool shadows;
     /**
-     * Radius of the sources that cast shadows, metres, >= 0. Above 0 a shadow ray goes to a random point of a disk round the light (of capsules
-     * round any point of the segment): the shadow is soft, the light that it dims stays that of a frame. Default 0: hard shadows; those of
-     * capsules are cast by the nearest point of the segment.
+     * Radius of the sources that cast shadows, metres, >= 0, in place of the lights' own; INFINITY (the default): theirs. Above 0 a shadow ray goes to a
+     * random point of a disk round the light (of capsules round any point of the segment): the shadow is soft, the light that it dims stays that of a
+     * frame. At 0 shadows are hard; those of capsules are cast by the nearest point of the segment.
      */
     float light_radius;
-    float sun_angle; /**< the same for directional lights and boxes: half the angle that they fill, radians, 0 .. 1; default 0 */
+    float sun_angle; /**< the same for directional lights and boxes: half the angle that they fill, radians, 0 .. 1; or INFINITY, the default */
     /** Ends long paths by chance. The mean stays the same, with more noise in less time. Default false. */
     bool russian_roulette;
     uint64_t seed;     /**< of all chances; default 1 */
@@ -48,7 +50,7 @@ typedef struct fnl_trace_params {
 } fnl_trace_params;
 
 static inline fnl_trace_params fnl_trace_params_default(void) {
-    const fnl_trace_params params = {1280,  720, fnl_camera_default(),        1,                 0, true, 0,    0, false, 1,
+    const fnl_trace_params params = {1280,  720, fnl_camera_default(),        1,                 0, true, INFINITY, INFINITY, false, 1,
                                      false, FNL_TONEMAP_KHRONOS_NEUTRAL, FNL_EXPOSURE_AUTO, 0, NULL, NULL};
     return params;
 }

@@ -12,7 +12,8 @@ struct gpu_light {
                                 sat(cos * spot_scale + spot_offset)^2; of wedges and boxes sat((1 - part) * spot_scale)^2 of the part of the
                                 way from axis to edge */
     vec3 color;              /* colour times intensity: cd, or lux */
-    float source;            /* 0: it casts hard shadows; GPU_LIGHT_UNSHADOWED */
+    float source;            /* radius of what casts its shadows, metres; of directional lights and boxes the tangent of half the angle that it
+                                fills; 0: a point; or GPU_LIGHT_UNSHADOWED */
 };
 
 #define GPU_LIGHT_UNSHADOWED -1.0f /* it casts none */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "ray/integrate.h"
 
+#include "scene/scene.h"
+
 struct context {
     const struct ray_scene *scene;
     const fnl_trace_params *params;
@@ -16,8 +18,8 @@ static double chance(const struct context *c) { return (double)(random_bits(c->r
 /* Where a shadow ray goes to: the light, or a random point of its source. */
 static dvec3 source_point(const struct context *c, const struct ray_light *light, dvec3 position, dvec3 to_light,
                           double distance) {
-    const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
-    const double size = parallel ? (double)c->params->sun_angle : (double)c->params->light_radius;
+    const bool parallel = light_is_parallel(light->kind);
+    const double given = (double)(parallel ? c->params->sun_angle : c->params->light_radius), size = isinf(given) ? light->source : given;
     dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
     if (!(size > 0)) return point;
     double radius = sqrt(chance(c)), angle = 2 * DPI * chance(c);

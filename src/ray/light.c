@@ -13,7 +13,8 @@ struct ray_light ray_light_make(const fnl_light_params *params, double range, co
                           .inner_fraction = (double)params->inner_fraction,
                           .half_size = dvec3_scale(dvec3_from(params->box_size), 0.5),
                           .hull = params->kind == FNL_LIGHT_DIRECTIONAL ? NULL : hull,
-                          .casts_shadows = params->casts_shadows};
+                          .casts_shadows = params->casts_shadows,
+                          .source = (double)(light_is_parallel(params->kind) ? params->source_angle : params->source_radius)};
     l.color = dvec3_scale(dvec3_make((double)params->color[0], (double)params->color[1], (double)params->color[2]),
                           (double)params->intensity);
     if (l.kind == FNL_LIGHT_POINT) return l;

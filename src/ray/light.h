@@ -17,6 +17,7 @@ struct ray_light {
     dvec3 half_size;
     const struct light_hull *hull; /* borrowed; or NULL */
     bool casts_shadows;
+    double source; /* radius of what casts its shadows, metres; of directional lights and boxes half the angle that it fills */
 };
 
 /** `range` in metres is used in place of the parameter. */

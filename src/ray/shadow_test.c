@@ -198,6 +198,16 @@ static void test_sun_casts_a_penumbra(void **state) {
     p.sun_angle = atanf(0.55f); /* the penumbra is 1.1 m wide */
     p.samples = 128;
     fnl_trace trace = trace_scene(scene, &p);
+    /* The same where the light says so itself, or says what the trace does not heed. */
+    for (int own = 0; own < 2; own++) {
+        sun.source_angle = own ? p.sun_angle : 0.1f;
+        assert_int_equal(fnl_scene_set_light(scene, id, &sun), FNL_OK);
+        fnl_trace_params q = p;
+        if (own) q.sun_angle = fnl_trace_params_default().sun_angle;
+        fnl_trace same = trace_scene(scene, &q);
+        assert_memory_equal(same.visibility.pixels, trace.visibility.pixels, 20 * 20 * 16);
+        fnl_trace_free(NULL, &same);
+    }
     double before = 2;
     for (uint32_t x = 0; x < 20; x++) {
         double mean = 0, at = (x + 0.5) * 0.1 - 1;
@@ -258,9 +268,17 @@ static void test_capsule_is_hidden_in_part(void **state) {
     fnl_trace trace = trace_scene(scene, &p);
     assert_float_equal(mean_of(&trace.visibility, 0), 1, 0); /* the nearest point of the tube */
     fnl_trace_free(NULL, &trace);
-    p.light_radius = 1e-3f;
+    for (int own = 0; own < 2; own++) { /* as the trace says, or the light itself */
+        p.light_radius = own ? fnl_trace_params_default().light_radius : 1e-3f;
+        tube.source_radius = own ? 1e-3f : 0;
+        assert_int_equal(fnl_scene_set_light(scene, id, &tube), FNL_OK);
+        trace = trace_scene(scene, &p);
+        assert_float_equal(mean_of(&trace.visibility, 0), 0.75, 0.02);
+        fnl_trace_free(NULL, &trace);
+    }
+    p.light_radius = 0;
     trace = trace_scene(scene, &p);
-    assert_float_equal(mean_of(&trace.visibility, 0), 0.75, 0.02);
+    assert_float_equal(mean_of(&trace.visibility, 0), 1, 0);
     fnl_trace_free(NULL, &trace);
     fnl_scene_destroy(&scene);
 }

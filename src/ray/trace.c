@@ -30,8 +30,8 @@ static fnl_result check(const struct call *call, const fnl_trace_params *p) {
     TRY(camera_check(call, "camera.", &p->camera));
     TRY(check_count(call, "samples", p->samples, 1, 1048576));
     TRY(check_count(call, "bounces", p->bounces, 0, 1024));
-    TRY(check_range(call, "light_radius", (double)p->light_radius, 0, infinite, " metres"));
-    TRY(check_range(call, "sun_angle", (double)p->sun_angle, 0, 1, " radians"));
+    if (!(p->light_radius == INFINITY)) TRY(check_range(call, "light_radius", (double)p->light_radius, 0, infinite, " metres"));
+    if (!(p->sun_angle == INFINITY)) TRY(check_range(call, "sun_angle", (double)p->sun_angle, 0, 1, " radians"));
     TRY(check_enum(call, "tonemap", (int)p->tonemap, FNL_TONEMAP_COUNT, "fnl_tonemap"));
     TRY(check_enum(call, "exposure", (int)p->exposure, FNL_EXPOSURE_NONE + 1, "fnl_exposure"));
     return check_range(call, "ev", (double)p->ev, -64, 64, " EV100");

@@ -101,6 +101,8 @@ static void load_shadows(struct gltf *g, json_t *light_object, const struct at *
     json_t *object = gltf_object(g, extras, extras_at, "FNL_light_shadows", false);
     if (!object) return;
     light->casts_shadows = gltf_bool(g, object, at, "castsShadows", true);
+    gltf_float(g, object, at, "sourceRadius", false, 0, FLT_MAX, &light->source_radius);
+    gltf_float(g, object, at, "sourceAngle", false, 0, 1, &light->source_angle);
 }
 
 static void load_light(struct gltf *g, json_t *object, const struct at *at, struct gltf_light *out) {

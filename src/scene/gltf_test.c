@@ -485,9 +485,9 @@ static void test_light_shadows_in_extras(void **state) {
     UNUSED(state);
     static const char json[] =
         "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
-        "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":false}}},"
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":false,\"sourceRadius\":0.25}}},"
         "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":0}}},"
-        "{\"type\":\"directional\",\"extras\":{\"FNL_light_shadows\":[]}}]}},"
+        "{\"type\":\"directional\",\"extras\":{\"FNL_light_shadows\":{\"sourceAngle\":-3}}}]}},"
         "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
         "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
         "}";
@@ -498,9 +498,11 @@ static void test_light_shadows_in_extras(void **state) {
     assert_int_equal(gltf_load_memory(&host, glb, size, "shadows.glb", NULL, &scene), FNL_OK);
     free(glb);
     assert_non_null(strstr(file_log.text, "/lights/1/extras/FNL_light_shadows/castsShadows: is a number, not a boolean"));
-    assert_non_null(strstr(file_log.text, "/lights/2/extras/FNL_light_shadows"));
+    assert_non_null(strstr(file_log.text, "/lights/2/extras/FNL_light_shadows/sourceAngle"));
     assert_int_equal(file_log.count, 2);
     for (uint32_t i = 0; i < 3; i++) assert_int_equal(scene->lights.data[i].params.casts_shadows, i > 0);
+    assert_true(scene->lights.data[0].params.source_radius == 0.25f && scene->lights.data[1].params.source_radius == 0);
+    assert_true(scene->lights.data[2].params.source_angle == 0);
     fnl_scene_destroy(&scene);
 }
 

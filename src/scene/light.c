@@ -44,6 +44,8 @@ fnl_light_params fnl_light_params_default(void) {
     };
 }
 
+bool light_is_parallel(fnl_light_kind kind) { return kind == FNL_LIGHT_DIRECTIONAL || kind == FNL_LIGHT_BOX; }
+
 static fnl_result check_light(const struct call *call, const fnl_light_params *params) {
     const double infinite = (double)FLT_MAX;
     fnl_light_kind kind = params->kind;
@@ -62,6 +64,10 @@ static fnl_result check_light(const struct call *call, const fnl_light_params *p
         TRY(check_range(call, "inner_cone_angle", (double)params->inner_cone_angle, 0, (double)params->outer_cone_angle,
                         " radians (outer_cone_angle)"));
     }
+    if (light_is_parallel(kind))
+        TRY(check_range(call, "source_angle", (double)params->source_angle, 0, 1, " radians"));
+    else
+        TRY(check_range(call, "source_radius", (double)params->source_radius, 0, infinite, " metres"));
     if (kind == FNL_LIGHT_CAPSULE) TRY(check_range(call, "length", (double)params->length, 0, infinite, " metres"));
     if (kind == FNL_LIGHT_WEDGE) {
         TRY(check_above(call, "wedge_angles[0]", (double)params->wedge_angles[0], 0, 1.5, " radians"));

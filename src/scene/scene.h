@@ -333,6 +333,8 @@ struct box scene_bounds(const fnl_scene *scene);
 /* Of a scene that says nothing else (fnl_scene_set_light_cutoff). */
 #define LIGHT_CUTOFF_ROUGHNESS 1.0f
 #define LIGHT_CUTOFF_ILLUMINANCE 0.05f /* lux */
+/** Directional lights and boxes: all their light comes from one direction. */
+bool light_is_parallel(fnl_light_kind kind);
 /** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range), with the default cutoff. */
 float light_effective_range(const fnl_light_params *light);
 /** `up` at right angles to a unit direction, unit; where it is parallel, another axis. */

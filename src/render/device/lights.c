@@ -42,6 +42,11 @@ static void set_cone(struct gpu_shape *s, const fnl_light_params *light, struct 
     bound_cone(bounds, s, outer, sinf(light->outer_cone_angle));
 }
 
+static float source_of(const fnl_light_params *light) {
+    if (!light->casts_shadows) return GPU_LIGHT_UNSHADOWED;
+    return light_is_parallel(light->kind) ? tanf(light->source_angle) : light->source_radius;
+}
+
 /* Where the shape of a slot's light lies: at its beginning. */
 static uint32_t shape_offset(uint32_t slot) { return slot * (uint32_t)sizeof(struct gpu_light); }
 _Static_assert(offsetof(struct gpu_light, shape) == 0, "the shape begins the light");
@@ -51,7 +56,7 @@ void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light
     struct gpu_light g = {.shape = {.position = light->position, .kind = (uint32_t)light->kind, .direction = light->direction},
                           .color = {light->color[0] * light->intensity, light->color[1] * light->intensity,
                                     light->color[2] * light->intensity},
-                          .source = light->casts_shadows ? 0 : GPU_LIGHT_UNSHADOWED};
+                          .source = source_of(light)};
     struct gpu_entity_bounds bounds = {
         .center = light->position, .shape = GPU_NO_SHAPE, .kind = GPU_ENTITY_LIGHT, .user = slot};
     struct gpu_shape *s = &g.shape;
