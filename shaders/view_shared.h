@@ -14,6 +14,9 @@ struct gpu_frame {
     float light_scale;   /* the mobile order: what its accumulator holds of radiance 1 */
     float light_max;     /* and the most that it holds */
     float nothing;       /* 0, which shaders do not know */
+    uint shadow_samples; /* shadow rays to a source with a size */
+    float light_radius;  /* of sources that have none of their own, as gpu_light.source has them: metres */
+    float sun_tangent;   /* and of directional lights and boxes */
 };
 
 /*
@@ -38,6 +41,7 @@ struct gpu_view {
     uvec2 size;          /* pixels */
     vec2 inverse_size;
     uint samples;        /* of a pixel */
+    uint turn;           /* another number in each frame that is collected with others (TAA); else 0 */
     ADDRESS(frame_block) frame;
     uvec2 decals;        /* address of a struct gpu_decal_set, whose list is of this view; read only where a shader's features say that there is one */
 };

@@ -4,9 +4,20 @@
 static const char *const source = "builtin:interior?lights=40&sun=5"; /* all shapes of lights, and a sun */
 
 void expect_lists_alike(fnl_shadows shadows) {
+    const fnl_frame usual = fnl_frame_default();
+    expect_lists_alike_with(shadows, &usual.shadow);
+}
+
+void expect_paths_alike(fnl_shadows shadows, uint32_t msaa) {
+    const fnl_frame usual = fnl_frame_default();
+    expect_paths_alike_with(shadows, &usual.shadow, msaa);
+}
+
+void expect_lists_alike_with(fnl_shadows shadows, const fnl_shadow_options *settings) {
     static const fnl_light_lists lists[] = {FNL_LISTS_TILED, FNL_LISTS_FINE, FNL_LISTS_ZBIN, FNL_LISTS_BVH};
     struct stage s = stage_open(source, 0);
     s.frame.shadows = shadows;
+    s.frame.shadow = *settings;
     s.frame.lists = FNL_LISTS_ALL;
     struct shot all = stage_shoot(&s, &s.frame);
     for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
@@ -19,10 +30,11 @@ void expect_lists_alike(fnl_shadows shadows) {
     stage_close(&s);
 }
 
-void expect_paths_alike(fnl_shadows shadows, uint32_t msaa) {
+void expect_paths_alike_with(fnl_shadows shadows, const fnl_shadow_options *settings, uint32_t msaa) {
     struct stage s = stage_open(source, 0);
     s.frame.width = 64, s.frame.height = 36, s.frame.ev = 1;
     s.frame.msaa = msaa;
+    s.frame.shadow = *settings;
     struct shot forward[2];
     for (int k = 0; k < 2; k++) {
         s.frame.shading = FNL_SHADING_FORWARD;

@@ -10,4 +10,8 @@ void expect_lists_alike(fnl_shadows shadows);
 /** Each path with shadows is as close to forward shading with shadows as both are without. With several samples a few paths are tried. */
 void expect_paths_alike(fnl_shadows shadows, uint32_t msaa);
 
+/** The same with settings. */
+void expect_lists_alike_with(fnl_shadows shadows, const fnl_shadow_options *settings);
+void expect_paths_alike_with(fnl_shadows shadows, const fnl_shadow_options *settings, uint32_t msaa);
+
 #endif

@@ -50,9 +50,9 @@ typedef struct fnl_light_params {
         edge, 0 .. 1; default 0.7. */
     float inner_fraction;
     /**
-     * Radius of what shines, metres, >= 0; default 0, a point. Not for directional lights and boxes. It makes shadows soft (fanal/trace.h): a
-     * shadow is as dark as the part is large that is hidden of a disk of this radius that faces the surface; for capsules of all disks round
-     * points of the segment. How bright the light is, and its highlights, do not change.
+     * Radius of what shines, metres, >= 0; default 0, a point. Not for directional lights and boxes. It makes shadows soft, if the frame asks
+     * for that (fnl_shadow_options): a shadow is as dark as the part is large that is hidden of a disk of this radius that faces the surface;
+     * for capsules of all disks round points of the segment. How bright the light is, and its highlights, do not change.
      */
     float source_radius;
     /** The same for directional lights and boxes: half the angle that the source fills, radians, 0 .. 1; default 0. The sun's: 0.00465. */

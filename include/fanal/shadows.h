@@ -29,6 +29,13 @@ typedef struct fnl_shadow_options {
      * for maps as fine as the picture, those of the lights that matter least become coarser first. Default 64.
      */
     uint32_t memory;
+    /**
+     * Shadow rays that go from a point to points of a light that has a radius, 1 .. 1024: with several its shadows by rays are soft. They are the same in
+     * every frame, unless frames are collected (fnl_frame.aa is TAA). Default 1: one ray to the middle, hard shadows. Lights that are points always get one.
+     */
+    uint32_t samples;
+    float light_radius; /**< fnl_light_params.source_radius of lights where that is 0, metres, >= 0; default 0 */
+    float sun_degrees;  /**< fnl_light_params.source_angle of lights where that is 0, here in degrees, 0 .. 57; default 0 */
 } fnl_shadow_options;
 
 #ifdef __cplusplus

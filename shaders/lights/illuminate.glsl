@@ -11,7 +11,7 @@
 
 #include "lights/iterate.glsl"
 #include "shadows/maps.glsl"
-#include "shadows/rays.glsl"
+#include "shadows/soft_rays.glsl"
 
 // Which part of the light is left at `part` of the way from the axis to the edge (0 .. 1).
 float light_edge(float part, float scale) {
@@ -136,7 +136,7 @@ float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 norm
     }
     float high = light_distance(l, light, position, to_light);
     float margin = max(slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
-    return ray_visibility(rays_block(l.list.rays), position, to_light, high - margin, slack);
+    return rays_visibility(l, light, position, normal, to_light, high, margin, slack);
 }
 
 // The same of a directional light.
@@ -149,7 +149,7 @@ float sun_visibility(light_list_block l, uint light, vec3 position, vec3 normal)
         float open = sun_map_visibility(l, light, position, slack);
         if (!LIST_RAYS || open >= 0.0) return abs(open);
     }
-    return ray_visibility(rays_block(l.list.rays), position, to_light, 1e30, slack);
+    return rays_visibility(l, light, position, normal, to_light, 1.0, 0.0, slack);
 }
 
 // What a directional light gives, in lux.

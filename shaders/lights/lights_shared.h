@@ -40,6 +40,8 @@ struct gpu_light {
 /* Beside the kind: lights cast shadows, which rays find, or maps. With both bits rays find those that have no map. */
 #define GPU_LIST_RAYS 0x400u
 #define GPU_LIST_MAPS 0x800u
+/* Beside GPU_LIST_RAYS: lights have a size, and several rays find how much of it is seen. */
+#define GPU_LIST_SOFT 0x1000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

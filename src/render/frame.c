@@ -99,6 +99,9 @@ static fnl_result add_shared(struct frame_state *f) {
     f->shared = (struct gpu_frame){.ambient_sky = f->r->scene->ambient_sky,
                                    .ambient_ground = f->r->scene->ambient_ground,
                                    .shade_cost = f->frame->shade_cost,
+                                   .shadow_samples = f->frame->shadow.samples,
+                                   .light_radius = f->frame->shadow.light_radius,
+                                   .sun_tangent = tanf(f->frame->shadow.sun_degrees * (PI / 180)),
                                    .hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f};
     shading_begin(f);
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->shared);
@@ -116,6 +119,7 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
     camera.shift.y += 2 * f->temporal.jitter.y / (float)f->frame->height;
     f->view = view_from_camera(&camera, f->frame->width, f->frame->height);
     f->view.samples = f->frame->msaa;
+    f->view.turn = f->temporal.index % 64;
     f->view.frame = f->shared_address;
     TRY(decals_begin(f));
     *out = f->view;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What single lights say of their shadows: whether they cast any. With rays, maps and the tracer. */
+/* What single lights say of their shadows: whether they cast any, and how large their source is. Against the tracer, with rays and maps. */
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
+#include "tests/shadow_paths.h"
 
 enum { SIZE = 40 };
 
@@ -120,11 +121,158 @@ static void test_paths_know_lights_that_cast_none(void **state) {
     stage_close(&s);
 }
 
+/* ---- soft shadows ---- */
+
+/* What part of the light reaches each pixel. */
+static void visibility_of(struct stage *s, float *out) {
+    fnl_frame open = s->frame;
+    open.shadows = FNL_SHADOWS_OFF;
+    struct shot plain = stage_shoot(s, &open), shadowed = stage_shoot(s, &s->frame);
+    for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+        const float *whole = pixel_at(&plain.radiance, i % SIZE, i / SIZE);
+        assert_true(whole[1] > 0);
+        out[i] = pixel_at(&shadowed.radiance, i % SIZE, i / SIZE)[1] / whole[1];
+    }
+    shot_free(&plain);
+    shot_free(&shadowed);
+}
+
+/* Of what is seen and what is true; bias: of the whole picture. */
+struct error {
+    double rms, bias;
+};
+static struct error error_of(const float *seen, const fnl_image *truth) {
+    struct error error = {0};
+    for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+        const double difference = (double)seen[i] - (double)pixel_at(truth, i % SIZE, i / SIZE)[0];
+        error.rms += difference * difference / (SIZE * SIZE);
+        error.bias += difference / (SIZE * SIZE);
+    }
+    error.rms = sqrt(error.rms);
+    return error;
+}
+
+static fnl_light_params soft_lamp_of(fnl_light_kind kind) {
+    fnl_light_params lamp = lamp_of(kind);
+    lamp.source_angle = 0.3f;
+    lamp.source_radius = kind == FNL_LIGHT_CAPSULE ? 0.1f : 0.5f;
+    return lamp;
+}
+
+/* The penumbra is that of the tracer, for all kinds of lights, and the error falls as rays become more. */
+static void test_soft_rays_converge_to_the_tracer_MP_8(void **state) {
+    UNUSED(state);
+    static float seen[SIZE * SIZE];
+    for (fnl_light_kind kind = 0; kind < FNL_LIGHT_KIND_COUNT; kind++) {
+        const char *name = fnl_value_name(FNL_ENUM_LIGHT_KIND, kind);
+        const fnl_light_params lamp = soft_lamp_of(kind);
+        fnl_light_id id;
+        struct stage s = open_half_covered(&lamp, &id);
+        fnl_trace truth = trace_of(&s, 512);
+        s.frame.shadows = FNL_SHADOWS_RAYS;
+        struct error error = {1, 0};
+        for (uint32_t samples = 1; samples <= 16; samples *= 4) {
+            s.frame.shadow.samples = samples;
+            visibility_of(&s, seen);
+            const struct error now = error_of(seen, &truth.visibility);
+            print_message("%s, %u rays: error %.4f, bias %.4f\n", name, samples, now.rms, now.bias);
+            if (now.rms > error.rms * (samples == 1 ? 1 : 0.7)) fail_msg("%s, %u rays: an error of %g after %g", name, samples, now.rms, error.rms);
+            error = now;
+        }
+        if (error.rms > 0.035 || fabs(error.bias) > 0.003) fail_msg("%s: an error of %g, %g on the whole", name, error.rms, error.bias);
+        fnl_trace_free(NULL, &truth);
+        stage_close(&s);
+    }
+}
+
+/* A source without size gets one ray, a light without radius takes that of the frame, and one that has its own keeps it. */
+static void test_radius_of_a_frame(void **state) {
+    UNUSED(state);
+    for (fnl_light_kind kind = 0; kind < FNL_LIGHT_KIND_COUNT; kind++) {
+        const fnl_light_params hard = lamp_of(kind), soft = soft_lamp_of(kind);
+        fnl_light_id id;
+        struct stage s = open_half_covered(&hard, &id);
+        s.frame.shadows = FNL_SHADOWS_RAYS;
+        struct shot one = stage_shoot(&s, &s.frame);
+        s.frame.shadow.samples = 16;
+        struct shot many = stage_shoot(&s, &s.frame);
+        assert_int_equal(count_differing(&one.radiance, &many.radiance), 0);
+        s.frame.shadow.light_radius = soft.source_radius;
+        s.frame.shadow.sun_degrees = soft.source_angle * (180 / PI);
+        struct shot given = stage_shoot(&s, &s.frame);
+        assert_true(count_differing(&one.radiance, &given.radiance) > SIZE * 4);
+        assert_int_equal(fnl_scene_set_light(s.scene, id, &soft), FNL_OK);
+        s.frame.shadow.light_radius = 7;
+        s.frame.shadow.sun_degrees = 50;
+        struct shot own = stage_shoot(&s, &s.frame);
+        uint64_t differing = 0; /* angles are rounded on their way through degrees */
+        for (uint32_t i = 0; i < SIZE * SIZE; i++)
+            differing += fabsf(pixel_at(&own.radiance, i % SIZE, i / SIZE)[1] - pixel_at(&given.radiance, i % SIZE, i / SIZE)[1]) > 1e-4f;
+        assert_true(differing <= 4);
+        shot_free(&one);
+        shot_free(&many);
+        shot_free(&given);
+        shot_free(&own);
+        stage_close(&s);
+    }
+}
+
+/* Stills repeat to the byte; frames that are collected turn their points, so that together they see more of the source. */
+static void test_points_turn_in_collected_frames(void **state) {
+    UNUSED(state);
+    static float seen[SIZE * SIZE];
+    const fnl_light_params lamp = soft_lamp_of(FNL_LIGHT_POINT);
+    fnl_light_id id;
+    struct stage s = open_half_covered(&lamp, &id);
+    fnl_trace truth = trace_of(&s, 512);
+    s.frame.shadows = FNL_SHADOWS_RAYS;
+    s.frame.shadow.samples = 4;
+    struct shot first = stage_shoot(&s, &s.frame), second = stage_shoot(&s, &s.frame);
+    assert_int_equal(count_differing(&first.radiance, &second.radiance), 0);
+    visibility_of(&s, seen);
+    const struct error still = error_of(seen, &truth.visibility);
+    s.frame.aa = FNL_ANTIALIASING_TAA;
+    double mean[SIZE * SIZE] = {0};
+    enum { FRAMES = 16 };
+    for (int i = 0; i < FRAMES; i++) {
+        struct shot frame = stage_shoot(&s, &s.frame);
+        for (uint32_t k = 0; k < SIZE * SIZE; k++) mean[k] += (double)pixel_at(&frame.radiance, k % SIZE, k / SIZE)[1] / FRAMES;
+        shot_free(&frame);
+    }
+    fnl_frame open = s.frame;
+    open.shadows = FNL_SHADOWS_OFF;
+    open.aa = FNL_ANTIALIASING_NONE;
+    struct shot plain = stage_shoot(&s, &open);
+    for (uint32_t k = 0; k < SIZE * SIZE; k++) seen[k] = (float)(mean[k] / (double)pixel_at(&plain.radiance, k % SIZE, k / SIZE)[1]);
+    const struct error collected = error_of(seen, &truth.visibility);
+    print_message("4 rays: error %.4f of one frame, %.4f of %d\n", still.rms, collected.rms, FRAMES);
+    assert_true(collected.rms < still.rms / 2);
+    shot_free(&first);
+    shot_free(&second);
+    shot_free(&plain);
+    fnl_trace_free(NULL, &truth);
+    stage_close(&s);
+}
+
+static void test_paths_and_lists_give_the_same_soft_shadows(void **state) {
+    UNUSED(state);
+    fnl_frame soft = fnl_frame_default();
+    soft.shadow.samples = 4;
+    soft.shadow.light_radius = 0.1f;
+    soft.shadow.sun_degrees = 2;
+    expect_lists_alike_with(FNL_SHADOWS_RAYS, &soft.shadow);
+    expect_paths_alike_with(FNL_SHADOWS_RAYS, &soft.shadow, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_lights_that_cast_no_shadow, harness_check),
         cmocka_unit_test_teardown(test_rays_are_made_for_lights_that_cast, harness_check),
         cmocka_unit_test_teardown(test_paths_know_lights_that_cast_none, harness_check),
+        cmocka_unit_test_teardown(test_soft_rays_converge_to_the_tracer_MP_8, harness_check),
+        cmocka_unit_test_teardown(test_radius_of_a_frame, harness_check),
+        cmocka_unit_test_teardown(test_points_turn_in_collected_frames, harness_check),
+        cmocka_unit_test_teardown(test_paths_and_lists_give_the_same_soft_shadows, harness_check),
     };
     return cmocka_run_group_tests_name("shadow_lights", tests, harness_begin, harness_end);
 }

@@ -39,8 +39,7 @@ static bool has_mapless(fnl_renderer *r) {
 static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_RAYS || !has_maps(r, frame)) return true;
     const uint64_t cells = atlas_side(frame) / SHADOW_PAGE, smallest = SHADOW_PAGE / SHADOW_UNIT;
-    return has_mapless(r) ||
-           row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
+    return has_mapless(r) || row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
 }
 
 fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {
@@ -84,6 +83,7 @@ void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene)
     const bool traces = has_traced(shared->r, shared->frame);
     shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, traces);
     if (traces) scene->lights.rays = shared->rays;
+    scene->lights.soft = shared->frame->shadow.samples > 1;
 }
 
 /* ---- maps ---- */
@@ -110,7 +110,7 @@ static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
     const struct light_input *lights = &f->scene->lights;
     const graph_image depth = depth_of(f);
     struct light_list list = order_add_fallback_lists(f);
-    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS);
+    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT);
     list.rays = (struct rays){0};
     list.maps = (struct shadow_maps){0};
     graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);

@@ -39,7 +39,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
 }
 
 void light_list_cast(struct light_list *list, const struct light_input *input) {
-    if (input->rays.address) list->kind |= GPU_LIST_RAYS;
+    if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->soft ? GPU_LIST_SOFT : 0);
     if (input->maps.address) list->kind |= GPU_LIST_MAPS;
     list->rays = input->rays;
     list->maps = input->maps;

@@ -31,6 +31,7 @@ struct light_input {
     bool keep_unseen;       /* lights out of the view count as in view */
     struct rays rays;       /* that find shadows; address 0: there are none */
     struct shadow_maps maps; /* the same */
+    bool soft;              /* several rays go to sources with a size */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Shadows of sources that have a size, by several rays.
+#ifndef SHADOWS_SOFT_RAYS_GLSL
+#define SHADOWS_SOFT_RAYS_GLSL
+
+#include "shadows/sources.glsl"
+#include "shadows/rays.glsl"
+
+// The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
+// `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer
+// to the source than `margin` hides nothing. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
+float rays_visibility(light_list_block l, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
+    uint kind = l.list.lights.at[light].shape.kind;
+    bool endless = kind == GPU_SHAPE_NONE;
+    float size = 0.0, turn = 0.0;
+    uint count = 1u;
+    vec3 side = vec3(0.0), up = vec3(0.0);
+    if (LIST_SOFT) {
+        bool parallel = endless || kind == GPU_SHAPE_BOX;
+        size = source_size(l, light, parallel) * (parallel ? away : 1.0);
+        if (size > 0.0) {
+            count = l.list.view.view.frame.frame.shadow_samples;
+            turn = source_turn(l, light, position);
+            source_axes(to_light, side, up);
+        }
+    }
+    float open = 0.0;
+    for (uint k = 0u; k < count; k++) {
+        vec3 direction = to_light;
+        float high = away;
+        if (LIST_SOFT && size > 0.0) {
+            vec2 at = source_point(k, count, turn) * size;
+            vec3 ray = to_light * away;
+            if (!LIST_SIMPLE && kind == GPU_SHAPE_CAPSULE) { // R1, the golden ratio's sequence of another dimension
+                float along = 2.0 * fract(turn + 0.7548777 * float(k)) - 1.0;
+                gpu_shape segment = l.list.lights.at[light].shape;
+                ray = segment.position + segment.direction * (along * segment.size.x) - position;
+            }
+            ray += side * at.x + up * at.y;
+            high = length(ray);
+            direction = ray / high;
+            if (!(dot(normal, direction) > 0.0)) continue;
+        }
+        open += ray_visibility(rays_block(l.list.rays), position, direction, endless ? 1e30 : high - margin, slack);
+    }
+    return open / float(count);
+}
+
+#endif
