@@ -6,9 +6,10 @@
 #include "view.glsl"
 #include "brdf.glsl"
 #include "lights/illuminate.glsl"
+#include "shadows/sampled.glsl"
 
 // Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface; behind them, points that no cell of
-// their list served.
+// their list served, and shadow rays.
 layout(constant_id = COUNT_LIGHTS_ID) const uint COUNT_LIGHTS = 0u;
 
 // Variants for pixels that need less: 0 where no list holds a light; HAS_METAL of brdf.glsl.
@@ -47,6 +48,13 @@ float shade_cost(view_block v, float seed) {
     return burn * v.view.frame.frame.nothing;
 }
 
+// Where COUNT_LIGHTS is 1: the rays since the last call.
+void count_rays(view_block v, uint_array counters) {
+    if (COUNT_LIGHTS != 1u || !LIST_RAYS) return;
+    atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u + 1u], rays_sent);
+    rays_sent = 0u;
+}
+
 // Outgoing radiance in cd/m^2. `counters` holds two uints per pixel; it is touched only where COUNT_LIGHTS is 1. `item` is the draw item,
 // or LIGHT_NO_ITEM.
 vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
@@ -59,16 +67,42 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         sum += sun_illuminance(lights, i, s.position, s.normal) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
     }
 
-    light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, item));
+    light_point point = light_point(pixel, view_depth, s.position, s.normal, item);
+    light_cursor cursor = lights_begin(lights, point);
     uint visited = 0u, useful = 0u;
-    if (HAS_LIGHTS == 1u) FOR_EACH_LIGHT(lights, cursor, light) {
-        vec3 to_light;
-        vec3 illuminance = illuminate(lights, light, s.position, to_light);
-        if (COUNT_LIGHTS == 1u) visited++;
-        if (illuminance != vec3(0.0)) {
-            if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, s.position, s.normal, to_light);
-            sum += illuminance * brdf_cos(s, b, to_light);
-            if (COUNT_LIGHTS == 1u) useful++;
+    // With LIST_SAMPLED a first walk sums up what the lights give without shadows, and a second one chooses some of them by it (shadows/sampled.glsl).
+    // Both are one loop, so that shaders hold its code once.
+    light_draw draw;
+    float weights = 0.0;
+    uint weighed = 0u;
+    for (uint walk = LIST_SAMPLED ? 0u : 1u; walk < 2u && HAS_LIGHTS == 1u; walk++) {
+        if (LIST_SAMPLED && walk == 1u) {
+            draw = light_draw_begin(lights, pixel, weights, weighed);
+            cursor = lights_begin(lights, point);
+        }
+        FOR_EACH_LIGHT(lights, cursor, light) {
+            vec3 to_light;
+            vec3 illuminance = illuminate(lights, light, s.position, to_light);
+            if (COUNT_LIGHTS == 1u) visited++;
+            if (illuminance != vec3(0.0)) {
+                if (COUNT_LIGHTS == 1u && walk == 1u) useful++;
+                if (LIST_SAMPLED) {
+                    precise float weight = luminance(illuminance * brdf_cos(s, b, to_light));
+                    if (!(weight > 0.0)) continue;
+                    if (walk == 0u) {
+                        precise float more = weights + weight;
+                        weights = more;
+                        weighed++;
+                        continue;
+                    }
+                    float share = light_draw_next(draw, weight);
+                    if (share == 0.0) continue;
+                    illuminance *= share;
+                }
+                if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, s.position, s.normal, to_light);
+                sum += illuminance * brdf_cos(s, b, to_light);
+                if (LIST_SAMPLED && light_draw_done(draw)) break;
+            }
         }
     }
     if (COUNT_LIGHTS == 1u) {
@@ -76,6 +110,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
         if (cursor.unserved) atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u], 1u);
     }
+    count_rays(v, counters);
 
     if (v.view.frame.frame.shade_cost > 0u) sum += shade_cost(v, s.roughness);
     return shade_rest(s, v, to_view, sum);

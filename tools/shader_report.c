@@ -133,15 +133,15 @@ static bool is_wanted(const VkPipelineShaderStageCreateInfo *stages, uint32_t co
 
 /*
  * Shaders that light come in kinds, which have a row each: for lights of all shapes or for spheres and cones alone (GPU_LIST_SIMPLE, a bit beside
- * the kind of list in constant 0), without shadows or with (GPU_LIST_RAYS, GPU_LIST_MAPS). The worst of all would hide what the others gain.
+ * the kind of list in constant 0), without shadows or with (GPU_LIST_RAYS, GPU_LIST_MAPS, GPU_LIST_SAMPLED). The worst of all would hide what the others gain.
  */
 static void name_kind(struct row *row) {
-    enum { KINDS = 0xff, LAST_KIND = 12, SCATTERED = 0x100, SIMPLE = 0x200, RAYS = 0x400, MAPS = 0x800 };
+    enum { KINDS = 0xff, LAST_KIND = 12, SCATTERED = 0x100, SIMPLE = 0x200, RAYS = 0x400, MAPS = 0x800, SAMPLED = 0x1000 };
     unsigned value = 0;
-    if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || value >= 2 * MAPS) return;
+    if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || value >= 2 * SAMPLED) return;
     size_t length = strlen(row->shader);
     snprintf(row->shader + length, sizeof row->shader - length, "%s%s%s", value & SIMPLE ? " simple" : "", value & MAPS ? " maps" : "",
-             value & RAYS ? " rays" : "");
+             value & SAMPLED ? " sampled" : value & RAYS ? " rays" : "");
 }
 
 static void add_row(const struct row *row) {

@@ -19,6 +19,11 @@ typedef enum fnl_shadows {
      * Capsules trace rays, and so do lights for which the image has no room. Blended surfaces receive shadows but cast none.
      */
     FNL_SHADOWS_MAPS,
+    /**
+     * Rays too, but from each surface to a few of its lights, which are chosen by chance: the more a light gives without shadows, the likelier it is.
+     * The picture is noisy, and the mean of frames with different seeds is that of FNL_SHADOWS_RAYS. Directional lights are sent a ray always.
+     */
+    FNL_SHADOWS_SAMPLED,
     FNL_SHADOWS_COUNT
 } fnl_shadows;
 
@@ -36,6 +41,13 @@ typedef struct fnl_shadow_options {
     uint32_t samples;
     float light_radius; /**< fnl_light_params.source_radius of lights where that is 0, metres, >= 0; default 0 */
     float sun_degrees;  /**< fnl_light_params.source_angle of lights where that is 0, here in degrees, 0 .. 57; default 0 */
+    /**
+     * sampled: rays from each surface, 1 .. 16, besides those to directional lights. A surface with no more lights than this has exact shadows.
+     * Default 1.
+     */
+    uint32_t rays;
+    /** sampled: frames with the same seed, 0 .. 999 999, have the same noise. Those of which a mean is taken count it up. Temporal antialiasing does so itself. Default 0. */
+    uint32_t seed;
 } fnl_shadow_options;
 
 #ifdef __cplusplus

@@ -42,6 +42,8 @@ struct gpu_light {
 #define GPU_LIST_MAPS 0x800u
 /* Beside GPU_LIST_RAYS: lights have a size, and several rays find how much of it is seen. */
 #define GPU_LIST_SOFT 0x1000u
+/* Beside GPU_LIST_RAYS: of a point's lights only some are sent a ray (shadows/sampled.glsl). */
+#define GPU_LIST_SAMPLED 0x8000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu
@@ -135,6 +137,8 @@ struct gpu_light_list {
     uint cell_limit;     /* sparse: cells that there is memory for */
     uvec2 rays;          /* address of a struct gpu_rays; of lists with GPU_LIST_RAYS */
     uvec2 shadow_maps;   /* address of a struct gpu_shadow_maps; of lists with GPU_LIST_MAPS */
+    uint shadow_rays;    /* that a point sends; of lists with GPU_LIST_SAMPLED, as the next */
+    uint shadow_seed;    /* what the choice of lights depends on, besides the pixel */
 };
 
 #endif

@@ -121,10 +121,14 @@ float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float 
     return open;
 }
 
+// Rays that this invocation has sent.
+uint rays_sent = 0u;
+
 // The part of light, 0 .. 1, that comes from `origin` + `high` metres along the unit `direction`.
 float ray_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
     shadow_ray r = shadow_ray_make(origin, direction, high);
     float open = 1.0;
+    rays_sent++;
     for (uint reference = b.rays.items.root; reference != RAY_END;) {
         uint last = reference & ~RAY_LEAF;
         if ((reference & RAY_LEAF) == 0u) {

@@ -142,6 +142,6 @@ static void add_counters(struct frame_state *f) {
     if (!f->frame->count_lights && !shading_shows_volumes(f->frame)) return;
     f->counters = f->frame->count_lights
                       ? graph_import_buffer(f->graph, "light counters", &f->kept->counters)
-                      : graph_create_buffer(f->graph, "light counters", f->frame->width * f->frame->height * 8ull + 4);
+                      : graph_create_buffer(f->graph, "light counters", 4 * light_counter_count(f->frame));
     graph_add_clear(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {f->counters}});
 }

@@ -200,8 +200,7 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
             TRY(keep_buffer(r, &r->outputs[i], "output", views * renderer_picture_size(frame, i)));
     for (uint32_t i = 0; i < views && frame->count_lights; i++) {
         struct renderer_view *view = &r->views.data[i];
-        /* Two counters per pixel, and one for all. */
-        TRY(keep_buffer(r, &view->counters, "light counters", (uint64_t)frame->width * frame->height * 8 + 4));
+        TRY(keep_buffer(r, &view->counters, "light counters", 4 * light_counter_count(frame)));
         TRY(keep_buffer(r, &view->draws, "draws", MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)));
     }
     return frame->count_lights ? keep_buckets(r) : FNL_OK;

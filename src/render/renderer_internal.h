@@ -141,6 +141,9 @@ struct fnl_renderer {
 /** Views of a frame: 1 where it has no array of them. */
 static inline uint32_t frame_view_count(const fnl_frame *frame) { return MAX(frame->view_count, 1u); }
 
+/** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, then shadow rays. */
+static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + 2; }
+
 /** What tests ask for: nothing outside of them. */
 static inline struct renderer_tests renderer_tests(const fnl_renderer *r) {
     return r->tests ? *r->tests : (struct renderer_tests){0};

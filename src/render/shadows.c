@@ -110,7 +110,7 @@ static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
     const struct light_input *lights = &f->scene->lights;
     const graph_image depth = depth_of(f);
     struct light_list list = order_add_fallback_lists(f);
-    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT);
+    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT | GPU_LIST_SAMPLED);
     list.rays = (struct rays){0};
     list.maps = (struct shadow_maps){0};
     graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);
@@ -122,6 +122,10 @@ static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
 
 void shadows_add(struct frame_state *f) {
     struct light_input *lights = &f->scene->lights;
+    if (f->frame->shadows == FNL_SHADOWS_SAMPLED) {
+        lights->shadow_rays = f->frame->shadow.rays;
+        lights->shadow_seed = f->frame->shadow.seed + f->temporal.index;
+    }
     if (!has_maps(f->r, f->frame) || shadow_row_count(lights) == 0) return;
     const uint32_t pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count);
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
@@ -174,6 +178,13 @@ static bool find_waiting(const struct counted *counted, uint64_t *value) {
     return true;
 }
 
+/* Behind the counts of light evaluations. */
+static bool find_rays(const struct counted *counted, uint64_t *value) {
+    const fnl_frame *frame = &counted->r->frame;
+    *value = ((const uint32_t *)counted->view->counters.mapped)[light_counter_count(frame) - 1];
+    return frame->shadows != FNL_SHADOWS_OFF;
+}
+
 #define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadows.member), .needs = "shadows=maps"}
 static const struct counter counters[] = {
     MAPS("wanted", "pages", "pages of shadow maps that pixels ask for", wanted),
@@ -184,6 +195,7 @@ static const struct counter counters[] = {
     MAPS("traced", "lights", "lights whose shadows rays find because there is no room for a map", traced),
     MAPS("cells", "cells", "squares of 128x128 texels of shadow maps that are in use", cells),
     MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
+    {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
     {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
      .find = find_waiting, .needs = "shadows=maps", .kind = FNL_COUNTER_OVERFLOW},
 };

@@ -32,6 +32,8 @@ struct light_input {
     struct rays rays;       /* that find shadows; address 0: there are none */
     struct shadow_maps maps; /* the same */
     bool soft;              /* several rays go to sources with a size */
+    uint32_t shadow_rays;   /* that a point sends to its lights; 0: one to each */
+    uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */

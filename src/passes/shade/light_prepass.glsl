@@ -84,6 +84,7 @@ light_sums light_sums_of(light_surface s, view_block v, light_list_block lights,
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
     }
+    count_rays(v, counters);
     return sums;
 }
 

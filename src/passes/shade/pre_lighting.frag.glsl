@@ -45,6 +45,7 @@ void main() {
     light_surface s = light_surface_of(push.surfaces, pixel, at, position);
     if (LIST_SHADOWED)
         illuminance *= shadow_visibility(push.head.list, push.head.list.list.directional_count + in_light, position, s.normal, to_light);
+    count_rays(v, push.head.counters);
     surface shape;
     shape.normal = s.normal;
     shape.roughness = s.roughness;
