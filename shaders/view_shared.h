@@ -5,6 +5,11 @@
 
 #include "shared.h"
 
+/* The values of fnl_shadow_filter. */
+#define GPU_SHADOW_FILTER_HARD 0u
+#define GPU_SHADOW_FILTER_PCF 1u
+#define GPU_SHADOW_FILTER_PCSS 2u
+
 /* What does not depend on the camera: one for each frame. */
 struct gpu_frame {
     vec3 ambient_sky;    /* cd/m^2 */
@@ -14,6 +19,7 @@ struct gpu_frame {
     float light_scale;   /* the mobile order: what its accumulator holds of radiance 1 */
     float light_max;     /* and the most that it holds */
     float nothing;       /* 0, which shaders do not know */
+    uint shadow_filter;  /* of shadow maps: GPU_SHADOW_FILTER_… */
     uint shadow_samples; /* shadow rays to a source with a size */
     float light_radius;  /* of sources that have none of their own, as gpu_light.source has them: metres */
     float sun_tangent;   /* and of directional lights and boxes */

@@ -27,6 +27,16 @@ typedef enum fnl_shadows {
     FNL_SHADOWS_COUNT
 } fnl_shadows;
 
+/** How the edges of shadows from maps are filtered. */
+typedef enum fnl_shadow_filter {
+    FNL_SHADOW_FILTER_HARD = 0, /**< not at all: the nearest texel decides */
+    FNL_SHADOW_FILTER_PCF,      /**< percentage-closer filtering: a disk of three texels smooths their steps, whatever the light's size */
+    /** Percentage-closer soft shadows: penumbras as wide as the light's radius and the distances of light, blocker and receiver make them. Lights
+        without a radius cast hard shadows. */
+    FNL_SHADOW_FILTER_PCSS,
+    FNL_SHADOW_FILTER_COUNT
+} fnl_shadow_filter;
+
 /** Settings of shadows. */
 typedef struct fnl_shadow_options {
     /**
@@ -34,6 +44,7 @@ typedef struct fnl_shadow_options {
      * for maps as fine as the picture, those of the lights that matter least become coarser first. Default 64.
      */
     uint32_t memory;
+    fnl_shadow_filter filter; /**< maps; default FNL_SHADOW_FILTER_HARD */
     /**
      * Shadow rays that go from a point to points of a light that has a radius, 1 .. 1024: with several its shadows by rays are soft. They are the same in
      * every frame, unless frames are collected (fnl_frame.aa is TAA). Default 1: one ray to the middle, hard shadows. Lights that are points always get one.

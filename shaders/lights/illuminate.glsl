@@ -131,7 +131,7 @@ float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 norm
     if (!(dot(normal, to_light) > 0.0)) return 0.0;
     float slack = shadow_slack(l, position);
     if (LIST_MAPS) {
-        float open = map_visibility(l, light, position, slack);
+        float open = map_visibility(l, light, position, normal, slack);
         if (!LIST_RAYS || open >= 0.0) return abs(open); // nothing is known of what no pixel asked for: light
     }
     float high = light_distance(l, light, position, to_light);
@@ -146,7 +146,7 @@ float sun_visibility(light_list_block l, uint light, vec3 position, vec3 normal)
     if (!(dot(normal, to_light) > 0.0)) return 0.0;
     float slack = shadow_slack(l, position);
     if (LIST_MAPS) {
-        float open = sun_map_visibility(l, light, position, slack);
+        float open = sun_map_visibility(l, light, position, normal, slack);
         if (!LIST_RAYS || open >= 0.0) return abs(open);
     }
     return rays_visibility(l, light, position, normal, to_light, 1.0, 0.0, slack);

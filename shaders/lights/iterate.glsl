@@ -36,6 +36,7 @@ const bool LIST_MAPS = (LIST_BITS & GPU_LIST_MAPS) != 0u;
 const bool LIST_SAMPLED = (LIST_BITS & GPU_LIST_SAMPLED) != 0u;
 const bool LIST_SHADOWED = LIST_RAYS || LIST_MAPS;
 const bool LIST_SOFT = (LIST_BITS & GPU_LIST_SOFT) != 0u;
+const bool LIST_FILTERED = (LIST_BITS & GPU_LIST_FILTERED) != 0u;
 const bool LIST_SIMPLE = (LIST_BITS & GPU_LIST_SIMPLE) != 0u;
 // Items: turns of the loop, whatever the number of lights up to this; 0: as many as there are lights.
 layout(constant_id = FIXED_LIGHTS_ID) const uint FIXED_LIGHTS = 0u;

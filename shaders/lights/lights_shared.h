@@ -42,8 +42,10 @@ struct gpu_light {
 #define GPU_LIST_MAPS 0x800u
 /* Beside GPU_LIST_RAYS: lights have a size, and several rays find how much of it is seen. */
 #define GPU_LIST_SOFT 0x1000u
+/* Beside GPU_LIST_MAPS: gpu_frame.shadow_filter smooths their edges. */
+#define GPU_LIST_FILTERED 0x2000u
 /* Beside GPU_LIST_RAYS: of a point's lights only some are sent a ray (shadows/sampled.glsl). */
-#define GPU_LIST_SAMPLED 0x8000u
+#define GPU_LIST_SAMPLED 0x4000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

@@ -26,73 +26,100 @@ bool shadow_find(gpu_shadow_maps maps, uint row, uint bit, out uint page) {
     return (maps.pages.at[page].flags & SHADOW_PAGE_DRAW) == 0u;
 }
 
+// The finest page that is there and holds a point of a face, from at.level on.
+bool shadow_find_from(gpu_shadow_maps maps, uint row, vec2 ndc, inout shadow_page at, out uint page) {
+    for (; at.level < SHADOW_LEVELS; at.level++) {
+        at.at = min(uvec2(max(ndc * 0.5 + 0.5, 0.0) * float(shadow_side(at.level))), uvec2(shadow_side(at.level) - 1u));
+        if (shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), page)) return true;
+    }
+    return false;
+}
+
+// The depths of the four texels round one of a page, and where it lies between them.
+vec4 shadow_quad(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 texel, out vec2 part) {
+    vec2 low = clamp(texel - 0.5, vec2(0.0), vec2(float(shadow_page_size(at.level)) - 2.0));
+    ivec2 first = ivec2(low) + ivec2(page.place & 0xffffu, page.place >> 16u) * int(SHADOW_UNIT);
+    part = fract(low);
+    return vec4(texelFetch(textures[maps.atlas], first, 0).r, texelFetch(textures[maps.atlas], first + ivec2(1, 0), 0).r,
+                texelFetch(textures[maps.atlas], first + ivec2(0, 1), 0).r, texelFetch(textures[maps.atlas], first + ivec2(1, 1), 0).r);
+}
+
 // Whether the four texels round a point of a page hide it; `depth` is its own, reversed. They do where all are nearer, and where the nearest texel is,
 // unless the point lies on the surface that the four show: on a plane depth is linear between texels, whatever its slope, while at the edge of
 // what casts a shadow the point stays behind by more than a quarter of the step.
 bool shadow_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 ndc, float depth) {
-    vec2 low = clamp(shadow_page_texel(at, ndc) - 0.5, vec2(0.0), vec2(float(shadow_page_size(at.level)) - 2.0));
-    ivec2 texel = ivec2(low) + ivec2(page.place & 0xffffu, page.place >> 16u) * int(SHADOW_UNIT);
-    vec4 d = vec4(texelFetch(textures[maps.atlas], texel, 0).r, texelFetch(textures[maps.atlas], texel + ivec2(1, 0), 0).r,
-                  texelFetch(textures[maps.atlas], texel + ivec2(0, 1), 0).r, texelFetch(textures[maps.atlas], texel + ivec2(1, 1), 0).r);
+    vec2 part;
+    vec4 d = shadow_quad(maps, page, at, shadow_page_texel(at, ndc), part);
     float least = min(min(d.x, d.y), min(d.z, d.w)), most = max(max(d.x, d.y), max(d.z, d.w));
     if (least > depth) return true;
-    vec2 part = fract(low);
     float nearest = part.y < 0.5 ? (part.x < 0.5 ? d.x : d.y) : (part.x < 0.5 ? d.z : d.w);
     return nearest > depth && mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y) > depth + 0.25 * (most - least);
 }
 
-// Whether a point lies in the light of a row, 0 or 1, or -1 where no map tells. Pages of `at.level` are looked up, and of coarser levels where there are none.
-float row_visibility(gpu_shadow_maps maps, uint row, gpu_shape shape, shadow_page at, vec3 ray, float slack) {
+#include "shadows/filter.glsl"
+
+// What part of a light reaches a point, by the map of a row: without a filter 0 or 1; or -1 where no map tells. Pages of at.level are looked up, and of
+// coarser levels where there are none: pixels asked for the first, what is beside them may have to look farther.
+float row_visibility(light_list_block l, uint light, gpu_shadow_maps maps, uint row, gpu_shape shape, shadow_page at, vec3 position, vec3 normal,
+                     float slack) {
+    vec3 ray = position - shape.position;
     vec4 clip = shadow_face_clip(shape, at.face, ray);
     vec2 ndc = clip.xy / clip.w;
-    uint page = 0u;
-    bool found = false;
-    for (; at.level < SHADOW_LEVELS; at.level++) { // pixels asked for the first; what is beside them may have to look farther
-        at.at = min(uvec2(max(ndc * 0.5 + 0.5, 0.0) * float(shadow_side(at.level))), uvec2(shadow_side(at.level) - 1u));
-        found = shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), page);
-        if (found) break;
-    }
-    if (!found) return -1.0;
+    uint page;
+    if (!shadow_find_from(maps, row, ndc, at, page)) return -1.0;
     float texel = 2.0 / shadow_width(at.level);
+    bool hidden;
     if (shape.kind == GPU_SHAPE_BOX) { // what is beyond the last that casts has the least depth
         float before = slack + 0.5 * texel * max(shape.size.x, shape.size.y);
-        return shadow_hides(maps, maps.pages.at[page], at, ndc, max(clip.z + 0.5 * before / shape.size.z, 0.0)) ? 0.0 : 1.0;
+        hidden = shadow_hides(maps, maps.pages.at[page], at, ndc, max(clip.z + 0.5 * before / shape.size.z, 0.0));
+    } else {
+        float along = clip.w - slack - 0.5 * texel * clip.w;
+        hidden = along > 0.0 && shadow_hides(maps, maps.pages.at[page], at, ndc, SHADOW_NEAR / along);
     }
-    float along = clip.w - slack - 0.5 * texel * clip.w;
-    return along > 0.0 && shadow_hides(maps, maps.pages.at[page], at, ndc, SHADOW_NEAR / along) ? 0.0 : 1.0;
+    if (!LIST_FILTERED) return hidden ? 0.0 : 1.0;
+    return shadow_filtered(l, light, maps, row, shape, at, page, shadow_receiver_of(shape, at.face, clip, ray, normal), position, slack, hidden);
 }
 
-// Whether the light shines on the position: 0 or 1, or -1 where no map tells. `slack`: metres by which positions may be wrong; besides, what is
-// nearer by less than half a texel's width casts no shadow, or there would be lines in corners, whose depth lies between texels.
-float map_visibility(light_list_block l, uint light, vec3 position, float slack) {
+// The same of a light. `slack`: metres by which positions may be wrong; besides, what is nearer by less than half a texel's width casts no shadow, or
+// there would be lines in corners, whose depth lies between texels.
+float map_visibility(light_list_block l, uint light, vec3 position, vec3 normal, float slack) {
     gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
     gpu_shape shape = l.list.lights.at[light].shape;
     uint row = light + maps.first_row;
     uint bias = shadow_has_map(shape) ? maps.biases.at[row] : SHADOW_TRACED;
     if (bias == SHADOW_TRACED) return -1.0;
+    vec3 ray = position - shape.position;
     shadow_page at;
-    at.face = shadow_face_of(shape.kind, position - shape.position);
-    float along = shadow_face_clip(shape, at.face, position - shape.position).w;
+    at.face = shadow_face_of(shape.kind, ray);
+    float along = shadow_face_clip(shape, at.face, ray).w;
     at.level = min(shadow_level_for(shadow_across(l, shape, along, position)) + bias, SHADOW_LEVELS - 1u);
-    return row_visibility(maps, row, shape, at, position - shape.position, slack);
+    return row_visibility(l, light, maps, row, shape, at, position, normal, slack);
 }
 
-// The same of a directional light.
-float sun_map_visibility(light_list_block l, uint light, vec3 position, float slack) {
-    view_block v = l.list.view;
-    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+// The row of a directional light in which a point is looked up, from a grid on: the finest that has it; or false.
+bool shadow_sun_find(gpu_shadow_maps maps, uint light, vec3 position, inout int grid, out uint row) {
     gpu_shadow_sun sun = maps.suns.at[light];
     vec2 place = vec2(dot(position, sun.side), dot(position, sun.up));
-    for (int grid = shadow_sun_grid(sun, pixel_width(v, length(v.view.eye - position))); grid <= sun.coarsest; grid++) {
+    for (; grid <= sun.coarsest; grid++) {
         ivec2 block = ivec2(floor(place / shadow_sun_page(grid))) >> 4, first = shadow_sun_first(sun, grid);
         if (any(lessThan(block, first)) || any(greaterThanEqual(block, first + SHADOW_SUN_SIDE))) continue;
-        uint row = shadow_sun_row(light, grid, block), bias = maps.biases.at[row];
-        if (bias == SHADOW_TRACED) continue;
-        gpu_shape shape = maps.shapes.at[row];
+        row = shadow_sun_row(light, grid, block);
+        if (maps.biases.at[row] != SHADOW_TRACED) return true;
+    }
+    return false;
+}
+
+// map_visibility() of a directional light.
+float sun_map_visibility(light_list_block l, uint light, vec3 position, vec3 normal, float slack) {
+    view_block v = l.list.view;
+    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+    int grid = shadow_sun_grid(maps.suns.at[light], pixel_width(v, length(v.view.eye - position)));
+    uint row;
+    for (; shadow_sun_find(maps, light, position, grid, row); grid++) {
         shadow_page at;
         at.face = 0u;
-        at.level = bias;
-        float open = row_visibility(maps, row, shape, at, position - shape.position, slack);
+        at.level = maps.biases.at[row];
+        float open = row_visibility(l, light, maps, row, maps.shapes.at[row], at, position, normal, slack);
         if (open >= 0.0) return open;
     }
     return -1.0;

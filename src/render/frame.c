@@ -99,6 +99,7 @@ static fnl_result add_shared(struct frame_state *f) {
     f->shared = (struct gpu_frame){.ambient_sky = f->r->scene->ambient_sky,
                                    .ambient_ground = f->r->scene->ambient_ground,
                                    .shade_cost = f->frame->shade_cost,
+                                   .shadow_filter = (uint32_t)f->frame->shadow.filter,
                                    .shadow_samples = f->frame->shadow.samples,
                                    .light_radius = f->frame->shadow.light_radius,
                                    .sun_tangent = tanf(f->frame->shadow.sun_degrees * (PI / 180)),

@@ -84,6 +84,7 @@ void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene)
     shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, traces);
     if (traces) scene->lights.rays = shared->rays;
     scene->lights.soft = shared->frame->shadow.samples > 1;
+    scene->lights.filtered = shared->frame->shadow.filter != FNL_SHADOW_FILTER_HARD;
 }
 
 /* ---- maps ---- */
@@ -110,7 +111,7 @@ static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
     const struct light_input *lights = &f->scene->lights;
     const graph_image depth = depth_of(f);
     struct light_list list = order_add_fallback_lists(f);
-    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT | GPU_LIST_SAMPLED);
+    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT | GPU_LIST_FILTERED | GPU_LIST_SAMPLED);
     list.rays = (struct rays){0};
     list.maps = (struct shadow_maps){0};
     graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);

@@ -31,7 +31,7 @@ struct light_input {
     bool keep_unseen;       /* lights out of the view count as in view */
     struct rays rays;       /* that find shadows; address 0: there are none */
     struct shadow_maps maps; /* the same */
-    bool soft;              /* several rays go to sources with a size */
+    bool soft, filtered;    /* several rays go to sources with a size; maps are filtered */
     uint32_t shadow_rays;   /* that a point sends to its lights; 0: one to each */
     uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */

@@ -12,11 +12,12 @@ void request_bit(uint_array wanted, uint row, uint bit) {
 }
 
 // `near`: metres within which shading may place the point.
-void request_face(light_list_block l, uint_array wanted, uint row, gpu_shape shape, uint face, vec3 ray, vec3 position, float near) {
+void request_face(light_list_block l, uint_array wanted, uint light, uint row, gpu_shape shape, uint face, vec3 ray, vec3 position, float near) {
     vec4 clip = shadow_face_clip(shape, face, ray);
     vec2 ndc = clip.xy / clip.w;
     float slack = near / (shape.kind == GPU_SHAPE_BOX ? min(shape.size.x, shape.size.y) : clip.w), across = shadow_across(l, shape, clip.w, position);
     uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
+    coarsest = shadow_coarsest_level(l, light, shape, face, clip, ray, coarsest);
     for (uint level = finest; level <= coarsest; level++) {
         uvec2 low, high;
         shadow_pages_round(level, ndc, slack, low, high);
@@ -26,19 +27,20 @@ void request_face(light_list_block l, uint_array wanted, uint row, gpu_shape sha
 }
 
 // All faces that the point may be seen in: more than one only at their edges.
-void request_light(light_list_block l, uint_array wanted, uint row, gpu_shape shape, vec3 position, float near) {
+void request_light(light_list_block l, uint_array wanted, uint light, uint row, gpu_shape shape, vec3 position, float near) {
     vec3 ray = position - shape.position, size = abs(ray);
     if (shape.kind == GPU_SHAPE_BOX) {
-        request_face(l, wanted, row, shape, 0u, ray, position, near);
+        request_face(l, wanted, light, row, shape, 0u, ray, position, near);
         return;
     }
     float least = max(size.x, max(size.y, size.z)) - 2.0 * near;
     for (uint axis = 0u; axis < 3u; axis++)
-        if (size[axis] >= least && size[axis] > 0.0) request_face(l, wanted, row, shape, 2u * axis + (ray[axis] < 0.0 ? 1u : 0u), ray, position, near);
+        if (size[axis] >= least && size[axis] > 0.0)
+            request_face(l, wanted, light, row, shape, 2u * axis + (ray[axis] < 0.0 ? 1u : 0u), ray, position, near);
 }
 
 // Of the grid that suits the point, or where its blocks do not hold all of the point, of coarser ones besides.
-void request_sun(uint_array wanted, uint index, gpu_shadow_sun sun, vec3 position, float pixel, float seen_from, float near) {
+void request_sun(light_list_block l, uint_array wanted, uint light, gpu_shadow_sun sun, vec3 position, float pixel, float seen_from, float near) {
     vec2 at = vec2(dot(position, sun.side), dot(position, sun.up));
     float part = near / seen_from + 1e-4;
     int coarsest = shadow_sun_grid(sun, pixel * (1.0 + part));
@@ -51,8 +53,15 @@ void request_sun(uint_array wanted, uint index, gpu_shadow_sun sun, vec3 positio
         high = min(high, end - 1);
         for (int y = low.y; y <= high.y; y++)
             for (int x = low.x; x <= high.x; x++) {
-                uint row = shadow_sun_row(index, grid, ivec2(x, y) >> 4);
-                request_bit(wanted, row, shadow_bit(0u, 0u, uvec2(x, y) % 16u));
+                ivec2 block = ivec2(x, y) >> 4;
+                uint row = shadow_sun_row(light, grid, block), last = 0u;
+                if (l.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS) {
+                    gpu_shape shape = shadow_sun_shape(sun, grid, block);
+                    vec3 ray = position - shape.position;
+                    last = shadow_coarsest_level(l, light, shape, 0u, shadow_face_clip(shape, 0u, ray), ray, 0u);
+                }
+                for (uint level = 0u; level <= last; level++)
+                    request_bit(wanted, row, shadow_bit(0u, level, uvec2(x, y) % 16u / (16u / shadow_side(level))));
             }
         if (is_whole && grid >= coarsest) return;
     }
@@ -65,12 +74,12 @@ void request_pages(light_list_block l, uint_array wanted, light_point point) {
     gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
     for (uint i = 0u; i < l.list.directional_count; i++)
         if (light_casts(l, i) && any(greaterThan(l.list.lights.at[i].color, vec3(0.0))))
-            request_sun(wanted, i, maps.suns.at[i], point.position, pixel_width(v, seen_from), seen_from, near);
+            request_sun(l, wanted, i, maps.suns.at[i], point.position, pixel_width(v, seen_from), seen_from, near);
     light_cursor cursor = lights_begin(l, point);
     FOR_EACH_LIGHT(l, cursor, light) {
         gpu_shape shape = l.list.lights.at[light].shape;
         if (!light_casts(l, light) || !shadow_has_map(shape) || !light_reaches(l, light, point.position)) continue;
-        request_light(l, wanted, light + maps.first_row, shape, point.position, near);
+        request_light(l, wanted, light, light + maps.first_row, shape, point.position, near);
     }
 }
 

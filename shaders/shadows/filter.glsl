@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// Filters of shadow maps: several texels round a point instead of one. maps.glsl has what they look up.
+#ifndef SHADOWS_FILTER_GLSL
+#define SHADOWS_FILTER_GLSL
+
+#include "shadows/faces.glsl"
+#include "shadows/sources.glsl"
+
+const uint SHADOW_TAPS = 16u;
+// Texels from the point to its farthest tap: with the four texels round that it stays within the border of the page.
+const float SHADOW_REACH = float(SHADOW_BORDER) - 1.0;
+const float SHADOW_PCF_REACH = 1.5;
+// Blockers are sought down to this part of the way from the light to the point: penumbras of nearer ones are too narrow.
+const float SHADOW_NEAREST_BLOCKER = 0.25;
+
+// A lit point in a face.
+struct shadow_receiver {
+    vec2 ndc;
+    float along;   // w of shadow_face_clip()
+    float depth;
+    vec2 slope;    // what depth grows by per unit of ndc on the plane of the surface
+    vec2 side, up; // what a blocker hides moves by in ndc where the point of the source moves by 1, for each unit of depth between blocker and receiver
+};
+
+shadow_receiver shadow_receiver_of(gpu_shape shape, uint face, vec4 clip, vec3 ray, vec3 normal) {
+    shadow_receiver r;
+    r.ndc = clip.xy / clip.w;
+    r.along = clip.w;
+    r.depth = clip.z / clip.w;
+    float facing = min(dot(normal, ray), -0.05 * length(ray));
+    if (shape.kind == GPU_SHAPE_BOX) {
+        vec3 up = cross(shape.side, shape.direction);
+        facing = min(dot(normal, shape.direction), -0.05);
+        r.slope = vec2(dot(normal, shape.side) * shape.size.x, dot(normal, up) * shape.size.y) * (0.5 / (facing * shape.size.z));
+        r.side = vec2(2.0 * shape.size.z / shape.size.x, 0.0);
+        r.up = vec2(0.0, 2.0 * shape.size.z / shape.size.y);
+        return r;
+    }
+    uint axis = face >> 1u, x = (axis + 1u) % 3u, y = (axis + 2u) % 3u;
+    float sign_ = (face & 1u) != 0u ? -1.0 : 1.0;
+    r.slope = vec2(normal[x], normal[y]) * (SHADOW_NEAR / facing);
+    vec3 side, up; // of the disk that faces the point; what lies before or behind the light moves with the ray
+    source_axes(normalize(ray), side, up);
+    r.side = (vec2(side[x], side[y]) - r.ndc * (sign_ * side[axis])) / SHADOW_NEAR;
+    r.up = (vec2(up[x], up[y]) - r.ndc * (sign_ * up[axis])) / SHADOW_NEAR;
+    return r;
+}
+
+// The finest level, from `level` on, in which a kernel of a radius in ndc reaches no farther than pages do.
+uint shadow_level_within(uint level, float radius) {
+    while (level + 1u < SHADOW_LEVELS && radius * 0.5 * shadow_width(level) > SHADOW_REACH) level++;
+    return level;
+}
+
+// The radius in ndc, for a source of size 1, of what may hide it from a point.
+float shadow_search_radius(gpu_shape shape, shadow_receiver r) {
+    float span = shape.kind == GPU_SHAPE_BOX ? 1.0 - r.depth : r.depth * (1.0 / SHADOW_NEAREST_BLOCKER - 1.0);
+    return span * max(length(r.side), length(r.up));
+}
+
+// The coarsest level in which a point is looked up whose pixel asks for `level`: that in which all possible blockers are within reach.
+uint shadow_coarsest_level(light_list_block l, uint light, gpu_shape shape, uint face, vec4 clip, vec3 ray, uint level) {
+    if (l.list.view.view.frame.frame.shadow_filter != GPU_SHADOW_FILTER_PCSS) return level;
+    float size = source_size(l, light, shape.kind == GPU_SHAPE_BOX);
+    if (!(size > 0.0)) return level;
+    return shadow_level_within(level, size * shadow_search_radius(shape, shadow_receiver_of(shape, face, clip, ray, -normalize(ray))));
+}
+
+// The depth of what is nearer to the light than a point of the face by so many metres.
+float shadow_depth_before(gpu_shape shape, shadow_receiver r, float metres) {
+    if (shape.kind == GPU_SHAPE_BOX) return r.depth + 0.5 * metres / shape.size.z;
+    return SHADOW_NEAR / max(r.along - metres, SHADOW_NEAR);
+}
+
+// Whether a tap shows something before the receiver; `blocker`: its depth. `depth` is that of the receiver's plane at the tap, `bias` what casts no shadow
+// before it, `own` the depth of the receiver; `back` leads from the tap to it, in texels. Shading normals lean away from the plane of the surface, so a
+// tap also shows the receiver where the plane through its four texels, continued, meets the receiver.
+bool shadow_tap_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 texel, vec2 back, float depth, float bias, float own,
+                      out float blocker) {
+    vec2 part;
+    vec4 d = shadow_quad(maps, page, at, texel, part);
+    depth += bias;
+    blocker = part.y < 0.5 ? (part.x < 0.5 ? d.x : d.y) : (part.x < 0.5 ? d.z : d.w);
+    if (blocker <= depth) return false;
+    float least = min(min(d.x, d.y), min(d.z, d.w)), range = max(max(d.x, d.y), max(d.z, d.w)) - least;
+    float here = mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y);
+    float there = here + 0.5 * dot(vec2(d.y - d.x + d.w - d.z, d.z - d.x + d.w - d.y), back);
+    bool beyond = abs(there - own) > 0.25 * range + bias;
+    return least > depth ? beyond : here > depth + 0.25 * range && (beyond || range > 4.0 * bias); // the step at an edge is no plane
+}
+
+// Looks at a disk of the face; `radius` is in the units of `side` and `up`. x: the number of taps that show something before the receiver; y: the sum of
+// its depths.
+vec2 shadow_taps(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, gpu_shape shape, shadow_receiver r, float radius, float turn, float slack) {
+    float scale = 0.5 * shadow_width(at.level), texel = (shape.kind == GPU_SHAPE_BOX ? max(shape.size.x, shape.size.y) : r.along) / scale;
+    vec2 sum = vec2(0.0);
+    for (uint k = 0u; k < SHADOW_TAPS; k++) {
+        vec2 p = source_point(k, SHADOW_TAPS, turn) * radius, beside = r.side * p.x + r.up * p.y, texels = beside * scale;
+        float before = slack + (0.5 + 0.5 * length(texels)) * texel, blocker;
+        float depth = r.depth + dot(r.slope, beside), bias = shadow_depth_before(shape, r, before) - r.depth;
+        if (shadow_tap_hides(maps, page, at, shadow_page_texel(at, r.ndc + beside), -texels, depth, bias, r.depth, blocker)) sum += vec2(1.0, blocker);
+    }
+    return sum;
+}
+
+// The part of the light, 0 .. 1, that reaches the point. `at` and `page`: what its pixel asked for; `hidden`: what that page says without a filter.
+//
+// Percentage-closer filtering (Reeves et al. 1987) looks at a small disk of texels, which smooths their steps. Percentage-closer soft shadows (Fernando
+// 2005) first look where there may be blockers, and make the disk as large as the penumbra of their mean. Disks reach three texels; where the penumbra is
+// wider, coarser levels are looked up, whose texels are larger. Where no blocker is found the page itself decides: it may show a contact that coarse
+// texels miss.
+float shadow_filtered(light_list_block l, uint light, gpu_shadow_maps maps, uint row, gpu_shape shape, shadow_page at, uint page, shadow_receiver r,
+                      vec3 position, float slack, bool hidden) {
+    float open = hidden ? 0.0 : 1.0;
+    bool is_soft = l.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS;
+    float size = is_soft ? source_size(l, light, shape.kind == GPU_SHAPE_BOX) : 0.0, radius = SHADOW_PCF_REACH, reach = 1.0, turn = 0.0;
+    uint wanted = at.level;
+    if (is_soft) {
+        if (!(size > 0.0)) return open;
+        reach = max(length(r.side), length(r.up));
+        turn = source_turn(l, light, position);
+        radius = shadow_search_radius(shape, r) / reach * size;
+        at.level = shadow_level_within(wanted, radius * reach);
+        if (!shadow_find_from(maps, row, r.ndc, at, page)) return open;
+        radius = min(radius, SHADOW_REACH / (0.5 * shadow_width(at.level) * reach));
+    } else {
+        r.side = vec2(2.0 / shadow_width(at.level), 0.0);
+        r.up = r.side.yx;
+    }
+    vec2 taps = vec2(0.0);
+    for (uint step = is_soft ? 0u : 1u; step < 2u; step++) { // blockers first: one loop, so that shaders hold its code once
+        taps = shadow_taps(maps, maps.pages.at[page], at, shape, r, radius, turn, slack);
+        if (step == 1u) break;
+        if (taps.x == 0.0) return open;
+        radius = min(radius, size * max(taps.y / taps.x - r.depth, 0.0));
+        at.level = shadow_level_within(wanted, radius * reach);
+        if (!shadow_find_from(maps, row, r.ndc, at, page)) return open;
+    }
+    return 1.0 - taps.x / float(SHADOW_TAPS);
+}
+
+#endif
