@@ -10,8 +10,8 @@
 #include <time.h>
 
 static const char *const metric_names[LANE_METRIC_COUNT] = {"frame_ms", "gpu_ms",     "cpu_ms",      "wall_ms",
-                                                            "lists_ms", "shading_ms", "geometry_ms", "rest_ms",
-                                                            "without_lists_ms"};
+                                                            "lists_ms", "shading_ms", "shadows_ms", "geometry_ms",
+                                                            "rest_ms",  "without_lists_ms"};
 
 double lane_now(void) {
     struct timespec now;
@@ -21,8 +21,8 @@ double lane_now(void) {
 
 /* ---- what a pass is for ---- */
 
-enum role { ROLE_LISTS, ROLE_SHADING, ROLE_GEOMETRY, ROLE_REST, ROLE_READ, ROLE_COUNT };
-static const char *const role_names[ROLE_COUNT] = {"lists", "shading", "geometry", "rest", "read"};
+enum role { ROLE_LISTS, ROLE_SHADING, ROLE_SHADOWS, ROLE_GEOMETRY, ROLE_REST, ROLE_READ, ROLE_COUNT };
+static const char *const role_names[ROLE_COUNT] = {"lists", "shading", "shadows", "geometry", "rest", "read"};
 
 /* By the start of a name, the first that fits. A frame consists of these and of the passes that build light lists. */
 static enum role role_of_part(const char *name) {
@@ -32,6 +32,7 @@ static enum role role_of_part(const char *name) {
         "dais sha",    "dais spread", "dais gate", "dais rest",
         "lit forward", "coarse", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
         "visible ",    "texturing sh", NULL};
+    static const char *const shadows[] = {"shadow", "ray ", NULL};
     static const char *const geometry[] = {"cull",       "sort",           "blend",
                                            "gbuffer",    "depth prepass",  "skin",
                                            "morph",      "light surfaces", "inferred surfaces",
@@ -44,7 +45,7 @@ static enum role role_of_part(const char *name) {
     static const struct {
         enum role role;
         const char *const *starts;
-    } roles[] = {{ROLE_SHADING, shading}, {ROLE_GEOMETRY, geometry}, {ROLE_REST, rest}, {ROLE_READ, read}};
+    } roles[] = {{ROLE_SHADING, shading}, {ROLE_SHADOWS, shadows}, {ROLE_GEOMETRY, geometry}, {ROLE_REST, rest}, {ROLE_READ, read}};
     for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
         for (const char *const *start = roles[i].starts; *start; start++)
             if (strncmp(name, *start, strlen(*start)) == 0) return roles[i].role;
@@ -122,13 +123,15 @@ bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats) {
         pass->times[lane->measured] += stats->passes[i].milliseconds;
         sums[role_of(pass->name)] += stats->passes[i].milliseconds;
     }
-    double gpu = sums[ROLE_LISTS] + sums[ROLE_SHADING] + sums[ROLE_GEOMETRY] + sums[ROLE_REST];
+    double gpu = 0;
+    for (int role = 0; role < ROLE_COUNT; role++) gpu += role == ROLE_READ ? 0 : sums[role];
     double values[LANE_METRIC_COUNT] = {[LANE_FRAME] = fmax(gpu, stats->cpu_milliseconds),
                                         [LANE_GPU] = gpu,
                                         [LANE_CPU] = stats->cpu_milliseconds,
                                         [LANE_WALL] = lane->wall,
                                         [LANE_LISTS] = sums[ROLE_LISTS],
                                         [LANE_SHADING] = sums[ROLE_SHADING],
+                                        [LANE_SHADOWS] = sums[ROLE_SHADOWS],
                                         [LANE_GEOMETRY] = sums[ROLE_GEOMETRY],
                                         [LANE_REST] = sums[ROLE_REST],
                                         [LANE_WITHOUT_LISTS] = gpu - sums[ROLE_LISTS]};

@@ -13,6 +13,7 @@ enum lane_metric {
     LANE_WALL,     /* from the call until the results are there */
     LANE_LISTS,    /* passes that build light lists */
     LANE_SHADING,  /* passes that shade */
+    LANE_SHADOWS,  /* passes that make shadow maps, or what rays go through */
     LANE_GEOMETRY, /* culling, sorting, depth, G-buffer */
     LANE_REST,     /* exposure, tone mapping */
     LANE_WITHOUT_LISTS, /* all passes but those that build light lists and those that hand over results */
@@ -50,7 +51,7 @@ struct lane {
 };
 
 double lane_now(void); /* seconds */
-/** What a pass, which may stand in scopes ("view 1/gbuffer"), is for: "lists", "shading", "geometry", "rest" or "read". */
+/** What a pass, which may stand in scopes ("view 1/gbuffer"), is for: "lists", "shading", "shadows", "geometry", "rest" or "read". */
 const char *lane_pass_role(const char *name);
 bool lane_init(struct lane *lane, const struct bench_case *where, const struct bench_candidate *candidate, uint32_t frames);
 void lane_finish(struct lane *lane);

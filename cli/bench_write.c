@@ -204,7 +204,7 @@ static const char *const columns[] = {
     "frame_ms.median", "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad",
     "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95", "gpu_ms.mad",
     "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad",
-    "wall_ms.median", "lists_ms.median", "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "geometry_ms.median", "rest_ms.median",
+    "wall_ms.median", "lists_ms.median", "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "shadows_ms.median", "geometry_ms.median", "rest_ms.median",
     "without_lists_ms.median", "ideal_ms", "over_ideal",
     "evaluations", "evaluations_useful", "per_pixel", "useful_per_pixel", "max_per_pixel",
     "list_bytes", "list_used_bytes", "list_entries", "cells", "overflow_cells", "dropped", "triangles", "triangles_drawn", "triangles_culled", "triangles_per_second",

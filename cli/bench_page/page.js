@@ -62,10 +62,10 @@ function style(name) {
   const i = schemes.indexOf(name), p = palette();
   return {color: p[i % p.length], marker: markers[i % markers.length], dash: dashes[(i + Math.floor(i / p.length)) % dashes.length]};
 }
-const roles = ['geometry', 'lists', 'shading', 'rest'];
-const roleNames = {geometry: 'geometry and depth', lists: 'building lists', shading: 'shading', rest: 'exposure, tone mapping'};
+const roles = ['geometry', 'shadows', 'lists', 'shading', 'rest'];
+const roleNames = {geometry: 'geometry and depth', shadows: 'shadow maps', lists: 'building lists', shading: 'shading', rest: 'exposure, tone mapping'};
 function roleColor(role, shade) {
-  const p = palette(), base = {geometry: p[4], lists: p[1], shading: p[0], rest: p[6]}[role];
+  const p = palette(), base = {geometry: p[4], shadows: p[3], lists: p[1], shading: p[0], rest: p[6]}[role];
   return base + ['ff', 'b8', 'd8', '98'][(shade || 0) % 4];
 }
 
