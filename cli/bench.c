@@ -42,11 +42,12 @@ static void print_help(void) {
          "that '--shading auto --lists auto' would measure for this number of lights, plus brute force up to 4096 lights\n"
          "  --shading KINDS|all        shading paths (the likely ones)\n"
          "  --lists KINDS|all          light lists; 'all' means every kind, 'brute' means brute force (the likely ones)\n"
-         "  --all                      every shading path with every kind of lists: hundreds of pairs, an hour on a CPU\n"
+         "  --all                      every shading path with every kind of lists: hundreds of pairs, an hour on a CPU;\n"
+         "                             with --suite shadows: more lights as well\n"
          "  --lights N,...             number of lights (as the scene has); to a glTF scene, N scattered lights are added\n"
          "  --sizes WxH,...            pixels (1280x720; on a CPU 640x360)\n"
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
-         "  --transparency, --decals, --gbuffer, --msaa-method, --aa, --cull, --geometry, --occlusion VALUES|all    options\n"
+         "  --shadows, --transparency, --decals, --gbuffer, --msaa-method, --aa, --cull, --geometry, --occlusion VALUES|all    options\n"
          "                             of the same names in 'fanal render'\n"
          "  --ideal                    adds fine-pruned lists to each path where it can use them: their frame without the time to\n"
          "                             build them is the ideal, and every time is printed as a multiple of it too\n"
@@ -91,6 +92,7 @@ static void print_help(void) {
          "  fanal bench city.glb builtin:glass --lists brute,tiled,clustered --msaa 1,4 --frames 30 -o compare\n"
          "  fanal bench --suite thesis -o thesis\n"
          "  fanal bench --suite geometry -o geometry\n"
+         "  fanal bench --suite shadows -o shadows\n"
          "  fanal bench --suite visibility builtin:interior --sizes 1920x1080 --msaa 1,2,4,8 -o visibility");
 }
 
@@ -297,7 +299,7 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     const char *problem = NULL;
     bool closed = o->suite && bench_suite_kind_of(o->suite) != BENCH_SUITE_MATRIX;
     if (closed && scene_count > 0) problem = "--suite brings its own scenes: give none";
-    if (closed && (o->matrix.shading_count || o->matrix.lists_count || o->matrix.every_shading || o->matrix.every_lists || o->all || o->matrix.light_count ||
+    if (closed && (o->matrix.shading_count || o->matrix.lists_count || o->matrix.every_shading || o->matrix.every_lists || (o->all && !bench_suite_takes_all(o->suite)) || o->matrix.light_count ||
                      o->matrix.msaa_count || *o->matrix.set || o->matrix.vary_count || o->matrix.ideal || o->matrix.camera || o->settings.camera_path))
         problem = "--suite chooses shading, lists, lights, samples, options and cameras itself";
     if (closed && o->matrix.size_count > 1) problem = "--suite takes one size";
@@ -328,6 +330,7 @@ static bool complete_options(struct bench_options *o) {
     bool good = bench_create_device(s, NULL, &device) && fnl_device_query_info(device, &info) == FNL_OK,
          cpu = info.type == FNL_DEVICE_CPU;
     fnl_device_destroy(&device);
+    s->all = o->all;
     m->every_shading |= o->all && m->shading_count == 0;
     m->every_lists |= o->all && m->lists_count == 0;
     if (m->size_count == 0) memcpy(m->sizes[m->size_count++], usual[cpu].size, sizeof usual[cpu].size);
@@ -339,9 +342,9 @@ static bool complete_options(struct bench_options *o) {
 
 /* Whether there is anything to be written. */
 static bool has_results(const struct bench_data *data) {
-    static const char *const parts[] = {"results", "antialiasing", "coarse", "dais"};
+    static const char *const parts[] = {"results", "antialiasing", "coarse", "dais", "shadows"};
     size_t count = 0;
-    for (int i = 0; i < 4; i++) count += json_array_size(json_object_get(data->root, parts[i]));
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) count += json_array_size(json_object_get(data->root, parts[i]));
     return count > 0;
 }
 

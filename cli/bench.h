@@ -38,6 +38,7 @@ struct bench_settings {
     const char *camera_path; /* NULL: the camera stands still; "orbit", "turntable", each with ":N" or not; or a file */
     const char *device, *output;
     bool resume, overwrite, validate, no_cache, quiet;
+    bool all; /* a suite measures what takes long as well */
     fnl_load_params loading;
 };
 
@@ -190,6 +191,15 @@ bench_suite_tabulator bench_table_dais;
  */
 double bench_dais_crossing(const json_t *rows, const json_t *first, const char *ratio);
 
+/* ---- shadows (bench_shadows.c) ---- */
+
+/**
+ * Measures every kind of shadows with more and more lights into root.results and root.shadows; width 0: 1280 x 720, on a CPU 320 x 180. With
+ * settings->all, 1024 and 4096 lights too. False with a message, or when it was interrupted.
+ */
+bool bench_shadows_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
+bench_suite_tabulator bench_table_shadows;
+
 /* ---- pictures (bench_picture.c) ---- */
 
 /** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */
@@ -266,6 +276,8 @@ const char *bench_suite_name(int index);
 /** RATIOS: of two ways each, beside those of the source; OWN: measures by itself; MATRIX: options of the command that are given already, and tables. */
 enum bench_suite_kind { BENCH_SUITE_RATIOS, BENCH_SUITE_OWN, BENCH_SUITE_MATRIX };
 enum bench_suite_kind bench_suite_kind_of(const struct bench_suite *suite);
+/** Whether --all means something to a suite that measures by itself. */
+bool bench_suite_takes_all(const struct bench_suite *suite);
 /** Of a matrix: its scenes, and its options by name and value, which others may replace; NULL beyond the last. */
 const char *const *bench_suite_scenes(const struct bench_suite *suite);
 const char *const *bench_suite_option(const struct bench_suite *suite, int index);

@@ -32,6 +32,7 @@ struct bench_suite {
     const struct row *rows;
     uint32_t row_count;
     bench_suite_measurer *measure;
+    bool takes_all; /* bench_settings.all */
     /* Of a matrix; both end with NULL. */
     const char *scenes[4], *options[8][2];
     bench_suite_tabulator *tabulate;
@@ -137,6 +138,12 @@ static const struct bench_suite suites[] = {
      .kind = BENCH_SUITE_OWN,
      .measure = bench_dais_measure,
      .tabulate = bench_table_dais},
+    {.name = "shadows",
+     .title = "shadow maps and rays, as lights become more",
+     .kind = BENCH_SUITE_OWN,
+     .measure = bench_shadows_measure,
+     .takes_all = true,
+     .tabulate = bench_table_shadows},
     {.name = "geometry",
      .title = "what is left out before it is drawn, as the scene grows",
      .kind = BENCH_SUITE_MATRIX,
@@ -164,6 +171,7 @@ const struct bench_suite *bench_suite_find(const char *name) {
 }
 
 enum bench_suite_kind bench_suite_kind_of(const struct bench_suite *suite) { return suite->kind; }
+bool bench_suite_takes_all(const struct bench_suite *suite) { return suite->takes_all; }
 const char *const *bench_suite_scenes(const struct bench_suite *suite) { return suite->scenes; }
 const char *const *bench_suite_option(const struct bench_suite *suite, int index) {
     return suite->options[index][0] ? suite->options[index] : NULL;

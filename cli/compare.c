@@ -2,6 +2,7 @@
 /* fanal compare: how far two pictures are apart. */
 #include "commands.h"
 #include "flip.h"
+#include "leak.h"
 
 #include "fanal/image.h"
 
@@ -243,9 +244,6 @@ static bool find_flip(struct comparison *comparison) {
     return comparison->flip >= 0;
 }
 
-static double luminance(const float *rgb) { return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; }
-
-/* Where each pixel gets light from one light, this is the sum of L |Va - Vb| over that of L: how much light is on the wrong side of a shadow. */
 static bool find_leak(struct comparison *comparison) {
     comparison->leak = NAN;
     if (!comparison->path[2]) return true;
@@ -254,14 +252,7 @@ static bool find_leak(struct comparison *comparison) {
             fprintf(stderr, "fanal compare: --lit compares linear light, as in .exr: %s holds none\n", comparison->path[i]);
             return false;
         }
-    const float *a = comparison->image[0].pixels, *b = comparison->image[1].pixels, *lit = comparison->image[2].pixels;
-    double wrong = 0, all = 0;
-    for (size_t i = 0; i < (size_t)comparison->image[0].width * comparison->image[0].height; i++) {
-        wrong += fabs(luminance(a + i * 4) - luminance(b + i * 4));
-        all += luminance(lit + i * 4);
-    }
-    comparison->leak = wrong == 0 ? 0 : all > 0 ? wrong / all : (double)INFINITY;
-    if (isnan(wrong) || isnan(all)) comparison->leak = INFINITY;
+    comparison->leak = leak_compare(&comparison->image[0], &comparison->image[1], &comparison->image[2]);
     return true;
 }
 

@@ -62,6 +62,7 @@ expect 2 "suite: 'x' is not one of thesis clustered aa coarse fine-pruned" --sui
 expect 2 'give one of them' builtin:spheres --resume --overwrite -o "$out"
 expect 2 'chooses shading' --suite thesis --all -o "$out"
 expect 2 'no device .*99|99' builtin:spheres --device 99 -o "$out"
+expect 2 'chooses shading' --suite shadows --lights 16 -o "$out"
 expect 2 'brings its own scenes' builtin:spheres --suite thesis -o "$out"
 expect 2 'chooses shading' --suite thesis --lists tiled -o "$out"
 expect 2 "set: there is no option 'x'" builtin:spheres --set x=1 -o "$out"

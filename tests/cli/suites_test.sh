@@ -137,5 +137,27 @@ holds "$results" 'dais: bytes of smaller and smaller triangles' '[.dais[] | sele
     [.[].samples_per_triangle] == ([.[].samples_per_triangle] | sort | reverse) and .[0].bytes_of_deferred < 1 and .[-1].bytes_of_deferred > 1'
 grep -q 'spheres, 96x54, 4 samples; time.*bytes even at [0-9.]* samples a triangle' "$work/out" || fail "dais: where the orders cross: $(tail -c 600 "$work/out")"
 
+# ---- shadows: pages that are drawn once, and light on the wrong side ----
+suite shadows --sizes 64x36 --frames 1 --warm-up 0
+results=$work/shadows/results.json
+of='def of($kind): .shadows[] | select(.shadows == $kind);'
+holds "$results" 'shadows: rows' '[.shadows[] | [.scene, .lights, .shadows]] | unique | length == 6 * ([.[][2]] | unique | length) and
+    ([.[][1]] | unique == [16, 64, 256]) and ([.[][2]] | contains(["off", "rays", "maps"]))' '[.shadows[] | [.scene, .lights, .shadows]]'
+holds "$results" 'shadows: a result for each row' '[.shadows[] | [.scene, .lights, .frame_ms]] == [.results[] | [.scene, .asked_lights, .frame_ms.median]]'
+holds "$results" 'shadows: pages of a still frame' "$of"'[of("maps") | .wanted > 50 and .pages == .wanted and .first_drawn == .pages and .drawn == 0 and
+    .coarsened == 0 and .traced == 0 and .mebibytes > 0 and .mebibytes < 64] | length == 6 and all' "$of"'[of("maps")]'
+holds "$results" 'shadows: pages of a moving camera' "$of"'[of("maps") | .moving_drawn > 0 and .moving_drawn < 0.25 * .pages and .moving_evicted == 0] | all' \
+    "$of"'[of("maps") | {pages, moving_drawn, moving_evicted}]'
+holds "$results" 'shadows: more lights, more pages' "$of"'[of("maps")] | group_by(.scene) | all([.[].wanted] | . == sort and .[2] > 2 * .[0])' "$of"'[of("maps").wanted]'
+# At so few pixels shadow edges are everywhere.
+holds "$results" 'shadows: light on the wrong side' "$of"'[of("rays").leak == 0] + [[.shadows[] | select(.shadows == "maps" or .shadows == "off")] | group_by(.scene)[] |
+    group_by(.lights)[] | map({key: .shadows, value: .leak}) | from_entries | .maps > 0 and .maps < 0.1 and .maps < .off] | length == 12 and all' \
+    '[.shadows[] | [.scene, .lights, .shadows, .leak]]'
+# By a factor that no busy machine makes up for.
+holds "$results" 'shadows: rays take longer' "$of"'[of("rays") | select(.lights == 256).shading_ms] as $rays | [of("maps") | select(.lights == 256).shading_ms] as $maps |
+    [range(2)] | all($rays[.] > 4 * $maps[.])' '[.shadows[] | [.scene, .lights, .shadows, .shading_ms]]'
+head -n 1 "$work/shadows/results.csv" | grep -q 'shadows_ms_median.*shadows\.wanted' || fail 'shadows: the columns of the CSV'
+grep -qE 'Of 672 lights with shadow maps 0 found no room' "$work/out" || fail "shadows: the table: $(tail -c 600 "$work/out")"
+
 [ $failures = 0 ] && echo 'all suites point where they should'
 exit $((failures > 0))

@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: MIT */
+/* Every kind of shadows, as lights become more: what it costs over no shadows, while the camera stands still and while it moves; its memory and
+ * pages; and how much light is on the wrong side of a shadow. */
+#include "bench_lane.h"
+#include "counters.h"
+#include "leak.h"
+#include "progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const scenes[] = {"builtin:hall", "builtin:city"};
+static const uint32_t light_counts[] = {16, 64, 256, 1024, 4096}; /* the last two: with settings->all */
+enum { SCENE_COUNT = sizeof scenes / sizeof *scenes, LIGHT_COUNTS = 3, ALL_LIGHT_COUNTS = sizeof light_counts / sizeof *light_counts };
+enum { GROWTH_MOST = 16, PICTURE_WIDTH = 360 };
+#define CELL_BYTES (128 * 128 * 4.0) /* of the counter shadows.cells */
+/* Of the moving camera, in each frame: what somebody sees who walks and turns. */
+#define STEP 0.05f /* metres, to the right */
+#define TURN 0.0175f /* radians */
+
+/* One kind of shadows. */
+struct subject {
+    char options[64];
+    struct bench_candidate candidate;
+    struct lane lane;
+    bool paged;            /* it has pages, and so depends on the frames before */
+    uint64_t first_drawn;  /* pages, in the frames until there is all that the first one needs */
+    double *moving;        /* milliseconds of frames of the moving camera */
+    uint32_t moved;
+    double moved_drawn, moved_evicted; /* pages of all those frames */
+    fnl_image radiance;
+};
+
+/* A scene with a number of lights. */
+struct shadow_part {
+    int index, count;
+    const char *name;
+    uint32_t lights;
+};
+
+/* The names of all kinds but that which chooses one of the others. */
+static const char *way_name(uint32_t index) {
+    const char *name = fnl_value_name(FNL_ENUM_SHADOWS, index);
+    return name && strcmp(name, "auto") != 0 ? name : NULL;
+}
+
+static bool render(struct subject *s, const fnl_frame *frame, fnl_frame_stats *stats) {
+    double start = lane_now();
+    bool good = !interrupt_seen() && fnl_renderer_render(s->lane.renderer, frame) == FNL_OK &&
+                fnl_renderer_query_stats(s->lane.renderer, stats) == FNL_OK;
+    s->lane.wall = (lane_now() - start) * 1e3;
+    return good;
+}
+
+static double frame_time(const fnl_frame_stats *stats) {
+    double gpu = 0;
+    for (uint32_t i = 0; i < stats->pass_count; i++)
+        if (strcmp(lane_pass_role(stats->passes[i].name), "read") != 0) gpu += stats->passes[i].milliseconds;
+    return fmax(gpu, stats->cpu_milliseconds);
+}
+
+/* The first frame, and those until everything has the room that it needs; then a picture, and the counts of a frame in which nothing is new. */
+static bool open_subject(struct subject *s) {
+    fnl_frame_stats stats = {0};
+    fnl_frame frame = s->lane.frame;
+    int turns = 0;
+    do {
+        if (!render(s, &frame, &stats)) return false;
+        s->first_drawn += counters_value(&stats, "shadows.drawn");
+    } while (counters_overflow(&stats) > 0 && ++turns < GROWTH_MOST);
+    frame.count_lights = true;
+    frame.outputs |= FNL_OUTPUT_RADIANCE;
+    if (!render(s, &frame, &stats)) return false;
+    lane_note_counts(&s->lane, &stats);
+    s->paged = json_object_get(s->lane.counters, "shadows.drawn") != NULL;
+    return fnl_renderer_read(s->lane.renderer, FNL_OUTPUT_RADIANCE, &s->radiance) == FNL_OK;
+}
+
+static bool time_still(struct subject *s, bool timed) {
+    fnl_frame_stats stats = {0};
+    return render(s, &s->lane.frame, &stats) && (!timed || lane_note_times(&s->lane, &stats));
+}
+
+/* What has no pages costs the same wherever the camera was before. */
+static bool time_moving(struct subject *s, uint32_t frames) {
+    fnl_frame frame = s->lane.frame;
+    for (uint32_t i = 0; i < frames && s->paged; i++) {
+        fnl_frame_stats stats = {0};
+        fnl_vec3 *eye = &frame.camera.position, *target = &frame.camera.target;
+        const float x = target->x - eye->x, z = target->z - eye->z, length = fmaxf(hypotf(x, z), 1e-6f), c = cosf(TURN), n = sinf(TURN);
+        eye->x -= STEP * z / length;
+        eye->z += STEP * x / length;
+        target->x = eye->x + c * x - n * z;
+        target->z = eye->z + n * x + c * z;
+        if (!render(s, &frame, &stats)) return false;
+        s->moving[s->moved++] = frame_time(&stats);
+        s->moved_drawn += (double)counters_value(&stats, "shadows.drawn");
+        s->moved_evicted += (double)counters_value(&stats, "shadows.evicted");
+    }
+    return true;
+}
+
+static bool measure(const struct bench_settings *settings, const struct shadow_part *part, struct subject *subjects, uint32_t count) {
+    const uint32_t rounds = settings->warm_up + settings->frames;
+    for (uint32_t i = 0; i < count; i++) {
+        double done = part->index + (double)i / count / 2;
+        progress_tell(done > 0 ? progress_seconds() * (part->count / done - 1) : -1, "part %d of %d: %s, %u lights, shadows %s", part->index + 1,
+                      part->count, part->name, part->lights, way_name(i));
+        if (!open_subject(&subjects[i])) return false;
+    }
+    for (uint32_t k = 0; k < rounds; k++) { /* in turn, so that what else the machine does falls on all */
+        double done = part->index + 0.5 + (double)k / rounds / 2;
+        progress_tell(progress_seconds() * (part->count / done - 1), "part %d of %d: %s, %u lights, frame %u of %u", part->index + 1,
+                      part->count, part->name, part->lights, k + 1, rounds);
+        for (uint32_t i = 0; i < count; i++)
+            if (!time_still(&subjects[i], k >= settings->warm_up)) return false;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (!time_moving(&subjects[i], settings->frames)) return false;
+    return true;
+}
+
+/* ---- rows ---- */
+
+/* The picture of each way, and how far it is from that of rays, under the names that the page looks for. */
+static void add_pictures(const struct bench_settings *settings, const struct bench_case *where, struct subject *subjects, uint32_t count,
+                         json_t *pictures) {
+    fnl_image truth = {0};
+    if (fnl_renderer_read(subjects[FNL_SHADOWS_RAYS].lane.renderer, FNL_OUTPUT_COLOR, &truth) != FNL_OK) return;
+    for (uint32_t i = 0; i < count; i++) {
+        struct bench_candidate shown = subjects[i].candidate;
+        fnl_image color = {0}, difference = {0};
+        char name[2400];
+        shown.lists = settings->reference;
+        json_t *key = bench_key(where, &shown), *uri = NULL;
+        if (fnl_renderer_read(subjects[i].lane.renderer, FNL_OUTPUT_COLOR, &color) == FNL_OK)
+            uri = bench_picture_uri(&color, PICTURE_WIDTH, settings->output);
+        lane_picture_name(key, "reference", name, sizeof name);
+        if (uri) json_object_set_new(pictures, name, uri);
+        uri = NULL;
+        if (i != FNL_SHADOWS_RAYS && fnl_image_difference_picture(NULL, &truth, &color, 16, &difference) == FNL_OK)
+            uri = bench_picture_uri(&difference, PICTURE_WIDTH, settings->output);
+        lane_picture_name(key, "shading", name, sizeof name);
+        if (uri) json_object_set_new(pictures, name, uri);
+        fnl_image_free(NULL, &color);
+        fnl_image_free(NULL, &difference);
+        json_decref(key);
+    }
+    fnl_image_free(NULL, &truth);
+}
+
+static void add_paged(const struct subject *s, double frame, json_t *row) {
+    static const char *const counts[] = {"wanted", "pages", "drawn", "evicted", "coarsened", "traced"};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        char key[64];
+        snprintf(key, sizeof key, "shadows.%s", counts[i]);
+        json_object_set(row, counts[i], json_object_get(s->lane.counters, key));
+    }
+    double cells = bench_number(s->lane.counters, "shadows.cells", 0), moving = bench_median_of(s->moving, s->moved);
+    json_object_set_new(row, "mebibytes", json_real(cells * CELL_BYTES / 1048576));
+    json_object_set_new(row, "first_drawn", json_integer((json_int_t)s->first_drawn));
+    json_object_set_new(row, "moving_ms", json_real(moving));
+    json_object_set_new(row, "moving_of_still", json_real(moving / frame));
+    json_object_set_new(row, "moving_drawn", json_real(s->moved_drawn / s->moved));
+    json_object_set_new(row, "moving_evicted", json_real(s->moved_evicted / s->moved));
+}
+
+static bool add_rows(const struct bench_settings *settings, const struct bench_case *where, const fnl_scene *scene, struct subject *subjects,
+                     uint32_t count, struct bench_data *data) {
+    json_t *rows = json_object_get(data->root, "shadows"), *results = json_object_get(data->root, "results");
+    fnl_scene_info info = {0};
+    double frame = NAN, shading = NAN;
+    fnl_scene_query_info(scene, &info);
+    for (uint32_t i = 0; i < count; i++) {
+        struct subject *s = &subjects[i];
+        json_t *result = bench_key(where, &s->candidate);
+        snprintf(s->lane.unchecked, sizeof s->lane.unchecked, "kinds of shadows differ");
+        lane_add_result(&s->lane, result, &info, false, settings->frames);
+        if (i == FNL_SHADOWS_OFF) {
+            frame = bench_median(result, "frame_ms");
+            shading = bench_median(result, "shading_ms");
+        }
+        double leak = leak_compare(&s->radiance, &subjects[FNL_SHADOWS_RAYS].radiance, &subjects[FNL_SHADOWS_OFF].radiance);
+        json_t *row = json_pack("{s:s,s:I,s:i,s:i,s:s,s:f,s:f,s:f,s:f,s:f}", "scene", where->scene, "lights", (json_int_t)where->lights, "width",
+                                (int)where->width, "height", (int)where->height, "shadows", way_name(i), "frame_ms", bench_median(result, "frame_ms"),
+                                "frame_of_off", bench_median(result, "frame_ms") / frame, "shading_ms", bench_median(result, "shading_ms"),
+                                "shading_of_off", bench_median(result, "shading_ms") / shading, "shadows_ms", bench_median(result, "shadows_ms"));
+        if (!row) return false;
+        json_object_set_new(row, "leak", isfinite(leak) ? json_real(leak) : json_null());
+        if (s->paged) add_paged(s, bench_median(result, "frame_ms"), row);
+        json_array_append_new(rows, row);
+        json_array_append_new(results, result);
+    }
+    return true;
+}
+
+/* ---- a scene ---- */
+
+static bool open_lanes(fnl_device *device, fnl_scene *scene, const struct bench_settings *settings, const struct bench_case *where,
+                       const fnl_camera *camera, struct subject *subjects, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        struct subject *s = &subjects[i];
+        if (i != FNL_SHADOWS_OFF) snprintf(s->options, sizeof s->options, "shadows=%s", way_name(i));
+        s->candidate = (struct bench_candidate){FNL_SHADING_DEFERRED, FNL_LISTS_TILED, s->options};
+        s->moving = calloc(settings->frames + 1, sizeof *s->moving);
+        if (!lane_init(&s->lane, where, &s->candidate, settings->frames) || !s->moving ||
+            fnl_renderer_create(device, scene, &s->lane.own) != FNL_OK)
+            return false;
+        s->lane.renderer = s->lane.own;
+        s->lane.frame.camera = *camera;
+    }
+    return true;
+}
+
+static bool run_case(fnl_device *device, const struct bench_settings *settings, const struct bench_case *where, const struct shadow_part *part,
+                     struct bench_data *data) {
+    uint32_t count = 0;
+    while (way_name(count)) count++;
+    struct subject *subjects = calloc(count, sizeof *subjects);
+    const fnl_host host = fnl_host_default();
+    struct bench_path path = {0};
+    fnl_scene *scene = NULL;
+    bool good = subjects && bench_scene_load(&host, &settings->loading, where->scene, where->lights, &scene) &&
+                bench_scene_path(scene, settings, NULL, (float)where->width / (float)where->height, &path) &&
+                open_lanes(device, scene, settings, where, &path.points[0].camera, subjects, count) &&
+                measure(settings, part, subjects, count) && add_rows(settings, where, scene, subjects, count, data);
+    if (good) add_pictures(settings, where, subjects, count, data->pictures);
+    for (uint32_t i = 0; i < count && subjects; i++) {
+        fnl_image_free(NULL, &subjects[i].radiance);
+        free(subjects[i].moving);
+        lane_finish(&subjects[i].lane);
+    }
+    free(subjects);
+    bench_path_destroy(&path);
+    fnl_scene_destroy(&scene);
+    return good;
+}
+
+bool bench_shadows_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data) {
+    fnl_device *device = NULL;
+    fnl_device_info info = {0};
+    const int numbers = settings->all ? ALL_LIGHT_COUNTS : LIGHT_COUNTS;
+    struct shadow_part part = {.count = SCENE_COUNT * numbers};
+    bool good = bench_create_device(settings, NULL, &device) && fnl_device_query_info(device, &info) == FNL_OK, cpu = info.type == FNL_DEVICE_CPU;
+    json_object_set_new(data->root, "shadows", json_array());
+    json_object_set_new(data->root, "results", json_array());
+    progress_begin(settings->quiet, PROGRESS_SECONDS);
+    for (; part.index < part.count && good; part.index++) {
+        part.name = scenes[part.index / numbers];
+        part.lights = light_counts[part.index % numbers];
+        const struct bench_case where = {.scene = part.name, .lights = part.lights, .width = width ? width : cpu ? 320 : 1280,
+                                         .height = width ? height : cpu ? 180 : 720, .msaa = 1};
+        good = run_case(device, settings, &where, &part, data);
+    }
+    progress_end();
+    if (good && settings->validate && fnl_device_validation_count(device)) {
+        fputs("fanal: error: Vulkan validation sent messages\n", stderr);
+        good = false;
+    }
+    fnl_device_destroy(&device);
+    return good;
+}
+
+/* ---- the table ---- */
+
+void bench_table_shadows(const struct bench_data *data, json_t *tables) {
+    static const struct {
+        const char *name, *key; /* a key of a row */
+    } columns[] = {{"<scene", "scene"},
+                   {"lights", "lights"},
+                   {"<shadows", "shadows"},
+                   {"frame, ms", "frame_ms"},
+                   {"/ off", "frame_of_off"},
+                   {"shading, ms", "shading_ms"},
+                   {"/ off", "shading_of_off"},
+                   {"maps, ms", "shadows_ms"},
+                   {"leak, %", "leak"},
+                   {"MiB", "mebibytes"},
+                   {"wanted", "wanted"},
+                   {"coarsened", "coarsened"},
+                   {"traced", "traced"},
+                   {"drawn first", "first_drawn"},
+                   {"still", "drawn"},
+                   {"moving", "moving_drawn"},
+                   {"evicted", "moving_evicted"},
+                   {"moving / still", "moving_of_still"}};
+    const json_t *rows = json_object_get(data->root, "shadows"), *row;
+    json_t *names = json_array(), *cells = json_array(), *lines = json_array();
+    size_t i, count = sizeof columns / sizeof *columns;
+    uint64_t lights = 0, traced = 0;
+    for (size_t c = 0; c < count; c++) json_array_append_new(names, json_string(columns[c].name));
+    json_array_foreach(rows, i, row) {
+        json_t *line = json_array();
+        for (size_t c = 0; c < count; c++) {
+            json_t *value = json_object_get(row, columns[c].key);
+            if (strcmp(columns[c].key, "leak") == 0 && json_is_real(value))
+                json_array_append_new(line, json_real(100 * json_real_value(value)));
+            else
+                json_array_append_new(line, value ? json_incref(value) : json_null());
+        }
+        json_array_append_new(cells, line);
+        if (!json_object_get(row, "traced")) continue;
+        lights += (uint64_t)bench_number(row, "lights", 0);
+        traced += (uint64_t)bench_number(row, "traced", 0);
+    }
+    char text[256];
+    snprintf(text, sizeof text, "Of %llu lights with shadow maps %llu found no room for a map: rays found their shadows.",
+             (unsigned long long)lights, (unsigned long long)traced);
+    if (lights) json_array_append_new(lines, json_string(text));
+    json_array_append_new(tables, json_pack("{s:s,s:s,s:o,s:o,s:o}", "name", "shadows", "title",
+                                            "Shadows of more and more lights: medians; pages of shadow maps in the first frames, in a still one, and "
+                                            "in each frame of a moving camera",
+                                            "columns", names, "rows", cells, "lines", lines));
+}
