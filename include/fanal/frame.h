@@ -119,6 +119,10 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_CLUSTERS,       /**< a colour for each cluster of triangles; needs fnl_device_info.primitive_ids */
     FNL_DEBUG_ATLAS,          /**< virtual-texturing: the base colours in its atlas; hatched where it is empty */
     FNL_DEBUG_PAGES,          /**< virtual-texturing: a colour for each page, darker where coarser, striped where a finer one was wanted; 1 sample */
+    FNL_DEBUG_SHADOW_PAGES,   /**< shadow maps: a colour for each page, of the light that gives most to the pixel, with page edges; magenta: none */
+    FNL_DEBUG_SHADOW_LEVELS,  /**< shadow maps: the level of that page, finer is brighter, with a legend */
+    FNL_DEBUG_SHADOW_TEXELS,  /**< shadow maps: a texel of that page against the pixel: up to its width green to blue, wider yellow to red */
+    FNL_DEBUG_SHADOW_ERRORS,  /**< shadow maps against rays: red where light is that should not be, blue where it is missing */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

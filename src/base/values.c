@@ -54,7 +54,11 @@ struct names {
     ROW("dais-failures", "red where a triangle was stored again because its cache bucket stayed locked")                        \
     ROW("clusters", "a colour for each cluster of triangles; grey what has none")                                               \
     ROW("atlas", "the base colours in the atlas of virtual texturing; hatched where it is empty")                               \
-    ROW("pages", "a colour for each page of virtual texturing, darker where coarser, striped where a finer one was wanted")
+    ROW("pages", "a colour for each page of virtual texturing, darker where coarser, striped where a finer one was wanted")     \
+    ROW("shadow-pages", "shadow maps: a colour for each page, of the light that gives most to the pixel; magenta: none")        \
+    ROW("shadow-levels", "shadow maps: the level of that page, finer is brighter, with a legend")                               \
+    ROW("shadow-texels", "shadow maps: a texel of that page over the pixel: at most 1 green to blue, more yellow to red")       \
+    ROW("shadow-errors", "shadow maps against rays: red where light is that should not be, blue where it is missing")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

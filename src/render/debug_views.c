@@ -49,6 +49,21 @@ static void add_halos(struct frame_state *f, bool swap) {
 
 static void add_motion(struct frame_state *f, bool swap) { motion_view_add(f->graph, f->temporal.motion, f->color, swap); }
 
+/* By lists of its own: some orders have theirs for other points than pixels. */
+static void add_shadows(struct frame_state *f, bool swap) {
+    graph_push_names(f->graph, "debug view");
+    const struct light_list lights = order_add_fallback_lists(f);
+    graph_pop_names(f->graph);
+    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, f->view_address, f->color, swap);
+}
+
+static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (frame->shadows == FNL_SHADOWS_MAPS) return FNL_OK;
+    return unsupported(call, "the debug view %s needs shadows maps, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
+                       fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
+}
+
 static fnl_result check_clusters(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(frame);
     if (gpu_info(r->device)->primitive_ids) return FNL_OK;
@@ -72,6 +87,10 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_MOTION, .add = add_motion},
     {FNL_DEBUG_HALOS, .surfaces = true, .add = add_halos},
     {FNL_DEBUG_CLUSTERS, .surfaces = true, .add = add_clusters, .check = check_clusters},
+    {FNL_DEBUG_SHADOW_PAGES, .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_LEVELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_TEXELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_ERRORS, .surfaces = true, .add = add_shadows, .check = check_shadows},
 };
 
 /* ---- the view of a frame ---- */

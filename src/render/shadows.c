@@ -35,9 +35,10 @@ static bool has_mapless(fnl_renderer *r) {
     return r->mapless;
 }
 
-/* Whether rays find some shadows: those of capsules, and of any light where the atlas may not hold the coarsest pages of all. */
+/* Whether rays find some shadows: those of capsules, and of any light where the atlas may not hold the coarsest pages of all; or are compared
+   with maps. */
 static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
-    if (frame->shadows == FNL_SHADOWS_RAYS || !has_maps(r, frame)) return true;
+    if (frame->shadows == FNL_SHADOWS_RAYS || !has_maps(r, frame) || frame->debug == FNL_DEBUG_SHADOW_ERRORS) return true;
     const uint64_t cells = atlas_side(frame) / SHADOW_PAGE, smallest = SHADOW_PAGE / SHADOW_UNIT;
     return has_mapless(r) || row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
 }

@@ -45,4 +45,11 @@ struct debug_counts {
 void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
                     struct debug_counts counts, graph_image metal, VkDeviceAddress view, graph_image target, bool swap);
 
+/**
+ * Writes a view of shadow maps (GPU_DEBUG_SHADOW_…) to a storage image. `lights` has maps, or rays find all shadows; GPU_DEBUG_SHADOW_ERRORS needs
+ * rays too. Cost: a visit of every light of the pixel's list; of errors, a look-up and a ray for each that reaches it.
+ */
+void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, VkDeviceAddress view,
+                     graph_image target, bool swap);
+
 #endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/debug/debug.h"
+
+#include "passes/debug/shadow_view_shared.h"
+
+#include "fanal/renderer.h"
+#include "shaders.h"
+
+_Static_assert((uint32_t)FNL_DEBUG_SHADOW_PAGES == GPU_DEBUG_SHADOW_PAGES && (uint32_t)FNL_DEBUG_SHADOW_LEVELS == GPU_DEBUG_SHADOW_LEVELS &&
+                   (uint32_t)FNL_DEBUG_SHADOW_TEXELS == GPU_DEBUG_SHADOW_TEXELS &&
+                   (uint32_t)FNL_DEBUG_SHADOW_ERRORS == GPU_DEBUG_SHADOW_ERRORS,
+               "shadow_view_shared.h has the values of fnl_debug_view");
+
+void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, VkDeviceAddress view,
+                     graph_image target, bool swap) {
+    const struct graph_image_params image = graph_image_info(graph, target);
+    struct gpu_shadow_view_push push = {.view = view, .lights = lights->header, .swap = swap, .mode = mode};
+    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_MAPS | (mode == GPU_DEBUG_SHADOW_ERRORS ? GPU_LIST_RAYS : 0);
+    struct graph_pass *pass =
+        graph_dispatch(graph, &(struct graph_dispatch){.name = "debug view",
+                                                       .pipeline = {&shader_shadow_view_comp, 1, {lights->kind & heeded}},
+                                                       .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                                                       GRAPH_PUSH(push),
+                                                       GRAPH_ROWS(graph_samples(&push.albedo, aov->albedo),
+                                                                  graph_samples(&push.normal, aov->normal),
+                                                                  graph_samples(&push.position, aov->position),
+                                                                  graph_stores(&push.target, target))});
+    light_list_use(pass, lights, GRAPH_READ_COMPUTE);
+}

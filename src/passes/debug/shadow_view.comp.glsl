@@ -1,0 +1,159 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Debug views of shadow maps: the page that is looked up for the light that gives most to a pixel, and where maps and rays disagree.
+#include "common.glsl"
+#include "view.glsl"
+#include "lights/illuminate.glsl"
+#include "passes/debug/shadow_view_shared.h"
+#include "passes/debug/legend.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform push_block { gpu_shadow_view_push push; };
+
+const float SHOWN = 0.02; // part of a pixel's light that has to be wrong
+
+// What a look-up finds.
+struct finding {
+    bool found;
+    uint row;
+    shadow_page page;
+    float texel; // over the width of a pixel
+    vec2 inside; // texels from the page's least corner, without its border
+};
+
+// The page of a row that holds a point, from page.level on.
+bool look_up_row(light_list_block l, gpu_shadow_maps maps, gpu_shape shape, vec3 position, inout finding f) {
+    vec4 clip = shadow_face_clip(shape, f.page.face, position - shape.position);
+    vec2 ndc = clip.xy / clip.w;
+    uint number;
+    if (!shadow_find_from(maps, f.row, ndc, f.page, number)) return false;
+    f.texel = shadow_across(l, shape, clip.w, position) / shadow_width(f.page.level);
+    f.inside = shadow_page_texel(f.page, ndc) - float(SHADOW_BORDER);
+    return true;
+}
+
+// The page from which map_visibility() and sun_map_visibility() answer.
+finding look_up(light_list_block l, uint light, vec3 position) {
+    finding f;
+    f.found = false;
+    gpu_shape shape = l.list.lights.at[light].shape;
+    if (!LIST_MAPS || !shadow_has_map(shape)) return f;
+    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+    view_block v = l.list.view;
+    if (light < l.list.directional_count) {
+        f.page.face = 0u;
+        int grid = shadow_sun_grid(maps.suns.at[light], pixel_width(v, length(v.view.eye - position)));
+        for (; !f.found && shadow_sun_find(maps, light, position, grid, f.row); grid++) {
+            f.page.level = maps.biases.at[f.row];
+            f.found = look_up_row(l, maps, maps.shapes.at[f.row], position, f);
+        }
+        return f;
+    }
+    f.row = light + maps.first_row;
+    uint bias = maps.biases.at[f.row];
+    if (bias == SHADOW_TRACED) return f;
+    vec3 ray = position - shape.position;
+    f.page.face = shadow_face_of(shape.kind, ray);
+    float along = shadow_face_clip(shape, f.page.face, ray).w;
+    f.page.level = min(shadow_level_for(shadow_across(l, shape, along, position)) + bias, SHADOW_LEVELS - 1u);
+    f.found = look_up_row(l, maps, shape, position, f);
+    return f;
+}
+
+uint mixed(uint x) { // PCG: M. O'Neill, 2014
+    x = x * 747796405u + 2891336453u;
+    x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
+    return (x >> 22u) ^ x;
+}
+
+vec3 page_color(finding f, float grey) {
+    uint number = mixed(f.row * SHADOW_ROW_WORDS * 32u + shadow_bit(f.page.face, f.page.level, f.page.at));
+    vec3 hue = clamp(abs(fract(float(number & 0xffffu) / 65536.0 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+    vec3 color = mix(vec3(grey), mix(vec3(1.0), hue, 0.5 + 0.5 * float(number >> 16u) / 65535.0), 0.65);
+    float edge = min(min(f.inside.x, f.inside.y), float(shadow_page_texels(f.page.level)) - max(f.inside.x, f.inside.y));
+    return edge * f.texel < 0.75 ? mix(color, vec3(1.0), 0.6) : color; // pixels
+}
+
+vec3 level_color(uint level) { return heat(1.0 - float(level) / float(SHADOW_LEVELS)); }
+
+vec3 texel_color(float texel) {
+    float steps = log2(texel);
+    return steps <= 0.0 ? mix(vec3(0.1, 0.75, 0.2), vec3(0.1, 0.3, 0.9), min(-0.5 * steps, 1.0))
+                        : mix(vec3(0.95, 0.85, 0.1), vec3(0.95, 0.1, 0.05), min(steps / 3.0, 1.0));
+}
+
+// The legend of levels in the lower left corner.
+bool legend(ivec2 pixel, out vec3 color) {
+    ivec2 size = ivec2(push.view.view.size);
+    int scale = max(1, size.y / 360), top = size.y - 14 * scale;
+    ivec2 p = ivec2(pixel.x, pixel.y - top) / scale;
+    if (pixel.y < top || p.x >= 8 * int(SHADOW_LEVELS)) return false;
+    color = level_color(uint(p.x / 8));
+    if (digit_pixel(uint(p.x / 8), ivec2(p.x % 8 - 3, p.y - 5))) color = luminance(color) > 0.4 ? vec3(0.0) : vec3(1.0);
+    return true;
+}
+
+// What the lights of a pixel give, in lux.
+struct tally {
+    float most;           // the one that gives most
+    uint brightest;
+    float all;            // lights that have maps
+    float extra, missing; // of it, what only maps let through, and what only rays do
+};
+
+// `high`: metres to the light.
+void add_light(inout tally t, light_list_block l, uint light, float lux, vec3 position, vec3 normal, vec3 to_light, float high) {
+    if (!light_casts(l, light)) return;
+    if (lux > t.most) {
+        t.most = lux;
+        t.brightest = light;
+    }
+    if (!LIST_MAPS || !LIST_RAYS || !(lux > 0.0)) return;
+    t.all += lux;
+    float slack = shadow_slack(l, position);
+    float map = light < l.list.directional_count ? sun_map_visibility(l, light, position, normal, slack)
+                                                 : map_visibility(l, light, position, normal, slack);
+    if (map < 0.0) return; // rays answer
+    float margin = max(slack, 1e-6 * length(l.list.lights.at[light].shape.position));
+    float wrong = map - ray_visibility(rays_block(l.list.rays), position, to_light, high - margin, slack);
+    t.extra += lux * max(wrong, 0.0);
+    t.missing += lux * max(-wrong, 0.0);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
+    vec4 albedo = texelFetch(textures[push.albedo], pixel, 0), normal = texelFetch(textures[push.normal], pixel, 0),
+         position = texelFetch(textures[push.position], pixel, 0);
+    bool sky = normal.w <= 0.0;
+    float grey = sky ? 0.0 : 0.12 + 0.88 * luminance(albedo.rgb) * (0.6 + 0.4 * normal.y);
+    light_list_block l = push.lights;
+    light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);
+    tally t = tally(0.0, 0u, 0.0, 0.0, 0.0);
+    for (uint i = 0u; i < l.list.directional_count && !sky; i++) {
+        vec3 to_light = -l.list.lights.at[i].shape.direction;
+        add_light(t, l, i, luminance(l.list.lights.at[i].color) * max(dot(normal.xyz, to_light), 0.0), position.xyz, normal.xyz, to_light, 1e30);
+    }
+    light_cursor cursor = lights_begin(l, point);
+    FOR_EACH_LIGHT(l, cursor, light) {
+        vec3 to_light;
+        if (sky) break;
+        float lux = luminance(illuminate(l, light, position.xyz, to_light)) * max(dot(normal.xyz, to_light), 0.0);
+        add_light(t, l, light, lux, position.xyz, normal.xyz, to_light, light_distance(l, light, position.xyz, to_light));
+    }
+    vec3 color = vec3(grey * 0.5);
+    if (push.mode == GPU_DEBUG_SHADOW_ERRORS) {
+        if (t.extra > SHOWN * t.all) color = mix(color, vec3(1.0, 0.1, 0.05), 0.4 + 0.6 * t.extra / t.all);
+        if (t.missing > SHOWN * t.all && t.missing > t.extra) color = mix(vec3(grey * 0.5), vec3(0.1, 0.35, 1.0), 0.4 + 0.6 * t.missing / t.all);
+    } else if (t.most > 0.0) {
+        finding f = look_up(l, t.brightest, position.xyz);
+        color = vec3(0.9, 0.1, 0.8);
+        if (f.found && push.mode == GPU_DEBUG_SHADOW_PAGES) color = page_color(f, grey);
+        if (f.found && push.mode == GPU_DEBUG_SHADOW_LEVELS) color = mix(vec3(grey), level_color(f.page.level), 0.8);
+        if (f.found && push.mode == GPU_DEBUG_SHADOW_TEXELS) color = mix(vec3(grey), texel_color(f.texel), 0.8);
+    }
+    vec3 key;
+    if (push.mode == GPU_DEBUG_SHADOW_LEVELS && legend(pixel, key)) color = key;
+    imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
+}

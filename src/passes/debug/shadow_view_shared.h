@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_SHADOW_VIEW_SHARED_H
+#define FNL_PASSES_SHADOW_VIEW_SHARED_H
+
+#include "shared.h"
+#include "lights/lights_shared.h"
+
+/* Values of fnl_debug_view. */
+#define GPU_DEBUG_SHADOW_PAGES 31u
+#define GPU_DEBUG_SHADOW_LEVELS 32u
+#define GPU_DEBUG_SHADOW_TEXELS 33u
+#define GPU_DEBUG_SHADOW_ERRORS 34u
+
+struct gpu_shadow_view_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) lights;
+    uint albedo; /* as gpu_debug_push has them, and all below */
+    uint normal;
+    uint position;
+    uint target;
+    uint swap;
+    uint mode;
+};
+
+#endif
