@@ -29,6 +29,7 @@ static void print_named(void) {
         if (!fnl_option_find(key, &o)) continue;
         options_print_range(&o, range, sizeof range);
         fnl_frame_get(&usual, key, value, sizeof value);
+        if (strcmp(key, "shadows") == 0) snprintf(value, sizeof value, "maps where the scene has lights"); /* render_run() */
         bool is_switch = o.kind == FNL_OPTION_SWITCH;
         snprintf(head, sizeof head, "--%s%s", name, is_switch ? "" : o.kind == FNL_OPTION_NAME ? " KIND" : " N");
         printf("  %-26s %s (%s)\n", head, o.help, value);
@@ -412,6 +413,7 @@ int command_render(int argc, char **argv) {
     o.world.scene = argv[optind];
     if (!check_options(&o) || !check_files(&o)) return 2;
     if (!was_given(&o, "shading") && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    o.lit_casts = !was_given(&o, "shadows");
     warn_of_unused(&o);
     return render_run(&o);
 }

@@ -31,6 +31,7 @@ struct render_options {
     uint32_t frame_count;       /* timed ones; 0: the picture alone */
     uint32_t aovs;              /* bits 1 << enum render_aov */
     bool has_frames, has_frame_time, has_format;
+    bool lit_casts;            /* nobody said which shadows: maps, where the scene has lights */
     enum render_format format; /* of the output "-", which is stdout */
     uint32_t start_frame;      /* of a sequence: the first picture that is wanted */
     uint32_t supersample; /* frames whose mean is taken; 0 or 1: none */

@@ -309,6 +309,18 @@ static bool save_stats(const struct render_options *o, const struct render_repor
     return good;
 }
 
+/* Maps where there are lights. Where maps cannot be, rays would find all shadows, which takes far longer than anybody expects who did not ask for it. */
+static fnl_shadows usual_shadows(const struct render_options *o, const struct render_report *report) {
+    enum { MOST_MAPS = 65536 };
+    const uint32_t count = report->scene.light_count;
+    if (count == 0) return FNL_SHADOWS_OFF;
+    if (report->device.clip_distances && count - report->scene.directional_count <= MOST_MAPS) return FNL_SHADOWS_MAPS;
+    if (!o->quiet)
+        fprintf(stderr, "fanal: warning: no shadows: %s; --shadows rays finds them all, slowly\n",
+                report->device.clip_distances ? "the scene has more than the 65536 lights that may have shadow maps" : "this device cannot draw shadow maps");
+    return FNL_SHADOWS_OFF;
+}
+
 int render_run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
@@ -329,6 +341,7 @@ int render_run(const struct render_options *o) {
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
+    if (good && o->lit_casts) frame.shadows = usual_shadows(o, &report);
     if (view_count > 0) frame.camera = cameras[0];
     frame.views = cameras;
     frame.view_count = view_count;

@@ -79,7 +79,7 @@ holds "$results" 'fine pruning: a picture differs' '[.results[].equal] | all'
 count() { # NAME SCENE SIZE OPTIONS…: adds the counts of a frame to $work/counts.json
     local name=$1 scene=$2 size=$3
     shift 3
-    "$fanal" render "$scene" --size "$size" --exposure 0 -q --stats "$work/stats.json" "$@" >"$work/out" 2>&1 || fail "render $name: $(tail -c 600 "$work/out")"
+    "$fanal" render "$scene" --size "$size" --shadows off --exposure 0 -q --stats "$work/stats.json" "$@" >"$work/out" 2>&1 || fail "render $name: $(tail -c 600 "$work/out")"
     jq --arg name "$name" '{($name): .lights}' "$work/stats.json" >>"$work/counts"
 }
 clusters() { # NAME SCENE SIZE PIXELS SLICES OPTIONS…
