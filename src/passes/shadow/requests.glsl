@@ -69,8 +69,7 @@ void request_sun(light_list_block l, uint_array wanted, uint light, gpu_shadow_s
 
 void request_pages(light_list_block l, uint_array wanted, light_point point) {
     view_block v = l.list.view;
-    float seen_from = length(v.view.eye - point.position);
-    float near = shadow_slack(l, point.position) + (v.view.samples > 1u ? pixel_width(v, seen_from) : 0.0);
+    float seen_from = length(v.view.eye - point.position), near = shadow_slack(l, point.position);
     gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
     for (uint i = 0u; i < l.list.directional_count; i++)
         if (light_casts(l, i) && any(greaterThan(l.list.lights.at[i].color, vec3(0.0))))
