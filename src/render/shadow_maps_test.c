@@ -187,6 +187,28 @@ static void test_blended_surfaces_ask_for_pages(void **state) {
     stage_close(&s);
 }
 
+/* A strip that only the lower samples of a row of pixels see, above the floor, so that it needs other pages than what is under it. */
+static void test_all_samples_ask_for_pages(void **state) {
+    UNUSED(state);
+    uint64_t wanted[2][2];
+    for (uint32_t strip = 0; strip < 2; strip++)
+        for (uint32_t several = 0; several < 2; several++) {
+            fnl_scene *scene = shadow_floor();
+            const fnl_material_params material = matt(1);
+            if (strip) add_square(scene, &material, (vec3){4, 1, 0.028f}, (vec3){0, 2, 0.094f});
+            struct stage s = stage_open_scene(scene);
+            const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 2.5f, SHADOW_SIZE);
+            s.frame.width = view.width, s.frame.height = view.height;
+            s.frame.camera = view.camera;
+            s.frame.msaa = several ? 4 : 1;
+            s.frame.shadows = FNL_SHADOWS_MAPS;
+            wanted[strip][several] = counter_of_frame(&s, "shadows.wanted");
+            stage_close(&s);
+        }
+    assert_int_equal(wanted[1][0], wanted[0][0]); /* no middle of a pixel sees it */
+    assert_true(wanted[1][1] > wanted[0][1]);
+}
+
 /* Pages whose items find no room wait, and the frame says so; in the end all are drawn. */
 static void test_pages_wait_for_room(void **state) {
     UNUSED(state);
@@ -234,6 +256,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
         cmocka_unit_test_teardown(test_changes_are_drawn, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),
+        cmocka_unit_test_teardown(test_all_samples_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_pages_wait_for_room, harness_check),
         cmocka_unit_test_teardown(test_nothing_is_added_without_lights, harness_check),
     };
