@@ -60,7 +60,7 @@ float shadow_search_radius(gpu_shape shape, shadow_receiver r) {
 
 // The coarsest level in which a point is looked up whose pixel asks for `level`: that in which all possible blockers are within reach.
 uint shadow_coarsest_level(light_list_block l, uint light, gpu_shape shape, uint face, vec4 clip, vec3 ray, uint level) {
-    if (l.list.view.view.frame.frame.shadow_filter != GPU_SHADOW_FILTER_PCSS) return level;
+    if (!LIST_FILTERED || l.list.view.view.frame.frame.shadow_filter != GPU_SHADOW_FILTER_PCSS) return level;
     float size = source_size(l, light, shape.kind == GPU_SHAPE_BOX);
     if (!(size > 0.0)) return level;
     return shadow_level_within(level, size * shadow_search_radius(shape, shadow_receiver_of(shape, face, clip, ray, -normalize(ray))));

@@ -53,15 +53,15 @@ static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c-
 
 /* Room for so many entries, in steps of a quarter: views that change a little keep the same buffers. */
 static uint32_t pool_for(const struct lists_context *c, double entries) {
-    uint32_t pool = MAX(c->pool_capacity, MIN(c->state->rooms[c->frame->lists].pool, c->pool_limit));
+    uint32_t pool = MAX(c->pool_capacity, MIN(c->room->pool, c->pool_limit));
     while (pool < c->pool_limit && pool < entries) pool = MIN(pool + pool / 4 + 1, c->pool_limit);
-    return c->state->rooms[c->frame->lists].pool = pool;
+    return c->room->pool = pool;
 }
 
 /* Begins anew where other lights or sizes are to be given room. */
 static bool estimates_room(struct lists_context *c) {
     const fnl_frame *frame = c->frame;
-    struct lists_room *room = &c->state->rooms[frame->lists];
+    struct lists_room *room = c->room;
     bool known = room->light_count == c->input->local_count && room->width == frame->width &&
                  room->height == frame->height && room->tile_size == frame->tiles.size &&
                  memcmp(&room->clusters, &frame->clusters, sizeof room->clusters) == 0;
@@ -316,14 +316,38 @@ static void mark(struct light_list *list, const struct light_input *input) {
     light_list_cast(list, input);
 }
 
-struct light_list lists_add_fallback(const struct lists_context *c) {
+static struct light_list add_all_beside(const struct lists_context *c) {
+    struct light_list all = light_list_all_add(c->graph, c->device, c->input);
+    mark(&all, c->input);
+    return all;
+}
+
+struct light_list lists_add_surfaces(const struct lists_context *context) {
+    if (context->frame->lists == FNL_LISTS_ALL) return add_all_beside(context);
+    struct light_input input = *context->input;
+    struct lists_context c = *context;
+    input.queue = GRAPH_QUEUE_GRAPHICS;
+    input.keep_unseen = !c.frame->list.frustum_cull;
+    input.scattered = false; /* what depth shows is what is looked up */
+    c.input = &input;
+    c.room = &c.state->surface_room;
+    c.estimates = c.estimates && estimates_room(&c);
+    graph_push_names(c.graph, "surfaces");
+    struct lights_in_view visible = in_view(&c, tile_reaches(&c));
+    struct tiled_params params = tiled_params(&c, 1);
+    struct light_list list = tiled_add(c.graph, c.device, &input, &visible, c.depth, &params);
+    graph_pop_names(c.graph);
+    mark(&list, &input);
+    return list;
+}
+
+struct light_list lists_add_fallback(const struct lists_context *context) {
     enum { TREE_LIGHTS = 1024, TILE = 32 };
+    if (context->frame->lists == FNL_LISTS_ALL) return add_all_beside(context);
+    struct lists_context copy = *context;
+    const struct lists_context *c = &copy;
     struct light_input input = *c->input;
-    if (c->frame->lists == FNL_LISTS_ALL) {
-        struct light_list all = light_list_all_add(c->graph, c->device, &input);
-        mark(&all, &input);
-        return all;
-    }
+    copy.room = &copy.state->rooms[c->frame->lists];
     input.queue = GRAPH_QUEUE_ASYNC;
     input.keep_unseen = !c->frame->list.frustum_cull;
     input.spheres_only = !c->frame->list.cone_tests;
@@ -397,6 +421,7 @@ void lists_add(struct lists_context *c) {
     c->input->queue = builder->queue;
     c->input->keep_unseen = !c->frame->list.frustum_cull;
     c->blend_lights = (struct light_list){0};
+    c->room = &c->state->rooms[c->frame->lists];
     c->estimates = c->estimates && estimates_room(c);
     builder->add(c);
     mark(&c->lights, c->input);

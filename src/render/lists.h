@@ -35,7 +35,7 @@ struct lists_state {
     struct lists_room {
         fnl_cluster_options clusters;
         uint32_t tile_size, light_count, width, height, pool;
-    } rooms[FNL_LISTS_COUNT];
+    } rooms[FNL_LISTS_COUNT], surface_room;
 };
 void lists_init(struct lists_state *state, const fnl_host *host);
 /** The device is idle. */
@@ -60,11 +60,14 @@ struct lists_context {
     bool has_blend;
     uint32_t pool_capacity, pool_limit; /* entries that pools have at least, and at most where the lights are thought to need more */
     bool estimates; /* pools may be estimated again; false where only pipelines are asked for */
+    struct lists_room *room; /* of the list that is being made */
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
 };
 void lists_add(struct lists_context *context);
 /** Lights once more, beside a list that does not serve every pixel: clusters, whatever the frame's lists are but `all`, which stays so. */
 struct light_list lists_add_fallback(const struct lists_context *context);
+/** Lights once more, for all that `depth` shows: tiles, whatever the frame's lists are but `all`, which stays so. */
+struct light_list lists_add_surfaces(const struct lists_context *context);
 /** Whether the builder looks at each light of the view on the CPU. */
 bool lists_cull_on_cpu(fnl_light_lists lists);
 

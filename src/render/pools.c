@@ -20,7 +20,7 @@ static uint64_t pool_limit(const fnl_renderer *r) {
 /* After an overflow the pool takes what the frame needed and a quarter more, but never so much that the device could run out: cells
  * beyond that go on using all lights. */
 static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
-    uint64_t needed = MAX(counts->lights.entries, counts->blend_lights.entries);
+    uint64_t needed = MAX(MAX(counts->lights.entries, counts->blend_lights.entries), counts->surface_lights.entries);
     if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, pool_limit(r));
 }
 

@@ -20,7 +20,7 @@
 
 /** What the GPU writes for the CPU in each frame, for each view. What a frame does not count is 0. */
 struct frame_counts {
-    struct light_totals lights, blend_lights;
+    struct light_totals lights, blend_lights, surface_lights;
     struct light_totals decals;
     struct decals_gbuffer_totals gbuffer_decals;
     uint32_t visible_items, lights_behind;

@@ -88,6 +88,12 @@ struct light_list order_add_fallback_lists(struct frame_state *f) {
     return lists_add_fallback(&context);
 }
 
+struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth) {
+    struct lists_context context = lists_context(f);
+    context.depth = depth;
+    return lists_add_surfaces(&context);
+}
+
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
     uint64_t bytes = gbuffer_bytes(f->frame->gbuffer.layout, f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
                      (f->gbuffer.mask.id ? 1 : 0) + extra_bytes;

@@ -108,16 +108,24 @@ static graph_image depth_of(struct frame_state *f) {
     return depth;
 }
 
+/* Lists with which nothing is shaded; requests must know of filters. */
+static struct light_list without_shadows(struct light_list list) {
+    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT | GPU_LIST_SAMPLED);
+    list.rays = (struct rays){0};
+    list.maps = (struct shadow_maps){0};
+    return list;
+}
+
 static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
     const struct light_input *lights = &f->scene->lights;
     const graph_image depth = depth_of(f);
-    struct light_list list = order_add_fallback_lists(f);
-    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT | GPU_LIST_FILTERED | GPU_LIST_SAMPLED);
-    list.rays = (struct rays){0};
-    list.maps = (struct shadow_maps){0};
+    struct light_list list = without_shadows(order_add_surface_lists(f, depth));
+    COUNTERS_COPY(f, list.totals, 0, surface_lights);
     graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);
-    if (order_has_blend(f))
+    if (order_has_blend(f)) { /* in front of what depth shows */
+        list = without_shadows(order_add_fallback_lists(f));
         shadow_requests_blend_add(f->graph, &list, suns, wanted, &f->scene->geometry, &f->draws, f->view_address, depth);
+    }
     return shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
                             &(struct shadow_pages_input){.wanted = wanted, .suns = suns, .lights = lights});
 }

@@ -40,10 +40,10 @@ graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *l
     const struct graph_image_params image = graph_image_info(graph, depth);
     graph_buffer wanted = graph_create_buffer(graph, "shadow requests", row_count * SHADOW_ROW_WORDS * 4ull);
     graph_add_clear(graph, "shadow requests clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {wanted}});
-    struct gpu_shadow_requests_push push = {.list = list->header, .samples = MAX(image.samples, 1u)};
+    struct gpu_shadow_requests_push push = {.list = list->header};
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "shadow requests",
-                                        .pipeline = {&shader_requests_comp, 1, {[LISTS_ID] = list->kind}},
+                                        .pipeline = {&shader_requests_comp, 2, {[LISTS_ID] = list->kind, MAX(image.samples, 1u)}},
                                         .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
                                         GRAPH_PUSH(push),
                                         GRAPH_ROWS(graph_samples(&push.depth, depth), graph_changes(&push.wanted, wanted))});

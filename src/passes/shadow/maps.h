@@ -34,9 +34,10 @@ uint32_t shadow_row_count(const struct light_input *lights);
 graph_buffer shadow_suns_add(struct graph *graph, gpu_device *device, const struct light_input *lights, const struct rays *rays);
 
 /**
- * A page for each opaque surface in `depth` and each light of `list`, which finds lights by pixel and position, that reaches it. `list` has neither
- * GPU_LIST_RAYS nor GPU_LIST_MAPS; of its struct gpu_shadow_maps `suns` and `first_row` are read. Returns SHADOW_ROW_WORDS words for each row. Cost: a visit of every light of the list for every sample
- * whose depth is not that of the last one.
+ * A page for each opaque surface in `depth` and each light of `list` that reaches it. `list` is one of tiles or of all lights, and has neither
+ * GPU_LIST_RAYS nor GPU_LIST_MAPS; of its struct gpu_shadow_maps `suns` and `first_row` are read. Returns SHADOW_ROW_WORDS words for each of `row_count`
+ * rows. Cost: a look at every light of the list for every 8x8 pixels; a visit of it by each of their samples only where it may reach them and some page
+ * that they may need has not been asked for yet.
  */
 graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, graph_buffer suns, uint32_t row_count,
                                  graph_image depth);

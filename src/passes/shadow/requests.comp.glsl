@@ -1,30 +1,166 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// The pages that opaque surfaces need, from their depth.
-#include "passes/shadow/requests.glsl"
+// The pages that opaque surfaces need, from their depth. Pixels that are neighbours mostly need the same pages. So a work group takes the lights of its
+// 8x8 pixels, then each of those with each quad of 2x2 pixels; at either step it leaves out what does not reach, and what has been asked for
+// whatever page of it the pixels need. Single pixels ask for the rest.
+#include "passes/shadow/requests_box.glsl"
 #include "passes/shadow/requests_shared.h"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
+layout(constant_id = 1) const uint SAMPLES = 1u;
 layout(push_constant, scalar) uniform push_block { gpu_shadow_requests_push push; };
 
-void main() {
-    uvec2 pixel = gl_GlobalInvocationID.xy;
+const uint GROUP = 64u, QUADS = 16u, SHARE = 16u; // lights whose quads are taken at once
+// Boxes as numbers of which the least is taken: low, -high, -near, fine, -wide.
+const uint PARTS = 9u;
+const float NOTHING = 3e38;
+shared float quad_parts[QUADS * PARTS], group_parts[PARTS];
+shared uint lights[GROUP], light_count;       // that are left of a batch
+shared uint pairs[SHARE * QUADS], pair_count; // of them with a quad: light * QUADS + quad
+
+request_box box_of(float p[PARTS]) {
+    request_box box;
+    box.near = -p[6];
+    box.low = vec3(p[0], p[1], p[2]) - 0.1 * box.near; // well above what positions are rounded by
+    box.high = -vec3(p[3], p[4], p[5]) + 0.1 * box.near;
+    box.fine = p[7] * 0.9999;
+    box.wide = -p[8] * 1.0001;
+    return box;
+}
+bool is_empty(request_box box) { return !(box.near > 0.0); }
+
+request_box box_of_quad(uint quad) {
+    float p[PARTS];
+    for (uint i = 0u; i < PARTS; i++) p[i] = quad_parts[quad * PARTS + i];
+    return box_of(p);
+}
+
+uvec2 pixel_of_quad(uint quad, uint k) { return gl_WorkGroupID.xy * 8u + uvec2(quad % 4u, quad / 4u) * 2u + uvec2(k & 1u, k >> 1u); }
+
+uint samples_of(uvec2 pixel) { return all(lessThan(pixel, push.list.list.view.view.size)) ? SAMPLES : 0u; }
+
+// False: sky, or the depth of the last sample.
+bool sample_position(uvec2 pixel, uint s, inout float last, out vec3 position) {
     view_block v = push.list.list.view;
-    if (any(greaterThanEqual(pixel, v.view.size))) return;
+    float depth = SAMPLES > 1u ? texelFetch(textures_multisampled[push.depth], ivec2(pixel), int(s)).r
+                               : texelFetch(textures[push.depth], ivec2(pixel), 0).r;
+    position = vec3(0.0);
+    if (!(depth > 0.0) || depth == last) return false;
+    last = depth;
+    vec3 seen = view_position_of(v, ndc_of_pixel(v, vec2(pixel) + 0.5), view_depth_of(v, depth));
+    position = (v.view.view_to_world * vec4(seen, 1.0)).xyz;
+    return true;
+}
+
+// Of quads, then of the group.
+void find_boxes() {
+    view_block v = push.list.list.view;
+    uint thread = gl_LocalInvocationIndex;
+    if (thread < QUADS) {
+        float p[PARTS];
+        for (uint i = 0u; i < PARTS; i++) p[i] = NOTHING;
+        for (uint k = 0u; k < 4u; k++) {
+            uvec2 pixel = pixel_of_quad(thread, k);
+            uint samples = samples_of(pixel);
+            float last = 0.0;
+            for (uint s = 0u; s < samples; s++) {
+                vec3 position;
+                if (!sample_position(pixel, s, last, position)) continue;
+                float width = pixel_width(v, length(v.view.eye - position));
+                for (int i = 0; i < 3; i++) {
+                    p[i] = min(p[i], position[i]);
+                    p[3 + i] = min(p[3 + i], -position[i]);
+                }
+                p[6] = min(p[6], -shadow_slack(push.list, position));
+                p[7] = min(p[7], width);
+                p[8] = min(p[8], -width);
+            }
+        }
+        for (uint i = 0u; i < PARTS; i++) quad_parts[thread * PARTS + i] = p[i];
+    }
+    barrier();
+    if (thread < PARTS) {
+        float least = NOTHING;
+        for (uint i = 0u; i < QUADS; i++) least = min(least, quad_parts[i * PARTS + thread]);
+        group_parts[thread] = least;
+    }
+    barrier();
+}
+
+bool is_left(uint light, request_box box) {
+    gpu_shape shape = request_shape(push.list, light);
+    if (!light_casts(push.list, light) || !shadow_has_map(shape) || !request_box_reached(box, push.list.list.lights.at[light].shape)) return false;
+    // What filters look up besides is not known of boxes.
+    return LIST_FILTERED && push.list.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS ||
+           !request_box_made(push.wanted, request_row(push.list, light), shape, box);
+}
+
+void find_pairs(uint first) {
+    uint count = min(SHARE, light_count - first) * QUADS;
+    for (uint i = gl_LocalInvocationIndex; i < count; i += GROUP) {
+        uint light = lights[first + i / QUADS], quad = i % QUADS;
+        request_box box = box_of_quad(quad);
+        if (!is_empty(box) && is_left(light, box)) pairs[atomicAdd(pair_count, 1u)] = light * QUADS + quad;
+    }
+}
+
+// Of a single pixel.
+void ask(uint light, uvec2 pixel) {
+#ifdef COUNT // for the test: how often, behind the last row
+    atomicAdd(push.wanted.at[push.list.list.local_count * SHADOW_ROW_WORDS], 1u);
+#endif
+    uint samples = samples_of(pixel);
     float last = 0.0;
-    for (uint s = 0u; s < push.samples; s++) {
-        float depth = push.samples > 1u ? texelFetch(textures_multisampled[push.depth], ivec2(pixel), int(s)).r
-                                        : texelFetch(textures[push.depth], ivec2(pixel), 0).r;
-        if (!(depth > 0.0) || depth == last) continue;
-        last = depth;
-        light_point point;
-        point.pixel = pixel;
-        point.view_depth = view_depth_of(v, depth);
-        vec3 seen = view_position_of(v, ndc_of_pixel(v, vec2(pixel) + 0.5), point.view_depth);
-        point.position = (v.view.view_to_world * vec4(seen, 1.0)).xyz;
-        point.normal = vec3(0.0);
-        point.item = LIGHT_NO_ITEM;
-        request_pages(push.list, push.wanted, point);
+    for (uint s = 0u; s < samples; s++) {
+        vec3 position;
+        if (sample_position(pixel, s, last, position)) request_of_light(push.list, push.wanted, light, position, shadow_slack(push.list, position));
+    }
+}
+
+void ask_suns(uvec2 pixel) {
+    uint samples = push.list.list.directional_count > 0u ? samples_of(pixel) : 0u;
+    float last = 0.0;
+    for (uint s = 0u; s < samples; s++) {
+        vec3 position;
+        if (sample_position(pixel, s, last, position)) request_suns(push.list, push.wanted, position, shadow_slack(push.list, position));
+    }
+}
+
+void main() {
+    light_list_block l = push.list;
+    uint thread = gl_LocalInvocationIndex;
+    ask_suns(pixel_of_quad(thread / 4u, thread % 4u));
+    find_boxes();
+    request_box whole = box_of(group_parts);
+    if (is_empty(whole)) return;
+    uint next = 0u, end = l.list.local_count;
+    bool is_direct = true;
+    if (LIST_KIND == GPU_LIST_TILES) {
+        uvec2 tile = tile_of(l, gl_WorkGroupID.xy * 8u);
+        gpu_cell cell = l.list.cells.at[tile.y * l.list.tiles_x + tile.x];
+        is_direct = cell.count == GPU_CELL_ALL;
+        if (!is_direct) {
+            next = cell.offset;
+            end = next + cell.count;
+        }
+    }
+    for (; next < end; next += GROUP) {
+        if (thread == 0u) light_count = 0u;
+        barrier();
+        if (next + thread < end) {
+            uint light = l.list.directional_count + (is_direct ? next + thread : l.list.ids.at[next + thread]);
+            if (is_left(light, whole)) lights[atomicAdd(light_count, 1u)] = light;
+        }
+        barrier();
+        for (uint first = 0u; first < light_count; first += SHARE) {
+            if (thread == 0u) pair_count = 0u;
+            barrier();
+            find_pairs(first);
+            barrier();
+            for (uint i = thread; i < pair_count * 4u; i += GROUP) ask(pairs[i / 4u] / QUADS, pixel_of_quad(pairs[i / 4u] % QUADS, i % 4u));
+            barrier();
+        }
+        barrier();
     }
 }

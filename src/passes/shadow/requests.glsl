@@ -6,9 +6,44 @@
 #include "lights/illuminate.glsl"
 #include "shadows/suns.glsl"
 
+bool request_is_made(uint_array wanted, uint row, uint bit) {
+    return (wanted.at[row * SHADOW_ROW_WORDS + bit / 32u] >> (bit % 32u) & 1u) != 0u;
+}
 void request_bit(uint_array wanted, uint row, uint bit) {
     uint word = row * SHADOW_ROW_WORDS + bit / 32u, mask = 1u << (bit % 32u);
     if ((wanted.at[word] & mask) == 0u) atomicOr(wanted.at[word], mask); // most were asked for before
+}
+
+// The pages of a face that hold a rectangle of it, at each of some levels: one step after the other, which costs least where there is but one.
+struct request_walk {
+    uvec2 low, high, at;
+    uint levels, side, first; // left to do, the pages on a side of this one, and the bit of its first
+};
+request_walk request_walk_begin(uint face, uint finest, uint coarsest, vec2 low, vec2 high, float slack) {
+    request_walk w;
+    uvec2 unused;
+    shadow_pages_round(finest, low, slack, w.low, unused);
+    shadow_pages_round(finest, high, slack, unused, w.high);
+    w.at = w.low;
+    w.levels = coarsest - finest;
+    w.side = shadow_side(finest);
+    w.first = shadow_bit(face, finest, uvec2(0u));
+    return w;
+}
+bool request_walk_ends(request_walk w) { return w.at == w.high && w.levels == 0u; }
+uint request_walk_bit(request_walk w) { return w.first + w.at.y * w.side + w.at.x; }
+bool request_walk_next(inout request_walk w) {
+    bool ends_row = w.at.x == w.high.x, ends_level = ends_row && w.at.y == w.high.y;
+    w.at = ends_row ? uvec2(w.low.x, w.at.y + 1u) : uvec2(w.at.x + 1u, w.at.y);
+    if (!ends_level) return true;
+    if (w.levels == 0u) return false;
+    w.levels--;
+    w.first += w.side * w.side;
+    w.side = max(w.side >> 1, 1u);
+    w.low >>= 1;
+    w.high >>= 1;
+    w.at = w.low;
+    return true;
 }
 
 // `near`: metres within which shading may place the point.
@@ -18,31 +53,45 @@ void request_face(light_list_block l, uint_array wanted, uint light, uint row, g
     float slack = near / (shape.kind == GPU_SHAPE_BOX ? min(shape.size.x, shape.size.y) : clip.w), across = shadow_across(l, shape, clip.w, position);
     uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
     coarsest = shadow_coarsest_level(l, light, shape, face, clip, ray, coarsest);
-    for (uint level = finest; level <= coarsest; level++) {
-        uvec2 low, high;
-        shadow_pages_round(level, ndc, slack, low, high);
-        for (uint y = low.y; y <= high.y; y++)
-            for (uint x = low.x; x <= high.x; x++) request_bit(wanted, row, shadow_bit(face, level, uvec2(x, y)));
+    request_walk walk = request_walk_begin(face, finest, coarsest, ndc, ndc, slack);
+    bool is_left = !request_walk_ends(walk) || !request_is_made(wanted, row, request_walk_bit(walk));
+    for (; is_left; is_left = request_walk_next(walk)) request_bit(wanted, row, request_walk_bit(walk));
+}
+
+// All faces that the point may be seen in: more than one only at their edges. Rarely so: the loop leaves out the others.
+void request_light(light_list_block l, uint_array wanted, uint light, uint row, gpu_shape shape, vec3 position, float near) {
+    vec3 ray = position - shape.position, size = abs(ray);
+    float least = max(size.x, max(size.y, size.z)) - 2.0 * near;
+    bvec3 is_seen = shape.kind == GPU_SHAPE_BOX ? bvec3(true, false, false) : greaterThanEqual(size, vec3(max(least, 1e-30)));
+    uint axes = uint(is_seen.x) | uint(is_seen.y) << 1 | uint(is_seen.z) << 2;
+    for (; axes != 0u; axes &= axes - 1u) {
+        uint axis = uint(findLSB(axes));
+        uint face = shape.kind == GPU_SHAPE_BOX || ray[axis] >= 0.0 ? 2u * axis : 2u * axis + 1u;
+        request_face(l, wanted, light, row, shape, face, ray, position, near);
     }
 }
 
-// All faces that the point may be seen in: more than one only at their edges.
-void request_light(light_list_block l, uint_array wanted, uint light, uint row, gpu_shape shape, vec3 position, float near) {
-    vec3 ray = position - shape.position, size = abs(ray);
-    if (shape.kind == GPU_SHAPE_BOX) {
-        request_face(l, wanted, light, row, shape, 0u, ray, position, near);
-        return;
-    }
-    float least = max(size.x, max(size.y, size.z)) - 2.0 * near;
-    for (uint axis = 0u; axis < 3u; axis++)
-        if (size[axis] >= least && size[axis] > 0.0)
-            request_face(l, wanted, light, row, shape, 2u * axis + (ray[axis] < 0.0 ? 1u : 0u), ray, position, near);
+uint request_row(light_list_block l, uint light) { return light + shadow_maps_block(l.list.shadow_maps).maps.first_row; }
+
+// The shape as far as pages depend on it: without code for boxes where there are none.
+gpu_shape request_shape(light_list_block l, uint light) {
+    gpu_shape shape = l.list.lights.at[light].shape;
+    if (LIST_SIMPLE) shape.kind = GPU_SHAPE_SPHERE;
+    return shape;
+}
+
+void request_of_light(light_list_block l, uint_array wanted, uint light, vec3 position, float near) {
+    gpu_shape shape = request_shape(l, light);
+    if (!light_casts(l, light) || !shadow_has_map(shape) || !light_reaches(l, light, position)) return;
+    request_light(l, wanted, light, request_row(l, light), shape, position, near);
 }
 
 // Of the grid that suits the point, or where its blocks do not hold all of the point, of coarser ones besides.
-void request_sun(light_list_block l, uint_array wanted, uint light, gpu_shadow_sun sun, vec3 position, float pixel, float seen_from, float near) {
+void request_sun(light_list_block l, uint_array wanted, uint light, vec3 position, float near) {
+    gpu_shadow_sun sun = shadow_maps_block(l.list.shadow_maps).maps.suns.at[light];
+    view_block v = l.list.view;
+    float seen_from = length(v.view.eye - position), pixel = pixel_width(v, seen_from), part = near / seen_from + 1e-4;
     vec2 at = vec2(dot(position, sun.side), dot(position, sun.up));
-    float part = near / seen_from + 1e-4;
     int coarsest = shadow_sun_grid(sun, pixel * (1.0 + part));
     for (int grid = shadow_sun_grid(sun, pixel / (1.0 + part)); grid <= sun.coarsest; grid++) {
         float page = shadow_sun_page(grid);
@@ -55,7 +104,7 @@ void request_sun(light_list_block l, uint_array wanted, uint light, gpu_shadow_s
             for (int x = low.x; x <= high.x; x++) {
                 ivec2 block = ivec2(x, y) >> 4;
                 uint row = shadow_sun_row(light, grid, block), last = 0u;
-                if (l.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS) {
+                if (LIST_FILTERED) {
                     gpu_shape shape = shadow_sun_shape(sun, grid, block);
                     vec3 ray = position - shape.position;
                     last = shadow_coarsest_level(l, light, shape, 0u, shadow_face_clip(shape, 0u, ray), ray, 0u);
@@ -67,19 +116,17 @@ void request_sun(light_list_block l, uint_array wanted, uint light, gpu_shadow_s
     }
 }
 
-void request_pages(light_list_block l, uint_array wanted, light_point point) {
-    view_block v = l.list.view;
-    float seen_from = length(v.view.eye - point.position), near = shadow_slack(l, point.position);
-    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+// Of all directional lights.
+void request_suns(light_list_block l, uint_array wanted, vec3 position, float near) {
     for (uint i = 0u; i < l.list.directional_count; i++)
-        if (light_casts(l, i) && any(greaterThan(l.list.lights.at[i].color, vec3(0.0))))
-            request_sun(l, wanted, i, maps.suns.at[i], point.position, pixel_width(v, seen_from), seen_from, near);
+        if (light_casts(l, i) && any(greaterThan(l.list.lights.at[i].color, vec3(0.0)))) request_sun(l, wanted, i, position, near);
+}
+
+void request_pages(light_list_block l, uint_array wanted, light_point point) {
+    float near = shadow_slack(l, point.position);
+    request_suns(l, wanted, point.position, near);
     light_cursor cursor = lights_begin(l, point);
-    FOR_EACH_LIGHT(l, cursor, light) {
-        gpu_shape shape = l.list.lights.at[light].shape;
-        if (!light_casts(l, light) || !shadow_has_map(shape) || !light_reaches(l, light, point.position)) continue;
-        request_light(l, wanted, light, light + maps.first_row, shape, point.position, near);
-    }
+    FOR_EACH_LIGHT(l, cursor, light) request_of_light(l, wanted, light, point.position, near);
 }
 
 #endif

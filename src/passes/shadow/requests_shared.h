@@ -8,7 +8,6 @@ struct gpu_shadow_requests_push {
     ADDRESS(light_list_block) list;
     ADDRESS(uint_array) wanted; /* SHADOW_ROW_WORDS words for each local light */
     uint depth;                 /* sampled index */
-    uint samples;
 };
 
 #endif

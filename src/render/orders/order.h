@@ -56,6 +56,8 @@ bool order_has_blend(const struct frame_state *f);
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
 /** Makes lists beside those of the frame, for pixels that those do not serve. */
 struct light_list order_add_fallback_lists(struct frame_state *f);
+/** Makes tiles beside them for all that `depth` shows. */
+struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth);
 /** Notes what f->gbuffer takes, and what a pixel has beside it, as gbuffer.bytes. */
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes);
 /** The local lights' volumes of a shape of volumes_shared.h. */
