@@ -133,15 +133,22 @@ static bool is_wanted(const VkPipelineShaderStageCreateInfo *stages, uint32_t co
 
 /*
  * Shaders that light come in kinds, which have a row each: for lights of all shapes or for spheres and cones alone (GPU_LIST_SIMPLE, a bit beside
- * the kind of list in constant 0), without shadows or with (GPU_LIST_RAYS, GPU_LIST_MAPS, GPU_LIST_SAMPLED). The worst of all would hide what the others gain.
+ * the kind of list in constant 0), without shadows or with (GPU_LIST_RAYS, GPU_LIST_MAPS, GPU_LIST_SOFT, GPU_LIST_FILTERED,
+ * GPU_LIST_SAMPLED). The worst of all would hide what the others gain.
  */
 static void name_kind(struct row *row) {
-    enum { KINDS = 0xff, LAST_KIND = 12, SCATTERED = 0x100, SIMPLE = 0x200, RAYS = 0x400, MAPS = 0x800, SAMPLED = 0x1000 };
+    enum { KINDS = 0xff, LAST_KIND = 12, LAST_BIT = 0x4000 };
+    static const struct {
+        unsigned bit;
+        const char *name;
+    } bits[] = {{0x200, " simple"}, {0x800, " maps"}, {0x2000, " filtered"}, {0x400, " rays"}, {0x1000, " soft"}, {LAST_BIT, " sampled"}};
     unsigned value = 0;
-    if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || value >= 2 * SAMPLED) return;
-    size_t length = strlen(row->shader);
-    snprintf(row->shader + length, sizeof row->shader - length, "%s%s%s", value & SIMPLE ? " simple" : "", value & MAPS ? " maps" : "",
-             value & SAMPLED ? " sampled" : value & RAYS ? " rays" : "");
+    if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || value >= 2 * LAST_BIT) return;
+    for (size_t i = 0; i < COUNT_OF(bits); i++)
+        if (value & bits[i].bit) {
+            size_t length = strlen(row->shader);
+            snprintf(row->shader + length, sizeof row->shader - length, "%s", bits[i].name);
+        }
 }
 
 static void add_row(const struct row *row) {

@@ -46,6 +46,8 @@ struct gpu_light {
 #define GPU_LIST_FILTERED 0x2000u
 /* Beside GPU_LIST_RAYS: of a point's lights only some are sent a ray (shadows/sampled.glsl). */
 #define GPU_LIST_SAMPLED 0x4000u
+/* Any of the five above: shaders that light have a second module without the code for shadows, for lists without these bits. */
+#define GPU_LIST_SHADOWED 0x7c00u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

@@ -104,25 +104,31 @@ static void describe_constants(uint32_t count, const uint32_t *values, uint32_t 
     out->info = (VkSpecializationInfo){count, out->entries, count * 4, out->values};
 }
 
-uint32_t *gpu_shader_code(const fnl_host *host, const struct gpu_shader *shader) {
-    uint32_t *code = host_allocate(host, shader->size);
-    if (!code) return NULL;
-    if (ZSTD_decompress(code, shader->size, shader->packed, shader->packed_size) == shader->size) return code;
-    log_error(host, "%s: out of memory while it was decompressed", shader->name); /* what is embedded is whole */
-    host_free(host, code, shader->size);
+const struct gpu_code *gpu_shader_choose(const struct gpu_shader *shader, uint32_t constant_count, const uint32_t *constants) {
+    return shader->lean.size && constant_count && !(constants[0] & shader->lean_bits) ? &shader->lean : &shader->code;
+}
+
+uint32_t *gpu_shader_code(const fnl_host *host, const char *name, const struct gpu_code *code) {
+    uint32_t *words = host_allocate(host, code->size);
+    if (!words) return NULL;
+    if (ZSTD_decompress(words, code->size, code->packed, code->packed_size) == code->size) return words;
+    log_error(host, "%s: out of memory while it was decompressed", name); /* what is embedded is whole */
+    host_free(host, words, code->size);
     return NULL;
 }
 
-static fnl_result create_module(gpu_device *device, const struct gpu_shader *shader, VkShaderModule *out) {
-    uint32_t *code = gpu_shader_code(&device->host, shader);
+static fnl_result create_module(gpu_device *device, const struct gpu_shader *shader, uint32_t constant_count,
+                                const uint32_t *constants, VkShaderModule *out) {
+    const struct gpu_code *chosen = gpu_shader_choose(shader, constant_count, constants);
+    uint32_t *code = gpu_shader_code(&device->host, shader->name, chosen);
     if (!code) return FNL_ERROR_MEMORY;
     VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-        .codeSize = shader->size,
+        .codeSize = chosen->size,
         .pCode = code,
     };
     VkResult result = device->vk.CreateShaderModule(device->handle, &info, NULL, out);
-    host_free(&device->host, code, shader->size);
+    host_free(&device->host, code, chosen->size);
     TRY(gpu_check(device, result, "%s: vkCreateShaderModule", shader->name));
     gpu_name(device, VK_OBJECT_TYPE_SHADER_MODULE, (uint64_t)*out, shader->name);
     return FNL_OK;
@@ -154,7 +160,7 @@ static bool was_cached(const VkPipelineCreationFeedback *feedback) {
 static fnl_result create_compute(gpu_device *device, const struct gpu_compute_params *params, VkPipeline *out,
                                  bool *out_cached) {
     VkShaderModule module;
-    TRY(create_module(device, params->shader, &module));
+    TRY(create_module(device, params->shader, params->constant_count, params->constants, &module));
     struct constants constants;
     describe_constants(params->constant_count, params->constants, 0, &constants);
     VkPipelineCreationFeedback feedback = {0};
@@ -293,9 +299,11 @@ static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_
     const struct gpu_shader *corners = params->mesh ? params->mesh : params->vertex;
     struct constants constants;
     describe_constants(params->constant_count, params->constants, params->features, &constants);
-    fnl_result result = create_module(device, corners, &first);
-    if (result == FNL_OK && params->fragment) result = create_module(device, params->fragment, &fragment);
-    if (result == FNL_OK && params->geometry) result = create_module(device, params->geometry, &geometry);
+    const struct gpu_shader *const shaders[] = {corners, params->fragment, params->geometry};
+    VkShaderModule *const modules[] = {&first, &fragment, &geometry};
+    fnl_result result = FNL_OK;
+    for (uint32_t i = 0; i < COUNT_OF(shaders) && result == FNL_OK; i++)
+        if (shaders[i]) result = create_module(device, shaders[i], params->constant_count, params->constants, modules[i]);
     if (result == FNL_OK) {
         VkPipelineShaderStageCreateInfo stages[3] = {
             stage_info(params->mesh ? VK_SHADER_STAGE_MESH_BIT_EXT : VK_SHADER_STAGE_VERTEX_BIT, first, &constants)};
