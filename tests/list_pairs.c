@@ -62,7 +62,7 @@ struct shot pairs_check_lists(struct stage *stage, fnl_frame frame, uint32_t ste
     return all;
 }
 
-enum { ORDERS = FNL_SHADING_AUTO };
+enum { ORDERS = FNL_SHADING_AUTO, STEP = 5 }; /* which have no common divisor; turns that follow one another seldom meet the same order */
 
 /*
  * The order that tries a list in a turn. Each turn sees each list once. The orders go round: as many turns as there are orders see every pair
@@ -70,27 +70,22 @@ enum { ORDERS = FNL_SHADING_AUTO };
  */
 static fnl_shading order_of_list(fnl_light_lists lists, uint32_t turn, uint32_t msaa) {
     for (uint32_t k = 0; k < ORDERS; k++) {
-        fnl_shading shading = (fnl_shading)(((uint32_t)lists + turn + k) % ORDERS);
+        fnl_shading shading = (fnl_shading)(((uint32_t)lists + STEP * turn + k) % ORDERS);
         if (is_comparable(shading, lists, msaa)) return shading;
     }
     return FNL_SHADING_AUTO;
 }
 
-void pairs_check_orders(struct stage *stage, fnl_frame frame, uint32_t turns) {
-    static uint32_t turn[2]; /* of one sample and several */
-    uint32_t now = turn[frame.msaa > 1];
-    turn[frame.msaa > 1] += turns;
+void pairs_check_orders(struct stage *stage, fnl_frame frame) {
+    static uint32_t turns[2]; /* of one sample and several */
+    const uint32_t turn = turns[frame.msaa > 1]++;
     struct shot first = {0};
     for (uint32_t s = 0; s < ORDERS; s++) {
         frame.shading = (fnl_shading)s;
         if (!fnl_shading_supports(frame.shading, FNL_LISTS_AUTO, frame.msaa)) continue;
         struct shot all = shoot_all(stage, frame);
         for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++)
-            for (uint32_t t = now; t < now + turns; t++)
-                if (order_of_list((fnl_light_lists)l, t, frame.msaa) == frame.shading) {
-                    check_list(stage, frame, (fnl_light_lists)l, &all);
-                    break;
-                }
+            if (order_of_list((fnl_light_lists)l, turn, frame.msaa) == frame.shading) check_list(stage, frame, (fnl_light_lists)l, &all);
         if (s == 0) {
             first = all;
             continue;
@@ -103,10 +98,22 @@ void pairs_check_orders(struct stage *stage, fnl_frame frame, uint32_t turns) {
     shot_free(&first);
 }
 
-void pairs_check_tried(uint32_t msaa) {
+void pairs_check_tried(uint32_t msaa, uint32_t part) {
+    uint32_t of_order[ORDERS][2] = {0}, of_list[FNL_LISTS_COUNT][2] = {0}; /* pairs that can be compared, and that were */
     for (uint32_t s = 0; s < ORDERS; s++)
-        for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++)
-            if (is_comparable((fnl_shading)s, (fnl_light_lists)l, msaa) && !tried[msaa > 1][s][l])
-                fail_msg("%s + %s at %u samples was not tried", fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)s),
-                         fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)l), msaa);
+        for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++) {
+            const bool pair[2] = {is_comparable((fnl_shading)s, (fnl_light_lists)l, msaa), tried[msaa > 1][s][l] > 0};
+            for (uint32_t k = 0; k < 2; k++) {
+                of_order[s][k] += pair[k];
+                of_list[l][k] += pair[k];
+            }
+        }
+    for (uint32_t s = 0; s < ORDERS; s++)
+        if (of_order[s][1] * part < of_order[s][0])
+            fail_msg("%s at %u samples was tried with %u of %u lists", fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)s), msaa, of_order[s][1],
+                     of_order[s][0]);
+    for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++)
+        if (of_list[l][1] * part < of_list[l][0])
+            fail_msg("%s at %u samples was tried with %u of %u orders", fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)l), msaa, of_list[l][1],
+                     of_list[l][0]);
 }

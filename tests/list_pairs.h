@@ -14,12 +14,15 @@ const char *pair_name(const fnl_frame *frame);
 struct shot pairs_check_lists(struct stage *stage, fnl_frame frame, uint32_t step, uint32_t phase);
 
 /**
- * Compares every list once with `all`, with the shading orders of so many turns; the next call goes on with other orders. Renders every order
- * with all lights too: with one sample a pixel the orders agree.
+ * Compares every list once with `all`, each with one of the shading orders; the next call takes other orders. Renders every order with all
+ * lights too: with one sample a pixel the orders agree.
  */
-void pairs_check_orders(struct stage *stage, fnl_frame frame, uint32_t turns);
+void pairs_check_orders(struct stage *stage, fnl_frame frame);
 
-/** Fails unless the calls before have seen every pair that can be compared, with one sample a pixel or with several. */
-void pairs_check_tried(uint32_t msaa);
+/**
+ * Fails unless the calls before have seen, with one sample a pixel or with several, each list with one in `part` of the orders that it can be
+ * compared in, and each order with one in `part` of its lists. 1: every pair.
+ */
+void pairs_check_tried(uint32_t msaa, uint32_t part);
 
 #endif

@@ -3,14 +3,11 @@
 
 static const char *const source = "builtin:interior?lights=40&sun=5"; /* all shapes of lights, and a sun */
 
+const fnl_shading shadow_path_kinds[SHADOW_PATH_KINDS] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED, FNL_SHADING_LIGHT_PREPASS, FNL_SHADING_VISIBILITY};
+
 void expect_lists_alike(fnl_shadows shadows) {
     const fnl_frame usual = fnl_frame_default();
     expect_lists_alike_with(shadows, &usual.shadow);
-}
-
-void expect_paths_alike(fnl_shadows shadows, uint32_t msaa) {
-    const fnl_frame usual = fnl_frame_default();
-    expect_paths_alike_with(shadows, &usual.shadow, msaa);
 }
 
 void expect_lists_alike_with(fnl_shadows shadows, const fnl_shadow_options *settings) {
@@ -30,7 +27,7 @@ void expect_lists_alike_with(fnl_shadows shadows, const fnl_shadow_options *sett
     stage_close(&s);
 }
 
-void expect_paths_alike_with(fnl_shadows shadows, const fnl_shadow_options *settings, uint32_t msaa) {
+static void expect_alike(fnl_shadows shadows, const fnl_shadow_options *settings, uint32_t msaa, const fnl_shading *paths, uint32_t count) {
     struct stage s = stage_open(source, 0);
     s.frame.width = 64, s.frame.height = 36, s.frame.ev = 1;
     s.frame.msaa = msaa;
@@ -42,8 +39,8 @@ void expect_paths_alike_with(fnl_shadows shadows, const fnl_shadow_options *sett
         forward[k] = stage_shoot(&s, &s.frame);
     }
     assert_true(count_beyond(&forward[0].color, &forward[1].color, 8) > 500);
-    for (fnl_shading shading = FNL_SHADING_FORWARD + 1; shading < FNL_SHADING_AUTO; shading++) {
-        if (msaa > 1 && shading != FNL_SHADING_DEFERRED && shading != FNL_SHADING_VISIBILITY) continue;
+    for (uint32_t i = 0; i < count; i++) {
+        const fnl_shading shading = paths[i];
         double psnr[2];
         for (int k = 0; k < 2; k++) {
             s.frame.shading = shading;
@@ -61,4 +58,17 @@ void expect_paths_alike_with(fnl_shadows shadows, const fnl_shadow_options *sett
     shot_free(&forward[0]);
     shot_free(&forward[1]);
     stage_close(&s);
+}
+
+void expect_paths_alike(fnl_shadows shadows, uint32_t msaa) {
+    const fnl_frame usual = fnl_frame_default();
+    static const fnl_shading several[] = {FNL_SHADING_DEFERRED, FNL_SHADING_VISIBILITY};
+    fnl_shading all[FNL_SHADING_AUTO];
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) all[i] = (fnl_shading)i;
+    const bool one = msaa == 1;
+    expect_alike(shadows, &usual.shadow, msaa, one ? all : several, one ? COUNT_OF(all) : COUNT_OF(several));
+}
+
+void expect_path_kinds_alike(fnl_shadows shadows, const fnl_shadow_options *settings) {
+    expect_alike(shadows, settings, 1, shadow_path_kinds, SHADOW_PATH_KINDS);
 }

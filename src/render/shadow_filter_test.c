@@ -260,7 +260,7 @@ static void test_paths_and_lists_filter_alike(void **state) {
         soft.shadow.filter = filter;
         expect_lists_alike_with(FNL_SHADOWS_MAPS, &soft.shadow);
     }
-    expect_paths_alike_with(FNL_SHADOWS_MAPS, &soft.shadow, 1);
+    expect_path_kinds_alike(FNL_SHADOWS_MAPS, &soft.shadow);
 }
 
 /* ---- work ---- */

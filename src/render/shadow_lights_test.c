@@ -105,7 +105,8 @@ static void test_paths_know_lights_that_cast_none(void **state) {
     struct stage s = stage_open("builtin:interior?lights=40", 0);
     s.frame.width = 64, s.frame.height = 36, s.frame.ev = 1;
     for (uint32_t i = 0; i < s.scene->lights.count; i++) s.scene->lights.data[i].params.casts_shadows = false;
-    for (fnl_shading shading = FNL_SHADING_FORWARD; shading < FNL_SHADING_AUTO; shading++) {
+    for (uint32_t k = 0; k < SHADOW_PATH_KINDS; k++) {
+        const fnl_shading shading = shadow_path_kinds[k];
         s.frame.shading = shading;
         s.frame.shadows = FNL_SHADOWS_OFF;
         struct shot open = stage_shoot(&s, &s.frame);
@@ -261,7 +262,7 @@ static void test_paths_and_lists_give_the_same_soft_shadows(void **state) {
     soft.shadow.light_radius = 0.1f;
     soft.shadow.sun_degrees = 2;
     expect_lists_alike_with(FNL_SHADOWS_RAYS, &soft.shadow);
-    expect_paths_alike_with(FNL_SHADOWS_RAYS, &soft.shadow, 1);
+    expect_path_kinds_alike(FNL_SHADOWS_RAYS, &soft.shadow);
 }
 
 int main(void) {
