@@ -77,14 +77,14 @@ float shadow_depth_before(gpu_shape shape, shadow_receiver r, float metres) {
 // tap also shows the receiver where the plane through its four texels, continued, meets the receiver.
 bool shadow_tap_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 texel, vec2 back, float depth, float bias, float own,
                       out float blocker) {
-    vec2 part;
-    vec4 d = shadow_quad(maps, page, at, texel, part);
+    shadow_quad q = shadow_quad_at(maps, page, at, texel);
     depth += bias;
-    blocker = part.y < 0.5 ? (part.x < 0.5 ? d.x : d.y) : (part.x < 0.5 ? d.z : d.w);
+    blocker = q.nearest;
     if (blocker <= depth) return false;
-    float least = min(min(d.x, d.y), min(d.z, d.w)), range = max(max(d.x, d.y), max(d.z, d.w)) - least;
-    float here = mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y);
-    float there = here + 0.5 * dot(vec2(d.y - d.x + d.w - d.z, d.z - d.x + d.w - d.y), back);
+    vec2 limits = shadow_quad_complete(maps, q);
+    float least = limits.x, range = limits.y - least, here = shadow_quad_depth(q);
+    vec2 slope = (vec2(2 * q.near) - 1.0) * vec2(q.nearest - q.beside + q.above - q.across, q.nearest - q.above + q.beside - q.across);
+    float there = here + 0.5 * dot(slope, back);
     bool beyond = abs(there - own) > 0.25 * range + bias;
     return least > depth ? beyond : here > depth + 0.25 * range && (beyond || range > 4.0 * bias); // the step at an edge is no plane
 }

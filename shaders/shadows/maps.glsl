@@ -35,25 +35,48 @@ bool shadow_find_from(gpu_shadow_maps maps, uint row, vec2 ndc, inout shadow_pag
     return false;
 }
 
-// The depths of the four texels round one of a page, and where it lies between them.
-vec4 shadow_quad(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 texel, out vec2 part) {
+// The four texels round a point of a page, and where it lies between them. Most points are settled by the nearest, so that the others are read on demand.
+struct shadow_quad {
+    ivec2 first, near; // of the atlas; near: 0 or 1, from the first to the nearest
+    vec2 part;
+    float nearest, beside, above, across;
+};
+
+float shadow_texel(gpu_shadow_maps maps, ivec2 at) { return texelFetch(textures[maps.atlas], at, 0).r; }
+
+shadow_quad shadow_quad_at(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 texel) {
     vec2 low = clamp(texel - 0.5, vec2(0.0), vec2(float(shadow_page_size(at.level)) - 2.0));
-    ivec2 first = ivec2(low) + ivec2(page.place & 0xffffu, page.place >> 16u) * int(SHADOW_UNIT);
-    part = fract(low);
-    return vec4(texelFetch(textures[maps.atlas], first, 0).r, texelFetch(textures[maps.atlas], first + ivec2(1, 0), 0).r,
-                texelFetch(textures[maps.atlas], first + ivec2(0, 1), 0).r, texelFetch(textures[maps.atlas], first + ivec2(1, 1), 0).r);
+    shadow_quad q;
+    q.first = ivec2(low) + ivec2(page.place & 0xffffu, page.place >> 16u) * int(SHADOW_UNIT);
+    q.part = fract(low);
+    q.near = ivec2(greaterThanEqual(q.part, vec2(0.5)));
+    q.nearest = shadow_texel(maps, q.first + q.near);
+    return q;
+}
+
+// x: the least depth of the four, y: the greatest.
+vec2 shadow_quad_complete(gpu_shadow_maps maps, inout shadow_quad q) {
+    ivec2 far = 1 - q.near;
+    q.beside = shadow_texel(maps, q.first + ivec2(far.x, q.near.y));
+    q.above = shadow_texel(maps, q.first + ivec2(q.near.x, far.y));
+    q.across = shadow_texel(maps, q.first + far);
+    return vec2(min(min(q.nearest, q.beside), min(q.above, q.across)), max(max(q.nearest, q.beside), max(q.above, q.across)));
+}
+
+// The depth at the point itself, of a complete quad.
+float shadow_quad_depth(shadow_quad q) {
+    vec2 share = max(q.part, 1.0 - q.part); // of the nearest
+    return mix(mix(q.across, q.above, share.x), mix(q.beside, q.nearest, share.x), share.y);
 }
 
 // Whether the four texels round a point of a page hide it; `depth` is its own, reversed. They do where all are nearer, and where the nearest texel is,
 // unless the point lies on the surface that the four show: on a plane depth is linear between texels, whatever its slope, while at the edge of
 // what casts a shadow the point stays behind by more than a quarter of the step.
 bool shadow_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 ndc, float depth) {
-    vec2 part;
-    vec4 d = shadow_quad(maps, page, at, shadow_page_texel(at, ndc), part);
-    float least = min(min(d.x, d.y), min(d.z, d.w)), most = max(max(d.x, d.y), max(d.z, d.w));
-    if (least > depth) return true;
-    float nearest = part.y < 0.5 ? (part.x < 0.5 ? d.x : d.y) : (part.x < 0.5 ? d.z : d.w);
-    return nearest > depth && mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y) > depth + 0.25 * (most - least);
+    shadow_quad q = shadow_quad_at(maps, page, at, shadow_page_texel(at, ndc));
+    if (!(q.nearest > depth)) return false;
+    vec2 range = shadow_quad_complete(maps, q);
+    return range.x > depth || shadow_quad_depth(q) > depth + 0.25 * (range.y - range.x);
 }
 
 #include "shadows/filter.glsl"
@@ -85,6 +108,7 @@ float row_visibility(light_list_block l, uint light, gpu_shadow_maps maps, uint 
 float map_visibility(light_list_block l, uint light, vec3 position, vec3 normal, float slack) {
     gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
     gpu_shape shape = l.list.lights.at[light].shape;
+    if (LIST_SIMPLE) shape.kind = GPU_SHAPE_SPHERE; // or a cone, whose map is alike: no code for other shapes
     uint row = light + maps.first_row;
     uint bias = shadow_has_map(shape) ? maps.biases.at[row] : SHADOW_TRACED;
     if (bias == SHADOW_TRACED) return -1.0;
@@ -119,7 +143,9 @@ float sun_map_visibility(light_list_block l, uint light, vec3 position, vec3 nor
         shadow_page at;
         at.face = 0u;
         at.level = maps.biases.at[row];
-        float open = row_visibility(l, light, maps, row, maps.shapes.at[row], at, position, normal, slack);
+        gpu_shape shape = maps.shapes.at[row];
+        shape.kind = GPU_SHAPE_BOX; // as it is: no code for other shapes
+        float open = row_visibility(l, light, maps, row, shape, at, position, normal, slack);
         if (open >= 0.0) return open;
     }
     return -1.0;
