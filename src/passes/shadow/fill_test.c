@@ -2,60 +2,11 @@
 /** Pages of shadow maps against rays from the light through each texel, and what was done to draw them. */
 #include "passes/shadow/fill.h"
 
-#include "passes/shadow/fill_shared.h"
-#include "tests/render_test.h"
+#include "passes/shadow/fill_reference.h"
 #include "tests/vulkan_spy.h"
 
-enum { SIDE = 1024, CELLS = SIDE / 128, MOST_PAGES = 160, MOST_ITEMS = 64, MOST_ROWS = 64 };
+enum { MOST_ITEMS = 64, MOST_ROWS = 64 };
 #define UNTOUCHED 0.25f /* what the atlas holds where nothing was drawn */
-
-/* ---- pages, as maps_shared.h defines them ---- */
-
-static const uint32_t level_side[SHADOW_LEVELS] = {16, 8, 4, 2, 1, 1, 1, 1},
-                      level_size[SHADOW_LEVELS] = {128, 128, 128, 128, 128, 64, 32, 16},
-                      level_bit[SHADOW_LEVELS] = {0, 256, 320, 336, 340, 341, 342, 343};
-
-struct page {
-    uint32_t row, face, level, x, y, place_x, place_y; /* place: texels of the atlas */
-    bool draw;
-};
-
-static uint32_t page_size(const struct page *p) { return level_size[p->level]; }
-static uint32_t page_bit(const struct page *p) {
-    return p->face * SHADOW_FACE_WORDS * 32 + level_bit[p->level] + p->y * level_side[p->level] + p->x;
-}
-
-/* Pages in places that no two share. */
-struct pages {
-    struct page data[MOST_PAGES];
-    uint32_t count, cell, used; /* used: small pages in the cell, all of one size */
-    uint32_t small;
-};
-
-static void add_page(struct pages *pages, struct page page) {
-    const uint32_t size = page_size(&page), across = 128 / size;
-    if (pages->small != size || pages->used == across * across) {
-        if (pages->used) pages->cell++;
-        pages->used = 0;
-        pages->small = size;
-    }
-    assert_true(pages->count < MOST_PAGES && pages->cell < CELLS * CELLS);
-    page.place_x = pages->cell % CELLS * 128 + pages->used % across * size;
-    page.place_y = pages->cell / CELLS * 128 + pages->used / across * size;
-    pages->used++;
-    pages->data[pages->count++] = page;
-}
-
-/* ---- the scene as the CPU sees it ---- */
-
-struct point {
-    double x[3];
-};
-struct triangle {
-    struct point p[3];
-    double alpha[3], cutoff; /* cutoff 0: opaque */
-    uint32_t item;
-};
 
 struct world {
     fnl_scene *scene;
@@ -64,8 +15,7 @@ struct world {
     struct gpu_image atlas;
     struct gpu_buffer kept;
     bool has_atlas_contents, all_changed, moved; /* the last two: of the next frame */
-    struct triangle *triangles;
-    uint32_t triangle_count;
+    struct triangles triangles;
     struct pages pages;
     uint32_t flags[MOST_PAGES]; /* after the last frame */
     float *texels;              /* of the atlas */
@@ -74,140 +24,6 @@ struct world {
     struct gpu_fill_pair *pairs; /* those of the last frame that were drawn */
     uint32_t pair_count;
 };
-
-static struct point point_of(vec3 v) { return (struct point){{v.x, v.y, v.z}}; }
-static double dot(struct point a, struct point b) { return a.x[0] * b.x[0] + a.x[1] * b.x[1] + a.x[2] * b.x[2]; }
-static struct point add_scaled(struct point a, struct point b, double s) {
-    return (struct point){{a.x[0] + b.x[0] * s, a.x[1] + b.x[1] * s, a.x[2] + b.x[2] * s}};
-}
-static struct point cross(struct point a, struct point b) {
-    return (struct point){
-        {a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2], a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
-}
-
-static void gather_triangles(struct world *w) {
-    const struct device_scene *d = w->user.scene;
-    free(w->triangles);
-    w->triangle_count = 0;
-    w->triangles = malloc(20000 * sizeof *w->triangles);
-    for (uint32_t i = 0; i < d->item_count; i++) {
-        const uint32_t n = d->item_nodes.data[i], own = d->nodes.data[n].first_primitive;
-        const struct scene_node *node = &w->scene->nodes.data[n];
-        const struct scene_mesh *mesh = &w->scene->meshes.data[node->mesh];
-        const uint32_t index = own == SCENE_NONE ? d->item_list.data[i].primitive
-                                                 : mesh->first_primitive + d->item_list.data[i].primitive - own;
-        const struct scene_primitive *p = &w->scene->primitives.data[index];
-        const struct scene_material *material = p->material == SCENE_NONE ? NULL : &w->scene->materials.data[p->material];
-        if (p->topology != SCENE_TOPOLOGY_TRIANGLES || (material && material->alpha_mode == FNL_ALPHA_BLEND)) continue;
-        for (uint32_t t = 0; t + 2 < p->index_count; t += 3) {
-            struct triangle *out = &w->triangles[w->triangle_count++];
-            assert_true(w->triangle_count < 20000);
-            *out = (struct triangle){
-                .item = i, .cutoff = material && material->alpha_mode == FNL_ALPHA_MASK ? material->alpha_cutoff : 0};
-            for (int k = 0; k < 3; k++) {
-                const uint32_t v = p->indices[t + k];
-                vec3 at = p->positions[v];
-                for (uint32_t m = 0; m < p->morph_target_count; m++)
-                    at = vec3_add(at, vec3_scale(p->morph_targets[m].positions[v], mesh->morph_weights[m]));
-                out->p[k] = point_of(mat4_point(&node->world, at));
-                out->alpha[k] = (p->colors ? p->colors[v].w : 1) * (material ? material->base_color.w : 1);
-            }
-        }
-    }
-}
-
-/* ---- rays ---- */
-
-struct face {
-    struct point origin, u, v, along;
-    bool is_box;
-    double size[3], range; /* size: of a box */
-};
-
-static struct face face_of(const struct gpu_shape *s, uint32_t face) {
-    struct face f = {.origin = point_of(s->position), .range = s->range, .is_box = s->kind == GPU_SHAPE_BOX};
-    if (f.is_box) {
-        f.u = point_of(s->side);
-        f.along = point_of(s->direction);
-        f.v = cross(f.u, f.along);
-        f.size[0] = s->size.x, f.size[1] = s->size.y, f.size[2] = s->size.z;
-    } else {
-        const uint32_t axis = face / 2;
-        f.u.x[(axis + 1) % 3] = f.v.x[(axis + 2) % 3] = 1;
-        f.along.x[axis] = face % 2 ? -1 : 1;
-    }
-    return f;
-}
-
-/* Where a texel of a page, counted with its border, lies on the face: -1 .. 1 across it. */
-static void texel_on_face(const struct page *p, double x, double y, double out[2]) {
-    const double inner = page_size(p) - 2.0 * SHADOW_BORDER, width = inner * level_side[p->level];
-    out[0] = 2 * (p->x * inner + x - SHADOW_BORDER) / width - 1;
-    out[1] = 2 * (p->y * inner + y - SHADOW_BORDER) / width - 1;
-}
-
-struct hit {
-    double depth; /* 0: nothing */
-    uint32_t item;
-    bool is_beyond; /* the light's range */
-};
-
-/* What is nearest of the triangles along the ray through a point of the face. */
-static struct hit nearest(const struct triangle *triangles, uint32_t count, const struct face *f, const double at[2]) {
-    struct point from = f->origin, way = f->along;
-    if (f->is_box) {
-        from = add_scaled(add_scaled(from, f->u, at[0] * f->size[0]), f->v, at[1] * f->size[1]);
-        from = add_scaled(from, f->along, -f->size[2]);
-    } else {
-        way = add_scaled(add_scaled(way, f->u, at[0]), f->v, at[1]);
-    }
-    const double low = f->is_box ? 0 : SHADOW_NEAR, high = f->is_box ? 2 * f->size[2] : INFINITY;
-    struct hit best = {.item = UINT32_MAX};
-    for (uint32_t i = 0; i < count; i++) {
-        const struct triangle *t = &triangles[i];
-        struct point a = add_scaled(t->p[0], from, -1), b = add_scaled(t->p[1], from, -1), c = add_scaled(t->p[2], from, -1);
-        double w[3] = {dot(cross(b, c), way), dot(cross(c, a), way), dot(cross(a, b), way)}, sum = w[0] + w[1] + w[2];
-        if (!((w[0] >= 0 && w[1] >= 0 && w[2] >= 0) || (w[0] <= 0 && w[1] <= 0 && w[2] <= 0)) || sum == 0) continue;
-        double distance = 0, alpha = 0;
-        for (int k = 0; k < 3; k++) {
-            distance += w[k] / sum * dot(k == 0 ? a : k == 1 ? b : c, f->along);
-            alpha += w[k] / sum * t->alpha[k];
-        }
-        if (distance < low || distance > high || alpha < t->cutoff) continue;
-        const double depth = f->is_box ? 1 - 0.5 * distance / f->size[2] : SHADOW_NEAR / distance;
-        if (depth <= best.depth) continue;
-        best = (struct hit){depth, t->item, !f->is_box && distance * sqrt(dot(way, way)) > f->range * 0.9999};
-    }
-    return best;
-}
-
-/* Leaves those triangles that may show in the page, and counts their items. */
-static uint32_t cut_to_page(const struct world *w, const struct page *p, const struct face *f, struct triangle *out,
-                            uint32_t *out_items) {
-    double low[2], high[2];
-    texel_on_face(p, 0, 0, low);
-    texel_on_face(p, page_size(p), page_size(p), high);
-    uint32_t count = 0, last = UINT32_MAX;
-    *out_items = 0;
-    for (uint32_t i = 0; i < w->triangle_count; i++) {
-        bool beyond[6] = {true, true, true, true, true, true};
-        for (int k = 0; k < 3; k++) {
-            const struct point q = add_scaled(w->triangles[i].p[k], f->origin, -1);
-            const double along = dot(q, f->along), x = dot(q, f->u), y = dot(q, f->v), sx = f->is_box ? f->size[0] : along,
-                         sy = f->is_box ? f->size[1] : along;
-            beyond[0] &= x<low[0] * sx, beyond[1] &= x> high[0] * sx;
-            beyond[2] &= y<low[1] * sy, beyond[3] &= y> high[1] * sy;
-            beyond[4] &= f->is_box ? along < -f->size[2] : along < 0;
-            beyond[5] &= along > (f->is_box ? f->size[2] : f->range);
-        }
-        if (beyond[0] || beyond[1] || beyond[2] || beyond[3] || beyond[4]) continue;
-        out[count++] = w->triangles[i];
-        if (beyond[5] || w->triangles[i].item == last) continue;
-        last = w->triangles[i].item;
-        ++*out_items;
-    }
-    return count;
-}
 
 /* ---- frames ---- */
 
@@ -236,7 +52,7 @@ static void world_close(struct world *w) {
     graph_destroy(&w->graph);
     device_scene_close(&w->user);
     fnl_scene_destroy(&w->scene);
-    free(w->triangles);
+    free(w->triangles.data);
     free(w->texels);
     free(w->pairs);
 }
@@ -343,7 +159,7 @@ static void fill(struct world *w, uint32_t capacity) {
     gpu_buffer_destroy(test_device, &count_buffer);
     gpu_buffer_destroy(test_device, &shape_buffer);
     gpu_buffer_destroy(test_device, &read_buffer);
-    gather_triangles(w);
+    triangles_gather(&w->triangles, w->user.scene);
 }
 
 static float texel(const struct world *w, const struct page *p, uint32_t x, uint32_t y) {
@@ -455,13 +271,13 @@ static void spread_pages(struct world *w, uint32_t rows, uint32_t more) {
     for (uint32_t row = 0; row < rows; row++) {
         const uint32_t faces = w->user.scene->light_data.data[row].shape.kind == GPU_SHAPE_BOX ? 1 : 6;
         for (uint32_t face = 0; face < faces; face++)
-            add_page(&w->pages, (struct page){.row = row, .face = face, .level = 4, .draw = true});
+            pages_put(&w->pages, (struct page){.row = row, .face = face, .level = 4, .draw = true});
         for (uint32_t i = 0; i < more; i++) {
             struct page p = {
                 .row = row, .face = (uint32_t)random_bits(&random) % faces, .level = i % SHADOW_LEVELS, .draw = true};
-            p.x = (uint32_t)random_bits(&random) % level_side[p.level];
-            p.y = (uint32_t)random_bits(&random) % level_side[p.level];
-            add_page(&w->pages, p);
+            p.x = (uint32_t)random_bits(&random) % page_side(p.level);
+            p.y = (uint32_t)random_bits(&random) % page_side(p.level);
+            pages_put(&w->pages, p);
         }
     }
 }
@@ -478,8 +294,8 @@ static void check_page(const struct world *w, uint32_t index, struct found *foun
         {0, 0}, {1. / 64, 1. / 64}, {-1. / 64, 1. / 64}, {1. / 64, -1. / 64}, {-1. / 64, -1. / 64}};
     const struct page *p = &w->pages.data[index];
     const struct face f = face_of(&w->user.scene->light_data.data[p->row].shape, p->face);
-    struct triangle *shown = malloc(MAX(w->triangle_count, 1u) * sizeof *shown);
-    uint32_t items, count = cut_to_page(w, p, &f, shown, &items);
+    uint32_t items;
+    struct triangles shown = triangles_of_page(&w->triangles, p, &f, &items);
     found->pairs += items;
     for (uint32_t y = 0; y < page_size(p); y++)
         for (uint32_t x = 0; x < page_size(p); x++) {
@@ -488,7 +304,7 @@ static void check_page(const struct world *w, uint32_t index, struct found *foun
             bool is_edge = false, is_beyond = false;
             for (int k = 0; k < 5; k++) {
                 texel_on_face(p, x + 0.5 + beside[k][0], y + 0.5 + beside[k][1], at);
-                hits[k] = nearest(shown, count, &f, at);
+                hits[k] = hit_nearest(&shown, &f, at);
                 low = fmin(low, hits[k].depth);
                 high = fmax(high, hits[k].depth);
                 is_edge |= hits[k].item != hits[0].item;
@@ -506,7 +322,7 @@ static void check_page(const struct world *w, uint32_t index, struct found *foun
             found->edges += is_edge;
             found->beyond += is_beyond;
         }
-    free(shown);
+    free(shown.data);
 }
 
 static struct found check_pages(const struct world *w) {
@@ -587,7 +403,7 @@ static bool page_sees(const struct world *w, const struct page *p) {
     for (uint32_t i = 0; i < STEPS * STEPS; i++) {
         double at[2];
         texel_on_face(p, i % STEPS * (double)page_size(p) / (STEPS - 1), i / STEPS * (double)page_size(p) / (STEPS - 1), at);
-        const struct hit hit = nearest(w->triangles, w->triangle_count, &f, at);
+        const struct hit hit = hit_nearest(&w->triangles, &f, at);
         if (hit.depth > 0 && !hit.is_beyond) return true;
     }
     return false;
@@ -610,7 +426,7 @@ static void test_pages_list_what_they_see(void **state) {
         fill(&w, 0);
         w.pages = (struct pages){0};
         for (uint32_t i = 0; i < 6 * 4; i++)
-            add_page(&w.pages, (struct page){.face = i / 4, .level = 3, .x = i % 2, .y = i / 2 % 2, .draw = true});
+            pages_put(&w.pages, (struct page){.face = i / 4, .level = 3, .x = i % 2, .y = i / 2 % 2, .draw = true});
         fill(&w, 1 << 10);
         uint32_t seen = 0;
         for (uint32_t i = 0; i < w.pages.count; i++) seen += page_sees(&w, &w.pages.data[i]);
