@@ -311,13 +311,13 @@ static bool save_stats(const struct render_options *o, const struct render_repor
 
 /* Maps where there are lights. Where maps cannot be, rays would find all shadows, which takes far longer than anybody expects who did not ask for it. */
 static fnl_shadows usual_shadows(const struct render_options *o, const struct render_report *report) {
-    enum { MOST_MAPS = 65536 };
-    const uint32_t count = report->scene.light_count;
+    enum { MOST_MAPS = 65536, MAPS_OF_SUN = 192 }; /* fanal/shadows.h */
+    const uint32_t count = report->scene.light_count, suns = report->scene.directional_count;
     if (count == 0) return FNL_SHADOWS_OFF;
-    if (report->device.clip_distances && count - report->scene.directional_count <= MOST_MAPS) return FNL_SHADOWS_MAPS;
+    if (report->device.clip_distances && count - suns + (uint64_t)MAPS_OF_SUN * suns <= MOST_MAPS) return FNL_SHADOWS_MAPS;
     if (!o->quiet)
         fprintf(stderr, "fanal: warning: no shadows: %s; --shadows rays finds them all, slowly\n",
-                report->device.clip_distances ? "the scene has more than the 65536 lights that may have shadow maps" : "this device cannot draw shadow maps");
+                report->device.clip_distances ? "the scene has more than the 65536 lights that may have shadow maps, of which a sun counts as 192" : "this device cannot draw shadow maps");
     return FNL_SHADOWS_OFF;
 }
 
