@@ -22,6 +22,29 @@ static bool edge_is_near(const fnl_image *open, const fnl_image *rays, uint32_t 
     return high - low > 0.02;
 }
 
+struct stage shadow_stage(fnl_scene *scene, const fnl_trace_params *view) {
+    struct stage s = stage_open_scene(scene);
+    s.frame.width = view->width, s.frame.height = view->height;
+    s.frame.camera = view->camera;
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    return s;
+}
+
+fnl_frame_stats shadow_parts(struct stage *s, float *out) {
+    const uint32_t width = s->frame.width, height = s->frame.height;
+    fnl_frame open = s->frame;
+    open.shadows = FNL_SHADOWS_OFF;
+    struct shot plain = stage_shoot(s, &open), shadowed = stage_shoot(s, &s->frame);
+    for (uint32_t i = 0; i < width * height; i++) {
+        const float *whole = pixel_at(&plain.radiance, i % width, i / width);
+        out[i] = whole[1] > 0 ? pixel_at(&shadowed.radiance, i % width, i / width)[1] / whole[1] : 1;
+    }
+    const fnl_frame_stats stats = shadowed.stats;
+    shot_free(&plain);
+    shot_free(&shadowed);
+    return stats;
+}
+
 struct shadow_leak shadow_leak_of(struct stage *s, int reach) {
     s->frame.outputs = FNL_OUTPUT_RADIANCE;
     s->frame.shadows = FNL_SHADOWS_OFF;

@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/** How much light maps let through, or keep out, where rays do not. */
+/** What part of their light shadows leave to pixels, and how much of it maps let through, or keep out, where rays do not. */
 #ifndef FNL_TESTS_SHADOW_LEAK_H
 #define FNL_TESTS_SHADOW_LEAK_H
 
 #include "tests/render_harness.h"
+#include "tests/shadow_cases.h"
+
+/** A scene that it takes, seen as shadow_measure wants it, without shadows as yet. */
+struct stage shadow_stage(fnl_scene *scene, const fnl_trace_params *view);
+/** The part for each pixel of the stage's frame, which it renders twice; 1 where there is no light. Returns the stats of the one with shadows. */
+fnl_frame_stats shadow_parts(struct stage *s, float *out);
 
 /** Luminance that differs from rays, as a part of what there would be without shadows. */
 struct shadow_leak {

@@ -2,25 +2,12 @@
 /* Filtered shadow maps: penumbras against the tracer, edges that are known, surfaces that must not shadow themselves, and the pages they cost. */
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
+#include "tests/shadow_leak.h"
 #include "tests/shadow_paths.h"
 
 enum { SIZE = 48 };
 
 static const char *name_of(fnl_shadow_filter filter) { return fnl_value_name(FNL_ENUM_SHADOW_FILTER, filter); }
-
-/* What part of the light reaches each pixel. */
-static void visibility_of(struct stage *s, float *out) {
-    const uint32_t width = s->frame.width, height = s->frame.height;
-    fnl_frame open = s->frame;
-    open.shadows = FNL_SHADOWS_OFF;
-    struct shot plain = stage_shoot(s, &open), shadowed = stage_shoot(s, &s->frame);
-    for (uint32_t i = 0; i < width * height; i++) {
-        const float *whole = pixel_at(&plain.radiance, i % width, i / width);
-        out[i] = whole[1] > 0 ? pixel_at(&shadowed.radiance, i % width, i / width)[1] / whole[1] : 1;
-    }
-    shot_free(&plain);
-    shot_free(&shadowed);
-}
 
 /* ---- penumbras ---- */
 
@@ -108,10 +95,10 @@ static void test_penumbras_are_those_of_the_tracer_MP_8(void **state) {
             fnl_trace_params view;
             struct stage s = open_half_covered(&lamp, heights[i], &view);
             const struct penumbra truth = truth_of(s.scene, &view);
-            visibility_of(&s, seen);
+            shadow_parts(&s, seen);
             const struct penumbra hard = penumbra_of(seen);
             s.frame.shadow.filter = FNL_SHADOW_FILTER_PCSS;
-            visibility_of(&s, seen);
+            shadow_parts(&s, seen);
             const struct penumbra soft = penumbra_of(seen);
             const double error = distance_of(&soft, &truth), before = distance_of(&hard, &truth);
             print_message("%s, %g m: %.2f m wide, true %.2f m; error %.3f, of hard shadows %.3f\n", fnl_value_name(FNL_ENUM_LIGHT_KIND, kinds[k]),
@@ -130,14 +117,11 @@ static void test_penumbras_are_those_of_the_tracer_MP_8(void **state) {
 static fnl_shadow_filter measured;
 
 static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) {
-    struct stage s = stage_open_scene(scene);
-    s.frame.width = view->width, s.frame.height = view->height;
-    s.frame.camera = view->camera;
-    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    struct stage s = shadow_stage(scene, view);
     s.frame.shadows = FNL_SHADOWS_MAPS;
     s.frame.shadow.filter = measured;
     if (measured == FNL_SHADOW_FILTER_PCSS) s.frame.shadow.light_radius = 0.02f;
-    visibility_of(&s, out);
+    shadow_parts(&s, out);
     stage_close(&s);
 }
 
@@ -163,7 +147,7 @@ static void test_pcf_smooths_steps(void **state) {
         fnl_trace_params view;
         struct stage s = open_half_covered(&lamp, 1, &view);
         s.frame.shadow.filter = filter;
-        visibility_of(&s, seen);
+        shadow_parts(&s, seen);
         uint32_t between = 0, rows = 0;
         for (uint32_t y = 0; y < SIZE; y++) {
             uint32_t in_row = 0;
@@ -204,7 +188,7 @@ static void test_surfaces_do_not_shadow_themselves(void **state) {
             s.frame.shadow.light_radius = 0.2f;
             for (fnl_shadow_filter filter = FNL_SHADOW_FILTER_PCF; filter <= FNL_SHADOW_FILTER_PCSS; filter++) {
                 s.frame.shadow.filter = filter;
-                visibility_of(&s, seen);
+                shadow_parts(&s, seen);
                 float least = 1;
                 for (uint32_t i = 0; i < SIZE * SIZE; i++) least = fminf(least, seen[i]);
                 if (least < (bent && angle > 45 ? 0.7f : 0.999f))

@@ -2,6 +2,7 @@
 /* What single lights say of their shadows: whether they cast any, and how large their source is. Against the tracer, with rays and maps. */
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
+#include "tests/shadow_leak.h"
 #include "tests/shadow_paths.h"
 
 enum { SIZE = 40 };
@@ -124,20 +125,6 @@ static void test_paths_know_lights_that_cast_none(void **state) {
 
 /* ---- soft shadows ---- */
 
-/* What part of the light reaches each pixel. */
-static void visibility_of(struct stage *s, float *out) {
-    fnl_frame open = s->frame;
-    open.shadows = FNL_SHADOWS_OFF;
-    struct shot plain = stage_shoot(s, &open), shadowed = stage_shoot(s, &s->frame);
-    for (uint32_t i = 0; i < SIZE * SIZE; i++) {
-        const float *whole = pixel_at(&plain.radiance, i % SIZE, i / SIZE);
-        assert_true(whole[1] > 0);
-        out[i] = pixel_at(&shadowed.radiance, i % SIZE, i / SIZE)[1] / whole[1];
-    }
-    shot_free(&plain);
-    shot_free(&shadowed);
-}
-
 /* Of what is seen and what is true; bias: of the whole picture. */
 struct error {
     double rms, bias;
@@ -174,7 +161,7 @@ static void test_soft_rays_converge_to_the_tracer_MP_8(void **state) {
         struct error error = {1, 0};
         for (uint32_t samples = 1; samples <= 16; samples *= 4) {
             s.frame.shadow.samples = samples;
-            visibility_of(&s, seen);
+            shadow_parts(&s, seen);
             const struct error now = error_of(seen, &truth.visibility);
             print_message("%s, %u rays: error %.4f, bias %.4f\n", name, samples, now.rms, now.bias);
             if (now.rms > error.rms * (samples == 1 ? 1 : 0.7)) fail_msg("%s, %u rays: an error of %g after %g", name, samples, now.rms, error.rms);
@@ -230,7 +217,7 @@ static void test_points_turn_in_collected_frames(void **state) {
     s.frame.shadow.samples = 4;
     struct shot first = stage_shoot(&s, &s.frame), second = stage_shoot(&s, &s.frame);
     assert_int_equal(count_differing(&first.radiance, &second.radiance), 0);
-    visibility_of(&s, seen);
+    shadow_parts(&s, seen);
     const struct error still = error_of(seen, &truth.visibility);
     s.frame.aa = FNL_ANTIALIASING_TAA;
     double mean[SIZE * SIZE] = {0};

@@ -8,22 +8,11 @@
 /* ---- shadows whose edges are known ---- */
 
 static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) {
-    struct stage s = stage_open_scene(scene);
-    s.frame.width = view->width, s.frame.height = view->height;
-    s.frame.camera = view->camera;
-    s.frame.outputs = FNL_OUTPUT_RADIANCE;
-    struct shot plain = stage_shoot(&s, &s.frame);
+    struct stage s = shadow_stage(scene, view);
     s.frame.shadows = FNL_SHADOWS_MAPS;
-    struct shot shadowed = stage_shoot(&s, &s.frame);
-    assert_int_equal(counter(&shadowed.stats, "shadows.coarsened"), 0);
-    assert_int_equal(counter(&shadowed.stats, "shadows.traced"), 0);
-    for (uint32_t i = 0; i < SHADOW_SIZE * SHADOW_SIZE; i++) {
-        const float *open = pixel_at(&plain.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE);
-        assert_true(open[1] > 0);
-        out[i] = pixel_at(&shadowed.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE)[1] / open[1];
-    }
-    shot_free(&plain);
-    shot_free(&shadowed);
+    const fnl_frame_stats stats = shadow_parts(&s, out);
+    assert_int_equal(counter(&stats, "shadows.coarsened"), 0);
+    assert_int_equal(counter(&stats, "shadows.traced"), 0);
     stage_close(&s);
 }
 

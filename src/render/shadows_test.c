@@ -2,28 +2,20 @@
 /* Frames with shadows by rays: against shadows whose edges are known, against the tracer, in all shading paths, and what the trees cost. */
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
+#include "tests/shadow_leak.h"
 #include "tests/shadow_paths.h"
 
 #include "fanal/trace.h"
+#include "lights/lights_shared.h"
 #include "render/renderer_internal.h"
+#include "shaders.h"
 
 /* ---- shadows whose edges are known ---- */
 
 static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) {
-    struct stage s = stage_open_scene(scene);
-    s.frame.width = view->width, s.frame.height = view->height;
-    s.frame.camera = view->camera;
-    s.frame.outputs = FNL_OUTPUT_RADIANCE;
-    struct shot plain = stage_shoot(&s, &s.frame);
+    struct stage s = shadow_stage(scene, view);
     s.frame.shadows = FNL_SHADOWS_RAYS;
-    struct shot shadowed = stage_shoot(&s, &s.frame);
-    for (uint32_t i = 0; i < SHADOW_SIZE * SHADOW_SIZE; i++) {
-        const float *open = pixel_at(&plain.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE);
-        assert_true(open[1] > 0);
-        out[i] = pixel_at(&shadowed.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE)[1] / open[1];
-    }
-    shot_free(&plain);
-    shot_free(&shadowed);
+    shadow_parts(&s, out);
     stage_close(&s);
 }
 
@@ -254,6 +246,25 @@ static void test_trees_hold_everything_in_small_boxes(void **state) {
     stage_close(&s);
 }
 
+/* What lights has a second module without code for shadows, which drivers compile much faster; bits that have nothing to do with shadows choose it too. */
+static void test_shaders_are_small_without_shadows(void **state) {
+    UNUSED(state);
+    static const struct gpu_shader *const shaders[] = {&shader_forward_early_frag, &shader_deferred_comp,      &shader_light_prepass_lights_comp,
+                                                       &shader_coarse_comp,        &shader_texturing_shade_comp, &shader_visibility_shade_comp,
+                                                       &shader_dais_shade_comp,    &shader_weighted_frag,      &shader_mobile_glass_wide_frag};
+    static const uint32_t with[] = {GPU_LIST_RAYS, GPU_LIST_MAPS, GPU_LIST_RAYS | GPU_LIST_SOFT, GPU_LIST_MAPS | GPU_LIST_FILTERED,
+                                    GPU_LIST_RAYS | GPU_LIST_SAMPLED},
+                          without[] = {GPU_LIST_ALL, GPU_LIST_FINE, GPU_LIST_ONE | GPU_LIST_SCATTERED | GPU_LIST_SIMPLE};
+    for (uint32_t i = 0; i < COUNT_OF(shaders); i++) {
+        for (uint32_t k = 0; k < COUNT_OF(with); k++) assert_ptr_equal(gpu_shader_choose(shaders[i], 1, &with[k]), &shaders[i]->code);
+        for (uint32_t k = 0; k < COUNT_OF(without); k++) assert_ptr_equal(gpu_shader_choose(shaders[i], 1, &without[k]), &shaders[i]->lean);
+        assert_ptr_equal(gpu_shader_choose(shaders[i], 0, NULL), &shaders[i]->code); /* what it does by default */
+        if (!(shaders[i]->lean.size < shaders[i]->code.size * 2 / 3))
+            fail_msg("%s: %zu bytes, without shadows %zu", shaders[i]->name, shaders[i]->code.size, shaders[i]->lean.size);
+    }
+    assert_ptr_equal(gpu_shader_choose(&shader_tonemap_comp, 1, without), &shader_tonemap_comp.code);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_known_shadows, harness_check),
@@ -265,6 +276,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_samples_have_shadows, harness_check),
         cmocka_unit_test_teardown(test_trees_are_made_when_something_changes, harness_check),
         cmocka_unit_test_teardown(test_trees_hold_everything_in_small_boxes, harness_check),
+        cmocka_unit_test(test_shaders_are_small_without_shadows),
     };
     return cmocka_run_group_tests_name("shadows", tests, harness_begin, harness_end);
 }
