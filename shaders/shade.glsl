@@ -62,9 +62,10 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
     brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
 
+    shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        sum += sun_illuminance(lights, i, s.position, s.normal) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(lights, i, shadowed) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
     }
 
     light_point point = light_point(pixel, view_depth, s.position, s.normal, item);
@@ -99,7 +100,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     if (share == 0.0) continue;
                     illuminance *= share;
                 }
-                if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, s.position, s.normal, to_light);
+                if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
                 sum += illuminance * brdf_cos(s, b, to_light);
                 if (LIST_SAMPLED && light_draw_done(draw)) break;
             }

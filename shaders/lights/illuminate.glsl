@@ -124,38 +124,51 @@ float shadow_slack(light_list_block l, vec3 position) {
     return v.view.samples > 1u ? slack + pixel_width(v, seen_from) : slack;
 }
 
-// The part, 0 .. 1, of a light that no surface stops on its way to the position; `to_light` and `light` as illuminate() has them. 0 also for
-// light that comes from behind the surface, which reflects none of it.
-float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 normal, vec3 to_light) {
-    if (!LIST_SHADOWED || !light_casts(l, light)) return 1.0;
-    if (!(dot(normal, to_light) > 0.0)) return 0.0;
-    float slack = shadow_slack(l, position);
+// What shadow_visibility() needs of a point. Nothing where lists have no shadows.
+shadowed_point shadowed_point_of(light_list_block l, vec3 position, vec3 normal) {
+    shadowed_point p;
+    if (!LIST_SHADOWED) return p;
+    p.position = position;
+    p.normal = normal;
+    p.slack = shadow_slack(l, position);
     if (LIST_MAPS) {
-        float open = map_visibility(l, light, position, normal, slack);
+        view_block v = l.list.view;
+        p.pixel = pixel_width(v, length(v.view.eye - position));
+        p.maps = shadow_maps_block(l.list.shadow_maps).maps;
+    }
+    return p;
+}
+
+// The part, 0 .. 1, of a light that no surface stops on its way to the point; `to_light` and `light` as illuminate() has them. 0 also for light that
+// comes from behind the surface, which reflects none of it.
+float shadow_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light) {
+    if (!LIST_SHADOWED || !light_casts(l, light)) return 1.0;
+    if (!(dot(p.normal, to_light) > 0.0)) return 0.0;
+    if (LIST_MAPS) {
+        float open = map_visibility(l, light, p);
         if (!LIST_RAYS || open >= 0.0) return abs(open); // nothing is known of what no pixel asked for: light
     }
-    float high = light_distance(l, light, position, to_light);
-    float margin = max(slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
-    return rays_visibility(l, light, position, normal, to_light, high, margin, slack);
+    float high = light_distance(l, light, p.position, to_light);
+    float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
+    return rays_visibility(l, light, p.position, p.normal, to_light, high, margin, p.slack);
 }
 
 // The same of a directional light.
-float sun_visibility(light_list_block l, uint light, vec3 position, vec3 normal) {
+float sun_visibility(light_list_block l, uint light, shadowed_point p) {
     if (!light_casts(l, light)) return 1.0;
     vec3 to_light = -l.list.lights.at[light].shape.direction;
-    if (!(dot(normal, to_light) > 0.0)) return 0.0;
-    float slack = shadow_slack(l, position);
+    if (!(dot(p.normal, to_light) > 0.0)) return 0.0;
     if (LIST_MAPS) {
-        float open = sun_map_visibility(l, light, position, normal, slack);
+        float open = sun_map_visibility(l, light, p);
         if (!LIST_RAYS || open >= 0.0) return abs(open);
     }
-    return rays_visibility(l, light, position, normal, to_light, 1.0, 0.0, slack);
+    return rays_visibility(l, light, p.position, p.normal, to_light, 1.0, 0.0, p.slack);
 }
 
 // What a directional light gives, in lux.
-vec3 sun_illuminance(light_list_block l, uint light, vec3 position, vec3 normal) {
+vec3 sun_illuminance(light_list_block l, uint light, shadowed_point p) {
     vec3 color = l.list.lights.at[light].color;
-    return LIST_SHADOWED ? color * sun_visibility(l, light, position, normal) : color;
+    return LIST_SHADOWED ? color * sun_visibility(l, light, p) : color;
 }
 
 // Whether the light's volume holds the position: true wherever illuminate() is not zero. Broken positions are held by all lights.

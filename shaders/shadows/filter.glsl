@@ -75,9 +75,9 @@ float shadow_depth_before(gpu_shape shape, shadow_receiver r, float metres) {
 // Whether a tap shows something before the receiver; `blocker`: its depth. `depth` is that of the receiver's plane at the tap, `bias` what casts no shadow
 // before it, `own` the depth of the receiver; `back` leads from the tap to it, in texels. Shading normals lean away from the plane of the surface, so a
 // tap also shows the receiver where the plane through its four texels, continued, meets the receiver.
-bool shadow_tap_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 texel, vec2 back, float depth, float bias, float own,
+bool shadow_tap_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 texel, vec2 back, float depth, float bias, float own,
                       out float blocker) {
-    shadow_quad q = shadow_quad_at(maps, page, at, texel);
+    shadow_quad q = shadow_quad_at(maps, place, at, texel);
     depth += bias;
     blocker = q.nearest;
     if (blocker <= depth) return false;
@@ -91,26 +91,26 @@ bool shadow_tap_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at
 
 // Looks at a disk of the face; `radius` is in the units of `side` and `up`. x: the number of taps that show something before the receiver; y: the sum of
 // its depths.
-vec2 shadow_taps(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, gpu_shape shape, shadow_receiver r, float radius, float turn, float slack) {
+vec2 shadow_taps(gpu_shadow_maps maps, uint place, shadow_page at, gpu_shape shape, shadow_receiver r, float radius, float turn, float slack) {
     float scale = 0.5 * shadow_width(at.level), texel = (shape.kind == GPU_SHAPE_BOX ? max(shape.size.x, shape.size.y) : r.along) / scale;
     vec2 sum = vec2(0.0);
     for (uint k = 0u; k < SHADOW_TAPS; k++) {
         vec2 p = source_point(k, SHADOW_TAPS, turn) * radius, beside = r.side * p.x + r.up * p.y, texels = beside * scale;
         float before = slack + (0.5 + 0.5 * length(texels)) * texel, blocker;
         float depth = r.depth + dot(r.slope, beside), bias = shadow_depth_before(shape, r, before) - r.depth;
-        if (shadow_tap_hides(maps, page, at, shadow_page_texel(at, r.ndc + beside), -texels, depth, bias, r.depth, blocker)) sum += vec2(1.0, blocker);
+        if (shadow_tap_hides(maps, place, at, shadow_page_texel(at, r.ndc + beside), -texels, depth, bias, r.depth, blocker)) sum += vec2(1.0, blocker);
     }
     return sum;
 }
 
-// The part of the light, 0 .. 1, that reaches the point. `at` and `page`: what its pixel asked for; `hidden`: what that page says without a filter.
+// The part of the light, 0 .. 1, that reaches the point. `at` and `place`: the page that its pixel asked for; `hidden`: what that page says without a filter.
 //
 // Percentage-closer filtering (Reeves et al. 1987) looks at a small disk of texels, which smooths their steps. Percentage-closer soft shadows (Fernando
 // 2005) first look where there may be blockers, and make the disk as large as the penumbra of their mean. Disks reach three texels; where the penumbra is
 // wider, coarser levels are looked up, whose texels are larger. Where no blocker is found the page itself decides: it may show a contact that coarse
 // texels miss.
-float shadow_filtered(light_list_block l, uint light, gpu_shadow_maps maps, uint row, gpu_shape shape, shadow_page at, uint page, shadow_receiver r,
-                      vec3 position, float slack, bool hidden) {
+float shadow_filtered(light_list_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at, uint place, shadow_receiver r,
+                      bool hidden) {
     float open = hidden ? 0.0 : 1.0;
     bool is_soft = l.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS;
     float size = is_soft ? source_size(l, light, shape.kind == GPU_SHAPE_BOX) : 0.0, radius = SHADOW_PCF_REACH, reach = 1.0, turn = 0.0;
@@ -118,10 +118,10 @@ float shadow_filtered(light_list_block l, uint light, gpu_shadow_maps maps, uint
     if (is_soft) {
         if (!(size > 0.0)) return open;
         reach = max(length(r.side), length(r.up));
-        turn = source_turn(l, light, position);
+        turn = source_turn(l, light, p.position);
         radius = shadow_search_radius(shape, r) / reach * size;
         at.level = shadow_level_within(wanted, radius * reach);
-        if (!shadow_find_from(maps, row, r.ndc, at, page)) return open;
+        if (!shadow_find_from(p.maps, row, r.ndc, at, place)) return open;
         radius = min(radius, SHADOW_REACH / (0.5 * shadow_width(at.level) * reach));
     } else {
         r.side = vec2(2.0 / shadow_width(at.level), 0.0);
@@ -129,12 +129,12 @@ float shadow_filtered(light_list_block l, uint light, gpu_shadow_maps maps, uint
     }
     vec2 taps = vec2(0.0);
     for (uint step = is_soft ? 0u : 1u; step < 2u; step++) { // blockers first: one loop, so that shaders hold its code once
-        taps = shadow_taps(maps, maps.pages.at[page], at, shape, r, radius, turn, slack);
+        taps = shadow_taps(p.maps, place, at, shape, r, radius, turn, p.slack);
         if (step == 1u) break;
         if (taps.x == 0.0) return open;
         radius = min(radius, size * max(taps.y / taps.x - r.depth, 0.0));
         at.level = shadow_level_within(wanted, radius * reach);
-        if (!shadow_find_from(maps, row, r.ndc, at, page)) return open;
+        if (!shadow_find_from(p.maps, row, r.ndc, at, place)) return open;
     }
     return 1.0 - taps.x / float(SHADOW_TAPS);
 }

@@ -8,29 +8,36 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer shadow_maps_block { gpu_shadow_maps maps; };
 
-// How many pixels wide the face is where a point lies: `along` is the w of shadow_face_clip().
-float shadow_across(light_list_block l, gpu_shape shape, float along, vec3 position) {
-    view_block v = l.list.view;
-    float pixel = pixel_width(v, length(v.view.eye - position));
+// A point of a surface, and what the shadows of all lights need to know of it. Found once for all of them: shaders read it from memory.
+struct shadowed_point {
+    vec3 position, normal;
+    float slack; // metres by which the position may be wrong
+    float pixel; // metres across
+    gpu_shadow_maps maps;
+};
+
+// How many pixels wide the face is where a point lies, if one is so many metres wide there: `along` is the w of shadow_face_clip().
+float shadow_across(gpu_shape shape, float along, float pixel) {
     return 2.0 * (shape.kind == GPU_SHAPE_BOX ? max(shape.size.x, shape.size.y) : along) / pixel;
 }
 
 bool shadow_has_map(gpu_shape shape) { return shape.kind != GPU_SHAPE_CAPSULE; }
 
-// The number of a page, where it is there and drawn.
-bool shadow_find(gpu_shadow_maps maps, uint row, uint bit, out uint page) {
+// Where in the atlas a page lies, if it is there and drawn.
+bool shadow_find(gpu_shadow_maps maps, uint row, uint bit, out uint place) {
     uint word = row * SHADOW_ROW_WORDS + bit / 32u, bits = maps.held.at[word], below = (1u << (bit % 32u)) - 1u;
-    page = 0u;
+    place = 0u;
     if ((bits >> (bit % 32u) & 1u) == 0u) return false;
-    page = maps.before.at[word] + uint(bitCount(bits & below));
-    return (maps.pages.at[page].flags & SHADOW_PAGE_DRAW) == 0u;
+    gpu_shadow_page page = maps.pages.at[maps.before.at[word] + uint(bitCount(bits & below))];
+    place = page.place;
+    return (page.flags & SHADOW_PAGE_DRAW) == 0u;
 }
 
 // The finest page that is there and holds a point of a face, from at.level on.
-bool shadow_find_from(gpu_shadow_maps maps, uint row, vec2 ndc, inout shadow_page at, out uint page) {
+bool shadow_find_from(gpu_shadow_maps maps, uint row, vec2 ndc, inout shadow_page at, out uint place) {
     for (; at.level < SHADOW_LEVELS; at.level++) {
         at.at = min(uvec2(max(ndc * 0.5 + 0.5, 0.0) * float(shadow_side(at.level))), uvec2(shadow_side(at.level) - 1u));
-        if (shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), page)) return true;
+        if (shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), place)) return true;
     }
     return false;
 }
@@ -44,10 +51,10 @@ struct shadow_quad {
 
 float shadow_texel(gpu_shadow_maps maps, ivec2 at) { return texelFetch(textures[maps.atlas], at, 0).r; }
 
-shadow_quad shadow_quad_at(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 texel) {
+shadow_quad shadow_quad_at(gpu_shadow_maps maps, uint place, shadow_page at, vec2 texel) {
     vec2 low = clamp(texel - 0.5, vec2(0.0), vec2(float(shadow_page_size(at.level)) - 2.0));
     shadow_quad q;
-    q.first = ivec2(low) + ivec2(page.place & 0xffffu, page.place >> 16u) * int(SHADOW_UNIT);
+    q.first = ivec2(low) + ivec2(place & 0xffffu, place >> 16u) * int(SHADOW_UNIT);
     q.part = fract(low);
     q.near = ivec2(greaterThanEqual(q.part, vec2(0.5)));
     q.nearest = shadow_texel(maps, q.first + q.near);
@@ -72,8 +79,8 @@ float shadow_quad_depth(shadow_quad q) {
 // Whether the four texels round a point of a page hide it; `depth` is its own, reversed. They do where all are nearer, and where the nearest texel is,
 // unless the point lies on the surface that the four show: on a plane depth is linear between texels, whatever its slope, while at the edge of
 // what casts a shadow the point stays behind by more than a quarter of the step.
-bool shadow_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, vec2 ndc, float depth) {
-    shadow_quad q = shadow_quad_at(maps, page, at, shadow_page_texel(at, ndc));
+bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, float depth) {
+    shadow_quad q = shadow_quad_at(maps, place, at, shadow_page_texel(at, ndc));
     if (!(q.nearest > depth)) return false;
     vec2 range = shadow_quad_complete(maps, q);
     return range.x > depth || shadow_quad_depth(q) > depth + 0.25 * (range.y - range.x);
@@ -83,41 +90,39 @@ bool shadow_hides(gpu_shadow_maps maps, gpu_shadow_page page, shadow_page at, ve
 
 // What part of a light reaches a point, by the map of a row: without a filter 0 or 1; or -1 where no map tells. Pages of at.level are looked up, and of
 // coarser levels where there are none: pixels asked for the first, what is beside them may have to look farther.
-float row_visibility(light_list_block l, uint light, gpu_shadow_maps maps, uint row, gpu_shape shape, shadow_page at, vec3 position, vec3 normal,
-                     float slack) {
-    vec3 ray = position - shape.position;
+float row_visibility(light_list_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at) {
+    vec3 ray = p.position - shape.position;
     vec4 clip = shadow_face_clip(shape, at.face, ray);
     vec2 ndc = clip.xy / clip.w;
-    uint page;
-    if (!shadow_find_from(maps, row, ndc, at, page)) return -1.0;
+    uint place;
+    if (!shadow_find_from(p.maps, row, ndc, at, place)) return -1.0;
     float texel = 2.0 / shadow_width(at.level);
     bool hidden;
     if (shape.kind == GPU_SHAPE_BOX) { // what is beyond the last that casts has the least depth
-        float before = slack + 0.5 * texel * max(shape.size.x, shape.size.y);
-        hidden = shadow_hides(maps, maps.pages.at[page], at, ndc, max(clip.z + 0.5 * before / shape.size.z, 0.0));
+        float before = p.slack + 0.5 * texel * max(shape.size.x, shape.size.y);
+        hidden = shadow_hides(p.maps, place, at, ndc, max(clip.z + 0.5 * before / shape.size.z, 0.0));
     } else {
-        float along = clip.w - slack - 0.5 * texel * clip.w;
-        hidden = along > 0.0 && shadow_hides(maps, maps.pages.at[page], at, ndc, SHADOW_NEAR / along);
+        float along = clip.w - p.slack - 0.5 * texel * clip.w;
+        hidden = along > 0.0 && shadow_hides(p.maps, place, at, ndc, SHADOW_NEAR / along);
     }
     if (!LIST_FILTERED) return hidden ? 0.0 : 1.0;
-    return shadow_filtered(l, light, maps, row, shape, at, page, shadow_receiver_of(shape, at.face, clip, ray, normal), position, slack, hidden);
+    return shadow_filtered(l, light, p, row, shape, at, place, shadow_receiver_of(shape, at.face, clip, ray, p.normal), hidden);
 }
 
-// The same of a light. `slack`: metres by which positions may be wrong; besides, what is nearer by less than half a texel's width casts no shadow, or
-// there would be lines in corners, whose depth lies between texels.
-float map_visibility(light_list_block l, uint light, vec3 position, vec3 normal, float slack) {
-    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+// The same of a light. What is nearer by less than half a texel's width casts no shadow, or there would be lines in corners, whose depth lies
+// between texels.
+float map_visibility(light_list_block l, uint light, shadowed_point p) {
     gpu_shape shape = l.list.lights.at[light].shape;
     if (LIST_SIMPLE) shape.kind = GPU_SHAPE_SPHERE; // or a cone, whose map is alike: no code for other shapes
-    uint row = light + maps.first_row;
-    uint bias = shadow_has_map(shape) ? maps.biases.at[row] : SHADOW_TRACED;
+    uint row = light + p.maps.first_row;
+    uint bias = shadow_has_map(shape) ? p.maps.biases.at[row] : SHADOW_TRACED;
     if (bias == SHADOW_TRACED) return -1.0;
-    vec3 ray = position - shape.position;
+    vec3 ray = p.position - shape.position;
     shadow_page at;
     at.face = shadow_face_of(shape.kind, ray);
     float along = shadow_face_clip(shape, at.face, ray).w;
-    at.level = min(shadow_level_for(shadow_across(l, shape, along, position)) + bias, SHADOW_LEVELS - 1u);
-    return row_visibility(l, light, maps, row, shape, at, position, normal, slack);
+    at.level = min(shadow_level_for(shadow_across(shape, along, p.pixel)) + bias, SHADOW_LEVELS - 1u);
+    return row_visibility(l, light, p, row, shape, at);
 }
 
 // The row of a directional light in which a point is looked up, from a grid on: the finest that has it; or false.
@@ -134,18 +139,16 @@ bool shadow_sun_find(gpu_shadow_maps maps, uint light, vec3 position, inout int 
 }
 
 // map_visibility() of a directional light.
-float sun_map_visibility(light_list_block l, uint light, vec3 position, vec3 normal, float slack) {
-    view_block v = l.list.view;
-    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
-    int grid = shadow_sun_grid(maps.suns.at[light], pixel_width(v, length(v.view.eye - position)));
+float sun_map_visibility(light_list_block l, uint light, shadowed_point p) {
+    int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
     uint row;
-    for (; shadow_sun_find(maps, light, position, grid, row); grid++) {
+    for (; shadow_sun_find(p.maps, light, p.position, grid, row); grid++) {
         shadow_page at;
         at.face = 0u;
-        at.level = maps.biases.at[row];
-        gpu_shape shape = maps.shapes.at[row];
+        at.level = p.maps.biases.at[row];
+        gpu_shape shape = p.maps.shapes.at[row];
         shape.kind = GPU_SHAPE_BOX; // as it is: no code for other shapes
-        float open = row_visibility(l, light, maps, row, shape, at, position, normal, slack);
+        float open = row_visibility(l, light, p, row, shape, at);
         if (open >= 0.0) return open;
     }
     return -1.0;

@@ -243,6 +243,10 @@ static void test_changes_are_drawn(void **state) {
     const uint64_t touched = counter_of_frame(&y.s, "shadows.drawn");
     assert_true(touched > 0 && touched < pages);
     assert_int_equal(counter_of_frame(&y.s, "shadows.drawn"), 0);
+    const mat4 raised = mat4_mul(mat4_translation((vec3){3.1f, 1.02f, 3}), mat4_scaling((vec3){0.1f, 1, 0.1f})); /* above all else: the scene is larger */
+    assert_int_equal(fnl_scene_set_instance_transform(y.s.scene, small, &raised), FNL_OK);
+    const uint64_t larger = counter_of_frame(&y.s, "shadows.drawn");
+    assert_true(larger > 0 && larger < pages);
     sun.kind = FNL_LIGHT_DIRECTIONAL;
     sun.direction = vec3_normalize((vec3){0.11f, -1, 0});
     sun.intensity = 100;
@@ -286,6 +290,11 @@ static void test_small_budgets_make_maps_coarser(void **state) {
         assert_int_equal(counter(&stats, "shadows.traced"), 0);
         assert_true(leak.error < leak.dark / 2);
     }
+    stage_close(&s);
+    s = stage_open("builtin:city?lights=0&sun=1000", 0);
+    s.frame.shadow.memory = 1;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    assert_int_equal(counter_of_frame(&s, "shadows.coarsened"), 1); /* one light, whatever the number of its rows */
     stage_close(&s);
 }
 

@@ -23,41 +23,39 @@ struct finding {
 };
 
 // The page of a row that holds a point, from page.level on.
-bool look_up_row(light_list_block l, gpu_shadow_maps maps, gpu_shape shape, vec3 position, inout finding f) {
-    vec4 clip = shadow_face_clip(shape, f.page.face, position - shape.position);
+bool look_up_row(shadowed_point p, gpu_shape shape, inout finding f) {
+    vec4 clip = shadow_face_clip(shape, f.page.face, p.position - shape.position);
     vec2 ndc = clip.xy / clip.w;
-    uint number;
-    if (!shadow_find_from(maps, f.row, ndc, f.page, number)) return false;
-    f.texel = shadow_across(l, shape, clip.w, position) / shadow_width(f.page.level);
+    uint place;
+    if (!shadow_find_from(p.maps, f.row, ndc, f.page, place)) return false;
+    f.texel = shadow_across(shape, clip.w, p.pixel) / shadow_width(f.page.level);
     f.inside = shadow_page_texel(f.page, ndc) - float(SHADOW_BORDER);
     return true;
 }
 
 // The page from which map_visibility() and sun_map_visibility() answer.
-finding look_up(light_list_block l, uint light, vec3 position) {
+finding look_up(light_list_block l, uint light, shadowed_point p) {
     finding f;
     f.found = false;
     gpu_shape shape = l.list.lights.at[light].shape;
     if (!LIST_MAPS || !shadow_has_map(shape)) return f;
-    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
-    view_block v = l.list.view;
     if (light < l.list.directional_count) {
         f.page.face = 0u;
-        int grid = shadow_sun_grid(maps.suns.at[light], pixel_width(v, length(v.view.eye - position)));
-        for (; !f.found && shadow_sun_find(maps, light, position, grid, f.row); grid++) {
-            f.page.level = maps.biases.at[f.row];
-            f.found = look_up_row(l, maps, maps.shapes.at[f.row], position, f);
+        int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
+        for (; !f.found && shadow_sun_find(p.maps, light, p.position, grid, f.row); grid++) {
+            f.page.level = p.maps.biases.at[f.row];
+            f.found = look_up_row(p, p.maps.shapes.at[f.row], f);
         }
         return f;
     }
-    f.row = light + maps.first_row;
-    uint bias = maps.biases.at[f.row];
+    f.row = light + p.maps.first_row;
+    uint bias = p.maps.biases.at[f.row];
     if (bias == SHADOW_TRACED) return f;
-    vec3 ray = position - shape.position;
+    vec3 ray = p.position - shape.position;
     f.page.face = shadow_face_of(shape.kind, ray);
     float along = shadow_face_clip(shape, f.page.face, ray).w;
-    f.page.level = min(shadow_level_for(shadow_across(l, shape, along, position)) + bias, SHADOW_LEVELS - 1u);
-    f.found = look_up_row(l, maps, shape, position, f);
+    f.page.level = min(shadow_level_for(shadow_across(shape, along, p.pixel)) + bias, SHADOW_LEVELS - 1u);
+    f.found = look_up_row(p, shape, f);
     return f;
 }
 
@@ -103,7 +101,7 @@ struct tally {
 };
 
 // `high`: metres to the light.
-void add_light(inout tally t, light_list_block l, uint light, float lux, vec3 position, vec3 normal, vec3 to_light, float high) {
+void add_light(inout tally t, light_list_block l, uint light, float lux, shadowed_point p, vec3 to_light, float high) {
     if (!light_casts(l, light)) return;
     if (lux > t.most) {
         t.most = lux;
@@ -111,12 +109,10 @@ void add_light(inout tally t, light_list_block l, uint light, float lux, vec3 po
     }
     if (!LIST_MAPS || !LIST_RAYS || !(lux > 0.0)) return;
     t.all += lux;
-    float slack = shadow_slack(l, position);
-    float map = light < l.list.directional_count ? sun_map_visibility(l, light, position, normal, slack)
-                                                 : map_visibility(l, light, position, normal, slack);
+    float map = light < l.list.directional_count ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
     if (map < 0.0) return; // rays answer
-    float margin = max(slack, 1e-6 * length(l.list.lights.at[light].shape.position));
-    float wrong = map - ray_visibility(rays_block(l.list.rays), position, to_light, high - margin, slack);
+    float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position));
+    float wrong = map - ray_visibility(rays_block(l.list.rays), p.position, to_light, high - margin, p.slack);
     t.extra += lux * max(wrong, 0.0);
     t.missing += lux * max(-wrong, 0.0);
 }
@@ -130,24 +126,25 @@ void main() {
     float grey = sky ? 0.0 : 0.12 + 0.88 * luminance(albedo.rgb) * (0.6 + 0.4 * normal.y);
     light_list_block l = push.lights;
     light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);
+    shadowed_point shadowed = shadowed_point_of(l, position.xyz, normal.xyz);
     tally t = tally(0.0, 0u, 0.0, 0.0, 0.0);
     for (uint i = 0u; i < l.list.directional_count && !sky; i++) {
         vec3 to_light = -l.list.lights.at[i].shape.direction;
-        add_light(t, l, i, luminance(l.list.lights.at[i].color) * max(dot(normal.xyz, to_light), 0.0), position.xyz, normal.xyz, to_light, 1e30);
+        add_light(t, l, i, luminance(l.list.lights.at[i].color) * max(dot(normal.xyz, to_light), 0.0), shadowed, to_light, 1e30);
     }
     light_cursor cursor = lights_begin(l, point);
     FOR_EACH_LIGHT(l, cursor, light) {
         vec3 to_light;
         if (sky) break;
         float lux = luminance(illuminate(l, light, position.xyz, to_light)) * max(dot(normal.xyz, to_light), 0.0);
-        add_light(t, l, light, lux, position.xyz, normal.xyz, to_light, light_distance(l, light, position.xyz, to_light));
+        add_light(t, l, light, lux, shadowed, to_light, light_distance(l, light, position.xyz, to_light));
     }
     vec3 color = vec3(grey * 0.5);
     if (push.mode == GPU_DEBUG_SHADOW_ERRORS) {
         if (t.extra > SHOWN * t.all) color = mix(color, vec3(1.0, 0.1, 0.05), 0.4 + 0.6 * t.extra / t.all);
         if (t.missing > SHOWN * t.all && t.missing > t.extra) color = mix(vec3(grey * 0.5), vec3(0.1, 0.35, 1.0), 0.4 + 0.6 * t.missing / t.all);
     } else if (t.most > 0.0) {
-        finding f = look_up(l, t.brightest, position.xyz);
+        finding f = look_up(l, t.brightest, shadowed);
         color = vec3(0.9, 0.1, 0.8);
         if (f.found && push.mode == GPU_DEBUG_SHADOW_PAGES) color = page_color(f, grey);
         if (f.found && push.mode == GPU_DEBUG_SHADOW_LEVELS) color = mix(vec3(grey), level_color(f.page.level), 0.8);

@@ -33,7 +33,7 @@ void main() {
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
     if (LIST_SHADOWED)
-        illuminance *= shadow_visibility(push.list, push.list.list.directional_count + in_light, s.position, s.normal, to_light);
+        illuminance *= shadow_visibility(push.list, push.list.list.directional_count + in_light, shadowed_point_of(push.list, s.position, s.normal), to_light);
     count_rays(push.view, push.counters);
     brdf_view b = brdf_prepare(s, to_viewer(push.view, s.position));
     out_sum = vec4(mobile_scaled(push.view, illuminance * brdf_cos(s, b, to_light)), 0.0);

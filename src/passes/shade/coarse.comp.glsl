@@ -80,10 +80,11 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     float diffuse_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts & PART_SLOW) : 1.0;
     float rest_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts >> 1u & 1u) : 1.0;
     bool is_slow = (parts & PART_SLOW) != 0u;
+    shadowed_point shadowed = shadowed_point_of(push.lights, s.position, s.normal);
     uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
         coarse_light f = brdf_parts(s, b, -push.lights.list.lights.at[i].shape.direction);
-        vec3 color = sun_illuminance(push.lights, i, s.position, s.normal);
+        vec3 color = sun_illuminance(push.lights, i, shadowed);
         sum.by_color += color * f.by_color * diffuse_weight;
         sum.rest += color * f.rest * rest_weight;
     }
@@ -95,7 +96,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
         if (wanted) illuminance = illuminate(push.lights, light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
-            if (LIST_SHADOWED) illuminance *= shadow_visibility(push.lights, light, s.position, s.normal, to_light);
+            if (LIST_SHADOWED) illuminance *= shadow_visibility(push.lights, light, shadowed, to_light);
             coarse_light f = brdf_parts(s, b, to_light);
             sum.by_color += illuminance * f.by_color * diffuse_weight;
             sum.rest += illuminance * f.rest * rest_weight;

@@ -65,9 +65,10 @@ light_sums light_sums_of(light_surface s, view_block v, light_list_block lights,
     shape.roughness = s.roughness;
     brdf_view b = brdf_prepare(shape, to_viewer(v, s.position));
     light_sums sums = light_sums_none();
+    shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++)
-        light_sums_add(sums, s, b, -lights.list.lights.at[i].shape.direction, sun_illuminance(lights, i, s.position, s.normal));
+        light_sums_add(sums, s, b, -lights.list.lights.at[i].shape.direction, sun_illuminance(lights, i, shadowed));
     light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
     uint visited = 0u, useful = 0u;
     FOR_EACH_LIGHT(lights, cursor, light) {
@@ -75,7 +76,7 @@ light_sums light_sums_of(light_surface s, view_block v, light_list_block lights,
         vec3 illuminance = illuminate(lights, light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
-            if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, s.position, s.normal, to_light);
+            if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
             light_sums_add(sums, s, b, to_light, illuminance);
             if (COUNT_LIGHTS == 1u) useful++;
         }

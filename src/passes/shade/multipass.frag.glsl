@@ -25,15 +25,16 @@ void main() {
     }
     brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
+    shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
     if (STEP == MULTIPASS_DIRECTIONAL) {
         uint count = lights.list.directional_count;
         for (uint i = 0u; i < count; i++)
-            sum += sun_illuminance(lights, i, s.position, s.normal) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
+            sum += sun_illuminance(lights, i, shadowed) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
     } else {
         vec3 to_light;
         vec3 illuminance = illuminate(lights, push.light, s.position, to_light);
         bool reaches = illuminance != vec3(0.0);
-        if (LIST_SHADOWED && reaches) illuminance *= shadow_visibility(lights, push.light, s.position, s.normal, to_light);
+        if (LIST_SHADOWED && reaches) illuminance *= shadow_visibility(lights, push.light, shadowed, to_light);
         if (reaches) sum = illuminance * brdf_cos(s, b, to_light);
         if (COUNT_LIGHTS == 1u) {
             uint at = (uint(gl_FragCoord.y) * v.view.size.x + uint(gl_FragCoord.x)) * 2u;

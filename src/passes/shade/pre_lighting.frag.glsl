@@ -44,7 +44,7 @@ void main() {
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter + 1u], 1u);
     light_surface s = light_surface_of(push.surfaces, pixel, at, position);
     if (LIST_SHADOWED)
-        illuminance *= shadow_visibility(push.head.list, push.head.list.list.directional_count + in_light, position, s.normal, to_light);
+        illuminance *= shadow_visibility(push.head.list, push.head.list.list.directional_count + in_light, shadowed_point_of(push.head.list, position, s.normal), to_light);
     count_rays(v, push.head.counters);
     surface shape;
     shape.normal = s.normal;

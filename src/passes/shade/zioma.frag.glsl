@@ -26,8 +26,9 @@ void main() {
     vec3 to_view = to_viewer(v, s.position);
     brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
+    shadowed_point shadowed = shadowed_point_of(l, s.position, s.normal);
     for (uint i = 0u; i < l.list.directional_count; i++)
-        sum += sun_illuminance(l, i, s.position, s.normal) * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(l, i, shadowed) * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
     uint stored = 0u, visited = 0u, useful = 0u;
     for (; stored < push.layers; stored++) {
         vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);
@@ -44,7 +45,7 @@ void main() {
             vec3 illuminance = illuminate(l, light, s.position, to_light);
             visited++;
             if (illuminance == vec3(0.0)) continue;
-            if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, s.position, s.normal, to_light);
+            if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
             sum += illuminance * brdf_cos(s, b, to_light);
             useful++;
         }

@@ -50,7 +50,9 @@ bool request_walk_next(inout request_walk w) {
 void request_face(light_list_block l, uint_array wanted, uint light, uint row, gpu_shape shape, uint face, vec3 ray, vec3 position, float near) {
     vec4 clip = shadow_face_clip(shape, face, ray);
     vec2 ndc = clip.xy / clip.w;
-    float slack = near / (shape.kind == GPU_SHAPE_BOX ? min(shape.size.x, shape.size.y) : clip.w), across = shadow_across(l, shape, clip.w, position);
+    view_block v = l.list.view;
+    float slack = near / (shape.kind == GPU_SHAPE_BOX ? min(shape.size.x, shape.size.y) : clip.w);
+    float across = shadow_across(shape, clip.w, pixel_width(v, length(v.view.eye - position)));
     uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
     coarsest = shadow_coarsest_level(l, light, shape, face, clip, ray, coarsest);
     request_walk walk = request_walk_begin(face, finest, coarsest, ndc, ndc, slack);
