@@ -76,6 +76,12 @@ static fnl_shading order_of_list(fnl_light_lists lists, uint32_t turn, uint32_t 
     return FNL_SHADING_AUTO;
 }
 
+static bool has_lists(fnl_shading shading, uint32_t turn, uint32_t msaa) {
+    for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++)
+        if (order_of_list((fnl_light_lists)l, turn, msaa) == shading) return true;
+    return false;
+}
+
 void pairs_check_orders(struct stage *stage, fnl_frame frame) {
     static uint32_t turns[2]; /* of one sample and several */
     const uint32_t turn = turns[frame.msaa > 1]++;
@@ -83,6 +89,7 @@ void pairs_check_orders(struct stage *stage, fnl_frame frame) {
     for (uint32_t s = 0; s < ORDERS; s++) {
         frame.shading = (fnl_shading)s;
         if (!fnl_shading_supports(frame.shading, FNL_LISTS_AUTO, frame.msaa)) continue;
+        if (frame.msaa > 1 && s > 0 && !has_lists(frame.shading, turn, frame.msaa)) continue;
         struct shot all = shoot_all(stage, frame);
         for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++)
             if (order_of_list((fnl_light_lists)l, turn, frame.msaa) == frame.shading) check_list(stage, frame, (fnl_light_lists)l, &all);

@@ -14,8 +14,8 @@ const char *pair_name(const fnl_frame *frame);
 struct shot pairs_check_lists(struct stage *stage, fnl_frame frame, uint32_t step, uint32_t phase);
 
 /**
- * Compares every list once with `all`, each with one of the shading orders; the next call takes other orders. Renders every order with all
- * lights too: with one sample a pixel the orders agree.
+ * Compares every list once with `all`, each with one of the shading orders; the next call takes other orders. With one sample a pixel it renders
+ * every order with all lights too: the orders agree.
  */
 void pairs_check_orders(struct stage *stage, fnl_frame frame);
 
