@@ -11,15 +11,19 @@ struct scene_case {
     float ev;
 };
 
-static void test_scene(void **state) {
-    const struct scene_case *c = *state;
-    struct stage stage = stage_open(c->source, 0);
-    fnl_frame frame = stage.frame;
-    frame.ev = c->ev;
+static fnl_frame frame_of(const struct stage *stage, float ev) {
+    fnl_frame frame = stage->frame;
+    frame.ev = ev;
     frame.msaa = 4;
     frame.width = 61;
     frame.height = 37;
-    pairs_check_orders(&stage, frame);
+    return frame;
+}
+
+static void test_scene(void **state) {
+    const struct scene_case *c = *state;
+    struct stage stage = stage_open(c->source, 0);
+    pairs_check_orders(&stage, frame_of(&stage, c->ev));
     stage_close(&stage);
 }
 
@@ -28,11 +32,7 @@ static void test_orders_with_few_lists(void **state) {
     UNUSED(state);
     static const fnl_shading orders[] = {FNL_SHADING_DEFERRED_VOLUMES, FNL_SHADING_PRE_LIGHTING, FNL_SHADING_LIGHT_INDEXED, FNL_SHADING_ZIOMA};
     struct stage stage = stage_open("builtin:hall?lights=256", 0);
-    fnl_frame frame = stage.frame;
-    frame.ev = 3;
-    frame.msaa = 4;
-    frame.width = 61;
-    frame.height = 37;
+    fnl_frame frame = frame_of(&stage, 3);
     for (uint32_t i = 0; i < COUNT_OF(orders); i++) {
         frame.shading = orders[i];
         struct shot all = pairs_check_lists(&stage, frame, 1, 0);
