@@ -110,7 +110,7 @@ static graph_image depth_of(struct frame_state *f) {
 
 /* Lists with which nothing is shaded; requests must know of filters. */
 static struct light_list without_shadows(struct light_list list) {
-    list.kind &= ~(GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_SOFT | GPU_LIST_SAMPLED);
+    list.kind &= ~GPU_LIST_SHADOWED | GPU_LIST_FILTERED;
     list.rays = (struct rays){0};
     list.maps = (struct shadow_maps){0};
     return list;
