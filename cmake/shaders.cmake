@@ -32,19 +32,10 @@ function(fanal_shaders target)
   endforeach()
 endfunction()
 
-# The same for shaders that light surfaces. Each is compiled a second time, with NO_SHADOWS; frames without shadows use that module
-# (struct gpu_shader), which drivers compile in half the time.
-function(fanal_lit_shaders target)
-  foreach(file ${ARGN})
-    cmake_path(GET file STEM stem)
-    fanal_shader_variant(${target} ${stem} FROM ${file} LIT)
-  endforeach()
-endfunction()
-
 # fanal_shader_variant(fanal_passes_shade forward_known FROM forward.frag.glsl DEFINES EARLY_DEPTH HOLES_ARE_CUT) compiles the file with these
-# macros, NAME or NAME=VALUE, and embeds it as `shader_forward_known_frag`. LIT: see fanal_lit_shaders().
+# macros, NAME or NAME=VALUE, and embeds it as `shader_forward_known_frag`.
 function(fanal_shader_variant target stem)
-  cmake_parse_arguments(PARSE_ARGV 2 variant "LIT" "FROM" "DEFINES")
+  cmake_parse_arguments(PARSE_ARGV 2 variant "" "FROM" "DEFINES")
   cmake_path(GET variant_FROM FILENAME filename)
   if(NOT filename MATCHES "^[a-z0-9_]+\\.(vert|geom|mesh|frag|comp)\\.glsl$" OR NOT stem MATCHES "^[a-z0-9_]+$")
     message(FATAL_ERROR "${stem} from ${variant_FROM}: shaders are called STEM.vert.glsl, STEM.geom.glsl, STEM.mesh.glsl, STEM.frag.glsl or STEM.comp.glsl")
@@ -65,35 +56,19 @@ function(fanal_shader_variant target stem)
   cmake_path(ABSOLUTE_PATH variant_FROM BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE source)
   list(TRANSFORM variant_DEFINES PREPEND -D OUTPUT_VARIABLE defines)
   set(module ${FANAL_GENERATED}/${name}.spv)
+  set(optimised ${FANAL_GENERATED}/${name}.opt.spv)
   set(embedded ${FANAL_GENERATED}/${name}.c)
-  set(modules ${module})
-  if(variant_LIT)
-    list(APPEND modules ${FANAL_GENERATED}/${name}.lean.spv)
-  endif()
-  set(compile "")
-  set(optimise "")
-  set(optimised "")
-  foreach(file ${modules})
-    set(extra "")
-    if(NOT "${file}" STREQUAL "${module}")
-      set(extra -DNO_SHADOWS)
-    endif()
-    list(APPEND compile
-      COMMAND ${FANAL_GLSLANG} --quiet -V --target-env vulkan1.3 -S ${stage} ${defines} ${extra} -I${PROJECT_SOURCE_DIR}/shaders
-        -I${PROJECT_SOURCE_DIR}/src --depfile ${file}.d -o ${file} ${source}
-      COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${file})
-    string(REGEX REPLACE "spv$" "opt.spv" small ${file})
-    list(APPEND optimised ${small})
-    list(APPEND optimise
-      COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O --remove-unused-interface-variables
-        --eliminate-dead-variables ${file} -o ${small}
-      COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${small})
-  endforeach()
-  list(POP_FRONT optimised whole)
-  add_custom_command(OUTPUT ${modules} DEPENDS ${source} DEPFILE ${module}.d VERBATIM COMMENT "Shader ${name}" ${compile})
-  add_custom_command(OUTPUT ${embedded} DEPENDS ${modules} fanal_spirv_embed VERBATIM COMMENT "Embedding ${name}"
-    BYPRODUCTS ${whole} ${optimised} ${optimise}
-    COMMAND fanal_spirv_embed ${name} ${whole} ${embedded} ${optimised})
+  add_custom_command(OUTPUT ${module} DEPENDS ${source} DEPFILE ${module}.d VERBATIM COMMENT "Shader ${name}"
+    COMMAND ${FANAL_GLSLANG} --quiet -V --target-env vulkan1.3 -S ${stage} ${defines} -I${PROJECT_SOURCE_DIR}/shaders
+      -I${PROJECT_SOURCE_DIR}/src --depfile ${module}.d
+      -o ${module} ${source}
+    COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${module})
+  add_custom_command(OUTPUT ${embedded} DEPENDS ${module} fanal_spirv_embed VERBATIM COMMENT "Embedding ${name}"
+    BYPRODUCTS ${optimised}
+    COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O --remove-unused-interface-variables
+      --eliminate-dead-variables ${module} -o ${optimised}
+    COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimised}
+    COMMAND fanal_spirv_embed ${name} ${optimised} ${embedded})
   target_sources(${target} PRIVATE ${embedded})
   set_property(GLOBAL APPEND PROPERTY fanal_shader_modules ${module})
   set_property(GLOBAL APPEND PROPERTY fanal_shader_files ${embedded})

@@ -34,8 +34,8 @@ uint64_t test_ask(gpu_device *device, uint32_t first, uint32_t count);
 void test_fetch_mip(gpu_device *device, const struct gpu_image *image, uint32_t mip, fnl_vec4 *out);
 
 extern const struct CMUnitTest device_tests[], memory_tests[], commands_tests[], draw_tests[], scope_tests[], ahead_tests[],
-    cache_tests[];
+    cache_tests[], specialise_tests[];
 extern const size_t device_test_count, memory_test_count, commands_test_count, draw_test_count, scope_test_count, ahead_test_count,
-    cache_test_count;
+    cache_test_count, specialise_test_count;
 
 #endif

@@ -246,14 +246,14 @@ fnl_frame test_frame(uint32_t outputs) {
 
 uint32_t test_count_operations(const struct gpu_shader *shader, uint32_t first, uint32_t last) {
     const fnl_host host = fnl_host_default();
-    uint32_t count = 0, *code = gpu_shader_code(&host, shader->name, &shader->code);
+    uint32_t count = 0, *code = gpu_shader_code(&host, shader);
     assert_non_null(code);
-    for (size_t i = 5; i < shader->code.size / 4; i += code[i] >> 16) {
+    for (size_t i = 5; i < shader->size / 4; i += code[i] >> 16) {
         uint32_t operation = code[i] & 0xffff;
         count += operation >= first && operation <= last;
         assert_true(code[i] >> 16 > 0);
     }
-    host_free(&host, code, shader->code.size);
+    host_free(&host, code, shader->size);
     return count;
 }
 

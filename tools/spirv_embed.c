@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Build tool: spirv_embed STEM.STAGE IN.spv OUT.c [LEAN.spv] writes a SPIR-V module, compressed, as the C definition of shader_STEM_STAGE, and
- * beside it the module that does where GPU_LIST_SHADOWED asks for nothing.
- */
+/* Build tool: spirv_embed STEM.STAGE IN.spv OUT.c writes a SPIR-V module, compressed, as the C definition of shader_STEM_STAGE. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,59 +47,46 @@ static uint32_t find_locations(const uint32_t *words, size_t count, uint32_t sto
     return bits;
 }
 
-/* A module as `static const unsigned char NAME[]`. Its size, or 0 and a message. */
-static size_t write_code(FILE *out, const char *name, const char *path, uint32_t *out_inputs, uint32_t *out_outputs) {
+int main(int argc, char **argv) {
+    if (argc != 4) {
+        fprintf(stderr, "usage: spirv_embed STEM.STAGE IN.spv OUT.c\n");
+        return 2;
+    }
     size_t count = 0;
-    uint32_t *words = read_words(path, &count);
-    if (!words || count < HEADER_WORDS || words[0] != SPIRV_MAGIC) {
-        fprintf(stderr, "%s: cannot be read, or is not SPIR-V\n", path);
+    uint32_t *words = read_words(argv[2], &count);
+    if (!words || count < 5 || words[0] != SPIRV_MAGIC) {
+        fprintf(stderr, "%s: cannot be read, or is not SPIR-V\n", argv[2]);
         free(words);
-        return 0;
+        return 1;
     }
     size_t size = count * sizeof(*words), bound = ZSTD_compressBound(size);
     unsigned char *bytes = malloc(bound);
     size_t packed = bytes ? ZSTD_compress(bytes, bound, words, size, 19) : (size_t)-1;
-    *out_inputs = find_locations(words, count, STORAGE_INPUT);
-    *out_outputs = find_locations(words, count, STORAGE_OUTPUT);
+    uint32_t inputs = find_locations(words, count, STORAGE_INPUT), outputs = find_locations(words, count, STORAGE_OUTPUT);
     free(words);
     if (!bytes || ZSTD_isError(packed)) {
-        fprintf(stderr, "%s: cannot be compressed\n", path);
+        fprintf(stderr, "%s: cannot be compressed\n", argv[2]);
         free(bytes);
-        return 0;
-    }
-    fprintf(out, "static const unsigned char %s[%zu] = {", name, packed);
-    for (size_t i = 0; i < packed; i++) fprintf(out, "%s%u,", i % 32 ? "" : "\n    ", bytes[i]);
-    fprintf(out, "\n};\n\n");
-    free(bytes);
-    return size;
-}
-
-int main(int argc, char **argv) {
-    if (argc != 4 && argc != 5) {
-        fprintf(stderr, "usage: spirv_embed STEM.STAGE IN.spv OUT.c [LEAN.spv]\n");
-        return 2;
+        return 1;
     }
     FILE *out = fopen(argv[3], "w");
     if (!out) {
         perror(argv[3]);
+        free(bytes);
         return 1;
     }
-    const char *lean_path = argc == 5 ? argv[4] : NULL;
-    uint32_t inputs, outputs, lean_inputs, lean_outputs;
-    fprintf(out, "/* SPDX-License-Identifier: MIT */\n#include \"shaders.h\"\n\n");
-    if (lean_path) fprintf(out, "#include \"lights/lights_shared.h\"\n\n");
-    size_t size = write_code(out, "code", argv[2], &inputs, &outputs);
-    size_t lean = size && lean_path ? write_code(out, "lean", lean_path, &lean_inputs, &lean_outputs) : 0;
-    fprintf(out, "const struct gpu_shader shader_");
+    fprintf(out, "/* SPDX-License-Identifier: MIT */\n#include \"shaders.h\"\n\nstatic const unsigned char packed[%zu] = {", packed);
+    for (size_t i = 0; i < packed; i++) fprintf(out, "%s%u,", i % 32 ? "" : "\n    ", bytes[i]);
+    fprintf(out, "\n};\n\nconst struct gpu_shader shader_");
     for (const char *c = argv[1]; *c; c++) fputc(*c == '.' ? '_' : *c, out);
-    fprintf(out, " = {\"%s\", {code, sizeof(code), %zu}, ", argv[1], size);
-    if (lean) fprintf(out, "{lean, sizeof(lean), %zu}, GPU_LIST_SHADOWED, ", lean);
-    else fprintf(out, "{0, 0, 0}, 0, ");
-    fprintf(out, "0x%xu, 0x%xu};\n", inputs, outputs);
-    int written = !ferror(out);
-    written &= fclose(out) == 0;
-    if (!written) fprintf(stderr, "%s: cannot be written\n", argv[3]);
-    if (written && size && (lean || !lean_path)) return 0;
-    remove(argv[3]);
-    return 1;
+    fprintf(out, " = {\"%s\", packed, sizeof(packed), %zu, 0x%xu, 0x%xu};\n", argv[1], size, inputs, outputs);
+    free(bytes);
+    int failed = ferror(out);
+    failed |= fclose(out);
+    if (failed) {
+        fprintf(stderr, "%s: cannot be written\n", argv[3]);
+        remove(argv[3]);
+        return 1;
+    }
+    return 0;
 }

@@ -31,17 +31,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lig
 layout(constant_id = LISTS_ID) const uint LIST_BITS = GPU_LIST_ALL;
 const uint LIST_KIND = LIST_BITS & GPU_LIST_KINDS;
 const bool LIST_SCATTERED = (LIST_BITS & GPU_LIST_SCATTERED) != 0u;
-#ifdef NO_SHADOWS
-const uint LIST_SHADOW_BITS = 0u;
-#else
-const uint LIST_SHADOW_BITS = LIST_BITS & GPU_LIST_SHADOWED;
-#endif
-const bool LIST_RAYS = (LIST_SHADOW_BITS & GPU_LIST_RAYS) != 0u;
-const bool LIST_MAPS = (LIST_SHADOW_BITS & GPU_LIST_MAPS) != 0u;
-const bool LIST_SAMPLED = (LIST_SHADOW_BITS & GPU_LIST_SAMPLED) != 0u;
+const bool LIST_RAYS = (LIST_BITS & GPU_LIST_RAYS) != 0u;
+const bool LIST_MAPS = (LIST_BITS & GPU_LIST_MAPS) != 0u;
+const bool LIST_SAMPLED = (LIST_BITS & GPU_LIST_SAMPLED) != 0u;
 const bool LIST_SHADOWED = LIST_RAYS || LIST_MAPS;
-const bool LIST_SOFT = (LIST_SHADOW_BITS & GPU_LIST_SOFT) != 0u;
-const bool LIST_FILTERED = (LIST_SHADOW_BITS & GPU_LIST_FILTERED) != 0u;
+const bool LIST_SOFT = (LIST_BITS & GPU_LIST_SOFT) != 0u;
+const bool LIST_FILTERED = (LIST_BITS & GPU_LIST_FILTERED) != 0u;
 const bool LIST_SIMPLE = (LIST_BITS & GPU_LIST_SIMPLE) != 0u;
 // Items: turns of the loop, whatever the number of lights up to this; 0: as many as there are lights.
 layout(constant_id = FIXED_LIGHTS_ID) const uint FIXED_LIGHTS = 0u;

@@ -46,7 +46,7 @@ struct gpu_light {
 #define GPU_LIST_FILTERED 0x2000u
 /* Beside GPU_LIST_RAYS: of a point's lights only some are sent a ray (shadows/sampled.glsl). */
 #define GPU_LIST_SAMPLED 0x4000u
-/* Any of the five above: shaders that light have a second module without the code for shadows, for lists without these bits. */
+/* Any of the five above. */
 #define GPU_LIST_SHADOWED 0x7c00u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */

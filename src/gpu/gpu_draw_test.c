@@ -428,31 +428,6 @@ static void test_pipelines_are_made_once(void **state) {
     test_device_destroy(&device);
 }
 
-/* Where no bit asks for the rest of a shader its lean code is all that is read; here the rest is broken. */
-static void test_lean_code_makes_pipelines(void **state) {
-    UNUSED(state);
-    static const unsigned char broken[] = "not compressed";
-    static struct gpu_shader compute, fragment;
-    compute = shader_gpu_test_comp;
-    fragment = shader_gpu_test_frag;
-    compute.lean = compute.code;
-    fragment.lean = fragment.code;
-    compute.code = fragment.code = (struct gpu_code){broken, sizeof broken, 64};
-    compute.lean_bits = fragment.lean_bits = 6;
-    gpu_device *device = test_device_create(NULL);
-    struct canvas canvas;
-    canvas_init(&canvas, device, 1);
-    canvas.pipeline.fragment = &fragment;
-    for (uint32_t bits = 0; bits < 8; bits++) {
-        const struct gpu_compute_params params = {.shader = &compute, .constant_count = 2, .constants = {bits, 7}};
-        canvas.pipeline.constants[0] = 0x3f800000u | bits; /* a float near 1 */
-        assert_true((gpu_compute_pipeline(device, &params) != NULL) == (bits < 2));
-        assert_true((gpu_graphics_pipeline(device, &canvas.pipeline) != NULL) == (bits < 2));
-    }
-    canvas_finish(&canvas);
-    test_device_destroy(&device);
-}
-
 /* Whatever they draw to: validation says if the second device uses one wrongly. */
 static void test_pipelines_of_all_kinds_are_made_ahead(void **state) {
     UNUSED(state);
@@ -499,7 +474,6 @@ const struct CMUnitTest draw_tests[] = {
     cmocka_unit_test(test_indirect_draws_are_counted_on_the_gpu),
     cmocka_unit_test(test_a_draws_time_is_not_that_of_the_next_dispatch),
     cmocka_unit_test(test_pipelines_are_made_once),
-    cmocka_unit_test(test_lean_code_makes_pipelines),
     cmocka_unit_test(test_pipelines_of_all_kinds_are_made_ahead),
 };
 const size_t draw_test_count = COUNT_OF(draw_tests);

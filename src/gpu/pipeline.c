@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "gpu/gpu_internal.h"
+#include "gpu/specialise.h"
 
 #include <zstd.h>
 
@@ -85,7 +86,10 @@ static bool grow_table(gpu_device *device) {
 
 /* ---- creation ---- */
 
+/* Modules are specialised before the driver sees them; it is told the constants too, for those who listen (tools/shader_report.c, capture tools). */
 struct constants {
+    uint32_t count;
+    struct gpu_constant list[GPU_MAX_CONSTANTS + 1];
     VkSpecializationInfo info;
     VkSpecializationMapEntry entries[GPU_MAX_CONSTANTS + 1];
     uint32_t values[GPU_MAX_CONSTANTS + 1];
@@ -93,55 +97,54 @@ struct constants {
 
 /* Features of 0 are what shaders have by themselves. */
 static void describe_constants(uint32_t count, const uint32_t *values, uint32_t features, struct constants *out) {
+    for (uint32_t i = 0; i < count; i++) out->list[i] = (struct gpu_constant){i, values[i]};
+    if (features) out->list[count++] = (struct gpu_constant){GPU_FEATURES_ID, features};
+    out->count = count;
     for (uint32_t i = 0; i < count; i++) {
-        out->entries[i] = (VkSpecializationMapEntry){i, i * 4, 4};
-        out->values[i] = values[i];
-    }
-    if (features) {
-        out->entries[count] = (VkSpecializationMapEntry){GPU_FEATURES_ID, count * 4, 4};
-        out->values[count++] = features;
+        out->entries[i] = (VkSpecializationMapEntry){out->list[i].id, i * 4, 4};
+        out->values[i] = out->list[i].value;
     }
     out->info = (VkSpecializationInfo){count, out->entries, count * 4, out->values};
 }
 
-const struct gpu_code *gpu_shader_choose(const struct gpu_shader *shader, uint32_t constant_count, const uint32_t *constants) {
-    return shader->lean.size && constant_count && !(constants[0] & shader->lean_bits) ? &shader->lean : &shader->code;
-}
-
-uint32_t *gpu_shader_code(const fnl_host *host, const char *name, const struct gpu_code *code) {
-    uint32_t *words = host_allocate(host, code->size);
+uint32_t *gpu_shader_code(const fnl_host *host, const struct gpu_shader *shader) {
+    uint32_t *words = host_allocate(host, shader->size);
     if (!words) return NULL;
-    if (ZSTD_decompress(words, code->size, code->packed, code->packed_size) == code->size) return words;
-    log_error(host, "%s: out of memory while it was decompressed", name); /* what is embedded is whole */
-    host_free(host, words, code->size);
+    if (ZSTD_decompress(words, shader->size, shader->packed, shader->packed_size) == shader->size) return words;
+    log_error(host, "%s: out of memory while it was decompressed", shader->name); /* what is embedded is whole */
+    host_free(host, words, shader->size);
     return NULL;
 }
 
-static fnl_result create_module(gpu_device *device, const struct gpu_shader *shader, uint32_t constant_count,
-                                const uint32_t *constants, VkShaderModule *out) {
-    const struct gpu_code *chosen = gpu_shader_choose(shader, constant_count, constants);
-    uint32_t *code = gpu_shader_code(&device->host, shader->name, chosen);
+static fnl_result create_module(gpu_device *device, const struct gpu_shader *shader, const struct constants *constants, VkShaderModule *out) {
+    uint32_t *code = gpu_shader_code(&device->host, shader);
     if (!code) return FNL_ERROR_MEMORY;
+    struct gpu_spirv spirv;
+    fnl_result specialised = gpu_specialise(&device->host, code, shader->size / 4, constants->count, constants->list, &spirv);
+    host_free(&device->host, code, shader->size);
+    if (specialised != FNL_OK) {
+        if (specialised == FNL_ERROR_INVALID) log_error(&device->host, "%s: what is embedded is not SPIR-V", shader->name);
+        return specialised;
+    }
     VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-        .codeSize = chosen->size,
-        .pCode = code,
+        .codeSize = spirv.count * 4,
+        .pCode = spirv.words,
     };
     VkResult result = device->vk.CreateShaderModule(device->handle, &info, NULL, out);
-    host_free(&device->host, code, chosen->size);
+    host_free(&device->host, spirv.words, spirv.size);
     TRY(gpu_check(device, result, "%s: vkCreateShaderModule", shader->name));
     gpu_name(device, VK_OBJECT_TYPE_SHADER_MODULE, (uint64_t)*out, shader->name);
     return FNL_OK;
 }
 
-static VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,
-                                                  const struct constants *constants) {
+static VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module, const struct constants *constants) {
     return (VkPipelineShaderStageCreateInfo){
         .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
         .stage = stage,
         .module = module,
         .pName = "main",
-        .pSpecializationInfo = constants->info.mapEntryCount ? &constants->info : NULL,
+        .pSpecializationInfo = constants->count ? &constants->info : NULL,
     };
 }
 
@@ -159,10 +162,10 @@ static bool was_cached(const VkPipelineCreationFeedback *feedback) {
 
 static fnl_result create_compute(gpu_device *device, const struct gpu_compute_params *params, VkPipeline *out,
                                  bool *out_cached) {
-    VkShaderModule module;
-    TRY(create_module(device, params->shader, params->constant_count, params->constants, &module));
     struct constants constants;
     describe_constants(params->constant_count, params->constants, 0, &constants);
+    VkShaderModule module;
+    TRY(create_module(device, params->shader, &constants, &module));
     VkPipelineCreationFeedback feedback = {0};
     const VkPipelineCreationFeedbackCreateInfo wanted = feedback_info(&feedback);
     VkComputePipelineCreateInfo info = {
@@ -303,7 +306,7 @@ static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_
     VkShaderModule *const modules[] = {&first, &fragment, &geometry};
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < COUNT_OF(shaders) && result == FNL_OK; i++)
-        if (shaders[i]) result = create_module(device, shaders[i], params->constant_count, params->constants, modules[i]);
+        if (shaders[i]) result = create_module(device, shaders[i], &constants, modules[i]);
     if (result == FNL_OK) {
         VkPipelineShaderStageCreateInfo stages[3] = {
             stage_info(params->mesh ? VK_SHADER_STAGE_MESH_BIT_EXT : VK_SHADER_STAGE_VERTEX_BIT, first, &constants)};
