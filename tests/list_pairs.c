@@ -35,7 +35,7 @@ static struct shot shoot_all(struct stage *stage, fnl_frame frame) {
 
 static void check_list(struct stage *stage, fnl_frame frame, fnl_light_lists lists, const struct shot *all) {
     frame.lists = lists;
-    if (lists == FNL_LISTS_MULTIPASS && all->stats.lights_total > 256) return; /* draws all that overflows once per light */
+    if (lists == FNL_LISTS_MULTIPASS && all->stats.lights_total > 128) return; /* draws all that overflows once per light */
     tried[frame.msaa > 1][frame.shading][lists]++;
     struct shot shot = stage_shoot(stage, &frame);
     if (shot.stats.overflow_cells) { /* right already, but the pool has to grow first */

@@ -66,7 +66,7 @@ static fnl_frame small_frame(const struct stage *stage) {
 
 static void test_cameras(void **state) {
     UNUSED(state);
-    struct stage stage = stage_open("builtin:spheres?lights=200", 0);
+    struct stage stage = stage_open("builtin:spheres?lights=100", 0);
     fnl_camera scene_camera = stage.frame.camera;
     for (uint32_t kind = 0; kind < 5; kind++) {
         fnl_frame frame = small_frame(&stage);
@@ -160,7 +160,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         SCENE("hall", "builtin:hall?lights=256", 0, 3),
         SCENE("interior", "builtin:interior", 0, 5),
-        SCENE("city", "builtin:city?lights=512", 0, 3),
+        SCENE("city", "builtin:city?blocks=1&lights=512", 0, 3),
         SCENE("spheres", "builtin:spheres", 0, 5),
         SCENE("pole", "builtin:pole", 0, 5),
         SCENE("lamps", "builtin:lamps", 0, 5),
