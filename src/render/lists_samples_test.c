@@ -95,8 +95,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         SCENE("hall", "builtin:hall?lights=256", 3),
         SCENE("interior", "builtin:interior", 5),
-        SCENE("city", "builtin:city?lights=160", 3),
-        SCENE("spheres", "builtin:spheres", 5),
+        SCENE("city", "builtin:city?blocks=1&lights=160", 3),
         SCENE("pole", "builtin:pole", 5),
         SCENE("grass", "builtin:grass", 5),
         SCENE("glass", "builtin:glass", 5),
