@@ -117,7 +117,7 @@ static void test_SH_40_mean_of_frames_is_that_of_rays(void **state) {
 static void test_SH_41_all_paths_have_the_mean_of_rays(void **state) {
     UNUSED(state);
     struct stage s;
-    open_small(&s, many_lights);
+    open_small(&s, "builtin:interior?lights=100");
     for (fnl_shading shading = FNL_SHADING_FORWARD; shading < FNL_SHADING_AUTO; shading++) {
         const bool exact = shading == FNL_SHADING_DEFERRED_VOLUMES || shading == FNL_SHADING_PRE_LIGHTING || shading == FNL_SHADING_ZIOMA ||
                            shading == FNL_SHADING_LIGHT_PREPASS || shading == FNL_SHADING_LOW_RES || shading == FNL_SHADING_INFERRED;

@@ -68,6 +68,7 @@ static void test_paths_give_the_same_maps(void **state) {
 static void test_small_budgets_make_maps_coarser(void **state) {
     UNUSED(state);
     struct stage s = stage_open("builtin:hall?lights=256", 0);
+    s.frame.width = 65, s.frame.height = 37;
     static const uint32_t budgets[] = {256, 1};
     double last = 0;
     for (uint32_t i = 0; i < COUNT_OF(budgets); i++) {
