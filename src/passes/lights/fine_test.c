@@ -104,13 +104,14 @@ static void test_groups_are_equal(void **state) {
     UNUSED(state);
     struct random_state random = {21};
     const uint32_t counts[] = {30, 80, 500};
-    for (uint32_t i = 0; i < 3 * 3 * 2; i++) {
+    static const uint32_t tile_sizes[] = {8, 16, 16, 32}, mask_sizes[] = {1, 1, 2, 2};
+    for (uint32_t i = 0; i < 3 * COUNT_OF(tile_sizes); i++) {
         struct gpu_view view = list_random_view(i % LIST_VIEWS, &random, 70, 52);
         fine_random_lights(&view, &random, counts[i % 3]);
         float *depth = list_random_depth(&view, &random);
         struct fine_params p = fine_params_default();
-        p.tile_size = 8u << i / 3 % 3;
-        p.mask_size = 1 + i / 9;
+        p.tile_size = tile_sizes[i / 3];
+        p.mask_size = mask_sizes[i / 3];
         struct fine_copy many = fine_build(&view, counts[i % 3], depth, NULL, &p);
         p.group_side = 8;
         struct fine_copy few = fine_build(&view, counts[i % 3], depth, NULL, &p);
