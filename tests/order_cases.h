@@ -29,7 +29,7 @@ static inline void order_scenes(order_check *check) {
 static inline void order_cameras(order_check *check) {
     static const char *const names[] = {"in many lights", "orthographic", "off axis", "upside down and wide",
                                         "one pixel",      "at the rim",   "odd size"};
-    struct stage stage = stage_open("builtin:spheres?lights=150", 0);
+    struct stage stage = stage_open("builtin:spheres?lights=80", 0);
     stage.frame.width = 97;
     stage.frame.height = 55;
     const fnl_frame start = stage.frame;
