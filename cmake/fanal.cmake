@@ -107,7 +107,7 @@ function(fanal_test_entry name program)
 endfunction()
 
 # Tests that render wait for the CPU driver's compiler most of the time. Without optimisation it takes two thirds as long, and what it makes is fast
-# enough; pictures are right or wrong all the same. (A variable of Mesa's gallivm. Tests of the command keep the default.) The cache folder is theirs
+# enough; pictures are right or wrong all the same. (A variable of Mesa's gallivm. Tests that measure keep the default.) The cache folder is theirs
 # alone: the driver would give slow code from it to others.
 function(fanal_test_renders name)
   set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT
