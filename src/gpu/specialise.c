@@ -20,7 +20,6 @@ enum {
     OP_TYPE_BOOL = 20,
     OP_TYPE_INT = 21,
     OP_TYPE_FLOAT = 22,
-    OP_TYPE_POINTER = 32,
     OP_TYPE_FORWARD_POINTER = 39,
     OP_CONSTANT_TRUE = 41,
     OP_CONSTANT_FALSE = 42,
@@ -97,7 +96,6 @@ enum {
     OP_BRANCH = 249,
     OP_BRANCH_CONDITIONAL = 250,
     OP_SWITCH = 251,
-    OP_KILL = 252,
     OP_UNREACHABLE = 255,
     OP_DECORATE_ID = 332,
     OP_GROUP_ELECT = 333,
@@ -144,8 +142,8 @@ struct work {
     uint32_t count, bound, functions; /* words, ids, and where the first function begins */
     uint32_t constant_count;
     const struct gpu_constant *constants;
-    uint32_t *defined; /* per id: its instruction, or 0 */
-    uint32_t *spec;    /* per id: 1 + SpecId, or 0 */
+    uint32_t *defined;   /* per id: its instruction, or 0 */
+    uint32_t *spec;      /* per id: 1 + SpecId, or 0 */
     uint32_t *blocks_of; /* per label: 1 + its block */
     struct fact *facts;
     unsigned char *used; /* enum use */
@@ -282,7 +280,7 @@ static struct fact fold_numbers(uint32_t op, uint32_t a, uint32_t b) {
     }
 }
 
-/* The result of an operation of one or two operands, which may be known already where only one of them is. */
+/* The result of an operation of two operands. One of them may be enough to know it. */
 static struct fact fold(uint32_t op, struct fact a, struct fact b) {
     const bool a_none = a.knowledge == VALUE && a.value == 0, b_none = b.knowledge == VALUE && b.value == 0;
     if ((op == OP_LOGICAL_AND || op == OP_BITWISE_AND || op == OP_I_MUL) && (a_none || b_none)) return value_fact(0);
@@ -576,14 +574,14 @@ static void put_global(struct work *w, uint32_t at) {
 }
 
 /* The continue target of this loop, if no way leads there, or 0. */
-static uint32_t stub_of(const struct work *w, const struct block *block) {
+static uint32_t way_back_of(const struct work *w, const struct block *block) {
     if (!block->merge || op_at(w, block->merge) != OP_LOOP_MERGE) return 0;
     const uint32_t label = w->words[block->merge + 2];
     return find_block(w, label)->fate == WAY_BACK ? label : 0;
 }
 
-/* Constants that were instructions, and what loops without a second turn bring back. */
-static void put_new_globals(struct work *w) {
+/* Instructions that have become constants. */
+static void put_new_constants(struct work *w) {
     for (uint32_t b = 0; b < w->block_count; b++) {
         const struct block *block = &w->blocks[b];
         if (block->fate != KEPT) continue;
@@ -597,16 +595,16 @@ static void put_new_globals(struct work *w) {
 
 static void put_phi(struct work *w, const struct block *block, uint32_t at, uint32_t undefined) {
     const size_t start = w->out.count;
-    const uint32_t *i = w->words + at, stub = stub_of(w, block);
+    const uint32_t *i = w->words + at, way_back = way_back_of(w, block);
     for (uint32_t k = 0; k < 3; k++) put(w, i[k]);
     for (uint32_t k = 3; k + 1 < i[0] >> 16; k += 2)
         if (leads_to(w, i[k + 1], block->label)) {
             put(w, i[k]);
             put(w, i[k + 1]);
         }
-    if (stub) {
+    if (way_back) {
         put(w, undefined);
-        put(w, stub);
+        put(w, way_back);
     }
     w->out.words[start] = (uint32_t)(w->out.count - start) << 16 | OP_PHI;
 }
@@ -638,7 +636,7 @@ static void put_block(struct work *w, const struct block *block, uint32_t *undef
         const uint32_t op = op_at(w, at), *i = w->words + at;
         if (op == OP_SELECTION_MERGE && decided) continue;
         if (is_pure(w, at) && (w->used[i[2]] != USED || is_folded(w, i[2]))) continue;
-        if (op == OP_PHI) put_phi(w, block, at, stub_of(w, block) ? (*undefined)++ : 0);
+        if (op == OP_PHI) put_phi(w, block, at, way_back_of(w, block) ? (*undefined)++ : 0);
         else if (op == OP_SELECT && chosen_operand(w, at)) {
             put(w, 4u << 16 | OP_COPY_OBJECT);
             put(w, i[1]);
@@ -651,9 +649,10 @@ static void put_block(struct work *w, const struct block *block, uint32_t *undef
 
 /* Whether a phi stays whose loop has lost its second turn. */
 static bool needs_undefined(const struct work *w, const struct block *block, uint32_t at) {
-    return op_at(w, at) == OP_PHI && stub_of(w, block) && w->used[w->words[at + 2]] == USED && !is_folded(w, w->words[at + 2]);
+    return op_at(w, at) == OP_PHI && way_back_of(w, block) && w->used[w->words[at + 2]] == USED && !is_folded(w, w->words[at + 2]);
 }
 
+/* What the second turn would bring to such phis. */
 static void put_undefined(struct work *w) {
     for (uint32_t b = 0; b < w->block_count; b++)
         for (uint32_t at = w->blocks[b].start; w->blocks[b].fate == KEPT && at < w->blocks[b].last; at += length_at(w, at))
@@ -667,7 +666,7 @@ static void put_undefined(struct work *w) {
 static void write_module(struct work *w) {
     for (uint32_t k = 0; k < HEADER_WORDS; k++) put(w, w->words[k]);
     for (uint32_t at = HEADER_WORDS; at < w->functions; at += length_at(w, at)) put_global(w, at);
-    put_new_globals(w);
+    put_new_constants(w);
     uint32_t undefined = w->next_id;
     put_undefined(w);
     for (uint32_t at = w->functions, length; at < w->count; at += length) {
