@@ -81,9 +81,10 @@ bool shadow_tap_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 tex
     depth += bias;
     blocker = q.nearest;
     if (blocker <= depth) return false;
-    vec2 limits = shadow_quad_complete(maps, q);
+    vec2 limits = shadow_quad_range(q);
     float least = limits.x, range = limits.y - least, here = shadow_quad_depth(q);
-    vec2 slope = (vec2(2 * q.near) - 1.0) * vec2(q.nearest - q.beside + q.above - q.across, q.nearest - q.above + q.beside - q.across);
+    vec4 d = q.depths;
+    vec2 slope = vec2(d.y + d.z - d.x - d.w, d.x + d.y - d.z - d.w);
     float there = here + 0.5 * dot(slope, back);
     bool beyond = abs(there - own) > 0.25 * range + bias;
     return least > depth ? beyond : here > depth + 0.25 * range && (beyond || range > 4.0 * bias); // the step at an edge is no plane

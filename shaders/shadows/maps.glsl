@@ -42,38 +42,34 @@ bool shadow_find_from(gpu_shadow_maps maps, uint row, vec2 ndc, inout shadow_pag
     return false;
 }
 
-// The four texels round a point of a page, and where it lies between them. Most points are settled by the nearest, so that the others are read on demand.
+// The four texels round a point of a page, and where it lies between them.
 struct shadow_quad {
-    ivec2 first, near; // of the atlas; near: 0 or 1, from the first to the nearest
+    vec4 depths; // (0, 1), (1, 1), (1, 0), (0, 0)
     vec2 part;
-    float nearest, beside, above, across;
+    float nearest;
 };
-
-float shadow_texel(gpu_shadow_maps maps, ivec2 at) { return texelFetch(textures[maps.atlas], at, 0).r; }
 
 shadow_quad shadow_quad_at(gpu_shadow_maps maps, uint place, shadow_page at, vec2 texel) {
     vec2 low = clamp(texel - 0.5, vec2(0.0), vec2(float(shadow_page_size(at.level)) - 2.0));
     shadow_quad q;
-    q.first = ivec2(low) + ivec2(place & 0xffffu, place >> 16u) * int(SHADOW_UNIT);
-    q.part = fract(low);
-    q.near = ivec2(greaterThanEqual(q.part, vec2(0.5)));
-    q.nearest = shadow_texel(maps, q.first + q.near);
+    vec2 first = floor(low);
+    q.part = low - first;
+    vec2 corner = first + vec2(place & 0xffffu, place >> 16u) * float(SHADOW_UNIT) + 1.0; // where the four meet
+    q.depths = textureGather(sampler2D(textures[maps.atlas], samplers[maps.point]), corner * maps.texel);
+    vec2 column = q.part.x < 0.5 ? q.depths.wx : q.depths.zy;
+    q.nearest = q.part.y < 0.5 ? column.x : column.y;
     return q;
 }
 
 // x: the least depth of the four, y: the greatest.
-vec2 shadow_quad_complete(gpu_shadow_maps maps, inout shadow_quad q) {
-    ivec2 far = 1 - q.near;
-    q.beside = shadow_texel(maps, q.first + ivec2(far.x, q.near.y));
-    q.above = shadow_texel(maps, q.first + ivec2(q.near.x, far.y));
-    q.across = shadow_texel(maps, q.first + far);
-    return vec2(min(min(q.nearest, q.beside), min(q.above, q.across)), max(max(q.nearest, q.beside), max(q.above, q.across)));
+vec2 shadow_quad_range(shadow_quad q) {
+    return vec2(min(min(q.depths.x, q.depths.y), min(q.depths.z, q.depths.w)), max(max(q.depths.x, q.depths.y), max(q.depths.z, q.depths.w)));
 }
 
-// The depth at the point itself, of a complete quad.
+// The depth at the point itself.
 float shadow_quad_depth(shadow_quad q) {
-    vec2 share = max(q.part, 1.0 - q.part); // of the nearest
-    return mix(mix(q.across, q.above, share.x), mix(q.beside, q.nearest, share.x), share.y);
+    vec2 row = mix(q.depths.wx, q.depths.zy, q.part.x);
+    return mix(row.x, row.y, q.part.y);
 }
 
 // Whether the four texels round a point of a page hide it; `depth` is its own, reversed. They do where all are nearer, and where the nearest texel is,
@@ -82,7 +78,7 @@ float shadow_quad_depth(shadow_quad q) {
 bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, float depth) {
     shadow_quad q = shadow_quad_at(maps, place, at, shadow_page_texel(at, ndc));
     if (!(q.nearest > depth)) return false;
-    vec2 range = shadow_quad_complete(maps, q);
+    vec2 range = shadow_quad_range(q);
     return range.x > depth || shadow_quad_depth(q) > depth + 0.25 * (range.y - range.x);
 }
 

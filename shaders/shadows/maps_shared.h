@@ -77,6 +77,8 @@ struct gpu_shadow_maps {
     ADDRESS(const_shadow_shape_array) shapes; /* by row: struct gpu_shape, what its faces are those of */
     ADDRESS(const_shadow_sun_array) suns;
     uint atlas;                       /* sampled index of the depth image */
+    uint point;                       /* of a sampler that takes the nearest texel */
+    float texel;                      /* 1 / texels across the atlas */
     uint first_row;                   /* a local light's row is this + its index among all lights, modulo 2^32 */
 };
 

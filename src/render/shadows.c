@@ -142,7 +142,12 @@ void shadows_add(struct frame_state *f) {
     struct gpu_shadow_maps *maps = slice.data;
     if (!maps) return; /* the frame fails */
     graph_push_names(f->graph, "shadows");
-    *maps = (struct gpu_shadow_maps){.first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
+    const struct gpu_sampler_params point = {.wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                             .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                             .anisotropy = 1};
+    *maps = (struct gpu_shadow_maps){.point = gpu_sampler_index(f->r->device, &point),
+                                     .texel = 1.0f / (float)atlas_side(f->frame),
+                                     .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
     graph_buffer suns = shadow_suns_add(f->graph, f->r->device, lights, &f->rays);
     if (suns.id) graph_put_address(f->graph, &maps->suns, suns);
     lights->maps.address = slice.address;
