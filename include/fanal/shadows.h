@@ -46,6 +46,12 @@ typedef struct fnl_shadow_options {
     uint32_t memory;
     fnl_shadow_filter filter; /**< maps; default FNL_SHADOW_FILTER_HARD */
     /**
+     * maps: opaque surfaces take their lights from lists of tiles of 8x8 pixels, out of which the lights are taken that the maps show in shadow all over the tile.
+     * The picture is the same to the bit, with fewer lights to evaluate. For forward, deferred and visibility shading with one sample a pixel and maps that
+     * are not filtered; fnl_frame.lists then matters for blended surfaces alone. Elsewhere it changes nothing. Default false.
+     */
+    bool classify;
+    /**
      * Shadow rays that go from a point to points of a light that has a radius, 1 .. 1024: with several its shadows by rays are soft. They are the same in
      * every frame, unless frames are collected (fnl_frame.aa is TAA). Default 1: one ray to the middle, hard shadows. Lights that are points always get one.
      */

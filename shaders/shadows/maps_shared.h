@@ -65,6 +65,8 @@ struct gpu_shadow_counts {
     uint coarsened; /* lights whose pages are coarser than asked for */
     uint traced;    /* lights without pages */
     uint cells;     /* of the atlas that are in use */
+    uint entries;   /* of light lists in which dark lights are looked for */
+    uint dark;      /* of them, those that left */
     uint pairs;     /* of a page that is to be drawn and an item that it shows; there may have been no room for all: passes/shadow/fill.h */
 };
 

@@ -55,6 +55,7 @@ struct frame_state {
     struct rays rays;                       /* of items at least, where maps are drawn; address 0: there are none */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
+    struct light_list surface_lights; /* of what depth shows, without lights that give nothing there; header 0: there is none */
     graph_buffer counters, exposure;
     struct visibility visibility;       /* depth id 0: none */
     graph_buffer surfaces;              /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */

@@ -79,20 +79,20 @@ static struct light_reach reach_of(const struct lists_context *c, const struct c
     return light_reach_estimate(c->view, local_bounds(c), c->input->local_count, grid);
 }
 
-static uint32_t tile_pool(const struct lists_context *c, double lists) {
+static uint32_t tile_pool(const struct lists_context *c, uint32_t tile_size, double lists) {
     struct clustered_params grid = clustered_params_default();
-    grid.tile_size = c->frame->tiles.size;
+    grid.tile_size = tile_size;
     return pool_for(c, lists * reach_of(c, &grid).tiles);
 }
 
-static struct tiled_params tiled_params(const struct lists_context *c, double lists) {
+static struct tiled_params tiled_params(const struct lists_context *c, uint32_t tile_size, double lists) {
     struct tiled_params params = tiled_params_default();
-    params.tile_size = c->frame->tiles.size;
+    params.tile_size = tile_size;
     params.bounds = (enum tile_bounds)c->frame->tiles.bounds;
     params.cone_tests = c->frame->list.cone_tests;
     params.min_depth = c->frame->tiles.min_depth;
     params.max_depth = c->frame->tiles.max_depth;
-    params.pool_capacity = tile_pool(c, lists);
+    params.pool_capacity = tile_pool(c, tile_size, lists);
     return params;
 }
 
@@ -123,28 +123,28 @@ static void add_blend_tiles(struct lists_context *c, const struct lights_in_view
 
 static void add_tiled(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
-    struct tiled_params params = tiled_params(c, 1);
+    struct tiled_params params = tiled_params(c, c->frame->tiles.size, 1);
     c->lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_halfz(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
-    struct tiled_params params = tiled_params(c, 2);
+    struct tiled_params params = tiled_params(c, c->frame->tiles.size, 2);
     c->lights = halfz_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_25d(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
-    struct tiled_params params = tiled_params(c, 1);
+    struct tiled_params params = tiled_params(c, c->frame->tiles.size, 1);
     c->lights = tiled25d_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_enhanced(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
-    struct tiled_params params = tiled_params(c, 1);
+    struct tiled_params params = tiled_params(c, c->frame->tiles.size, 1);
     c->lights = enhanced_add(c->graph, c->device, c->input, &visible, &params);
 }
 
@@ -246,7 +246,7 @@ static void add_fine(struct lists_context *c) {
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
     params.eye_distance = vec3_length(c->view->eye);
-    params.pool_capacity = tile_pool(c, c->has_blend || c->frame->msaa > 1 ? 2 : 1);
+    params.pool_capacity = tile_pool(c, c->frame->tiles.size, c->has_blend || c->frame->msaa > 1 ? 2 : 1);
     struct fine_lists lists = fine_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     c->lights = lists.lights;
     c->blend_lights = lists.blend;
@@ -301,7 +301,7 @@ static void add_backface(struct lists_context *c) {
     }
     struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct backface_params params = backface_params_default();
-    params.tiles = tiled_params(c, 1);
+    params.tiles = tiled_params(c, c->frame->tiles.size, 1);
     params.axis = (enum backface_axis)c->frame->list.backface_axis;
     params.every_tile = c->frame->debug == FNL_DEBUG_TILE_NORMALS;
     params.tally = c->frame->count_lights;
@@ -323,6 +323,7 @@ static struct light_list add_all_beside(const struct lists_context *c) {
 }
 
 struct light_list lists_add_surfaces(const struct lists_context *context) {
+    enum { SURFACE_TILE = 8 };
     if (context->frame->lists == FNL_LISTS_ALL) return add_all_beside(context);
     struct light_input input = *context->input;
     struct lists_context c = *context;
@@ -334,7 +335,7 @@ struct light_list lists_add_surfaces(const struct lists_context *context) {
     c.estimates = c.estimates && estimates_room(&c);
     graph_push_names(c.graph, "surfaces");
     struct lights_in_view visible = in_view(&c, tile_reaches(&c));
-    struct tiled_params params = tiled_params(&c, 1);
+    struct tiled_params params = tiled_params(&c, SURFACE_TILE, 1);
     struct light_list list = tiled_add(c.graph, c.device, &input, &visible, c.depth, &params);
     graph_pop_names(c.graph);
     mark(&list, &input);

@@ -66,7 +66,7 @@ struct lists_context {
 void lists_add(struct lists_context *context);
 /** Lights once more, beside a list that does not serve every pixel: clusters, whatever the frame's lists are but `all`, which stays so. */
 struct light_list lists_add_fallback(const struct lists_context *context);
-/** Lights once more, for all that `depth` shows: tiles, whatever the frame's lists are but `all`, which stays so. */
+/** Lights once more, for all that `depth` shows: tiles of 8 pixels, whatever the frame's lists are but `all`, which stays so. */
 struct light_list lists_add_surfaces(const struct lists_context *context);
 /** Whether the builder looks at each light of the view on the CPU. */
 bool lists_cull_on_cpu(fnl_light_lists lists);

@@ -56,6 +56,7 @@ static const struct row rows[] = {
     NAME("shadows", shadows, FNL_ENUM_SHADOWS, EVERY, EVERY, "how shadows are found"),
     COUNT("shadow.memory", shadow.memory, 1, 1024, "MiB", EVERY, EVERY, "shadows=maps: memory of the image that holds all maps of a view"),
     NAME("shadow.filter", shadow.filter, FNL_ENUM_SHADOW_FILTER, EVERY, EVERY, "shadows=maps: how the edges of shadows are filtered"),
+    SWITCH("shadow.classify", shadow.classify, EVERY, EVERY, "shadows=maps: lights that are in shadow all over a tile leave its list", EXACT),
     COUNT("shadow.samples", shadow.samples, 1, 1024, "rays", EVERY, EVERY, "shadow rays to a light with a radius; 1: shadows are hard"),
     NUMBER("shadow.light-radius", shadow.light_radius, 0, (double)FLT_MAX, "metres", EVERY, EVERY,
            "radius of lights that have none of their own, for soft shadows"),

@@ -81,6 +81,9 @@ void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuf
     lists_add(&context);
     f->lights = context.lights;
     f->blend_lights = context.blend_lights;
+    if (!f->surface_lights.header) return;
+    f->lights = f->surface_lights;
+    if (!context.has_blend) f->blend_lights = f->lights;
 }
 
 struct light_list order_add_fallback_lists(struct frame_state *f) {

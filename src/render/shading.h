@@ -27,7 +27,8 @@ enum shading_trait {
     SHADING_DECALS = 1 << 15,      /* with decals = gbuffer it applies boxes and volumes to what it stores */
     SHADING_DECAL_STEP = 1 << 16,  /* does so in a step that walks their list and does not know what a surface receives */
     SHADING_VIEWS = 1 << 17,       /* draws several views in one frame */
-    SHADING_MULTIVIEW = 1 << 18    /* of them what it draws before lists, the prepass included, for several views at once */
+    SHADING_MULTIVIEW = 1 << 18,   /* of them what it draws before lists, the prepass included, for several views at once */
+    SHADING_SURFACES = 1 << 19     /* with one sample a pixel it shades just what depth shows there, whatever else it shades for nothing */
 };
 /** Whether an order has all of these traits, whatever the options of a frame; auto has none. */
 bool shading_is(fnl_shading shading, uint32_t traits);

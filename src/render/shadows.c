@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/shadows.h"
 
+#include "passes/shadow/dark.h"
 #include "passes/shadow/fill.h"
 #include "passes/shadow/maps.h"
 #include "render/orders/order.h"
@@ -116,10 +117,9 @@ static struct light_list without_shadows(struct light_list list) {
     return list;
 }
 
-static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
+static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces) {
     const struct light_input *lights = &f->scene->lights;
-    const graph_image depth = depth_of(f);
-    struct light_list list = without_shadows(order_add_surface_lists(f, depth));
+    struct light_list list = without_shadows(*surfaces);
     COUNTERS_COPY(f, list.totals, 0, surface_lights);
     graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);
     if (order_has_blend(f)) { /* in front of what depth shows */
@@ -128,6 +128,13 @@ static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns) {
     }
     return shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
                             &(struct shadow_pages_input){.wanted = wanted, .suns = suns, .lights = lights});
+}
+
+/* Batches and passes per light draw objects by lists of their own. */
+static bool classifies(const struct frame_state *f) {
+    const fnl_frame *frame = f->frame;
+    return frame->shadow.classify && frame_is(frame, SHADING_SURFACES) && frame->msaa == 1 && !f->scene->lights.filtered &&
+           frame->lists != FNL_LISTS_BATCHES && frame->lists != FNL_LISTS_MULTIPASS;
 }
 
 void shadows_add(struct frame_state *f) {
@@ -151,7 +158,9 @@ void shadows_add(struct frame_state *f) {
     graph_buffer suns = shadow_suns_add(f->graph, f->r->device, lights, &f->rays);
     if (suns.id) graph_put_address(f->graph, &maps->suns, suns);
     lights->maps.address = slice.address;
-    const struct shadow_pages pages = add_pages(f, suns);
+    const graph_image depth = depth_of(f);
+    struct light_list surfaces = order_add_surface_lists(f, depth);
+    const struct shadow_pages pages = add_pages(f, suns, depth, &surfaces);
     const struct shadow_fill_input fill = {.shapes = pages.shapes,
                                            .scene = &f->scene->geometry,
                                            .rays = &f->rays,
@@ -163,8 +172,7 @@ void shadows_add(struct frame_state *f) {
                                            .all_changed = f->kept->shadows.all_changed,
                                            .moved = f->kept->shadows.moved,
                                            .pair_capacity = pairs};
-    shadow_fill_add(f->graph, f->r->device, &fill);
-    graph_pop_names(f->graph);
+    const struct shadow_fill filled = shadow_fill_add(f->graph, f->r->device, &fill);
     f->kept->shadows.all_changed = f->kept->shadows.moved = false;
     graph_put_address(f->graph, &maps->held, pages.held);
     graph_put_address(f->graph, &maps->before, pages.before);
@@ -180,6 +188,13 @@ void shadows_add(struct frame_state *f) {
                                         .suns = suns,
                                         .atlas = pages.atlas,
                                         .address = slice.address};
+    surfaces.maps = lights->maps;
+    shadow_least_add(f->graph, &pages, &filled);
+    if (classifies(f) && list_kind(&surfaces) == GPU_LIST_TILES) {
+        shadow_dark_add(f->graph, &pages, &surfaces, depth);
+        f->surface_lights = surfaces;
+    }
+    graph_pop_names(f->graph);
     COUNTERS_COPY(f, pages.counts, 0, shadows);
     counters_note(f, "shadows.waiting", pairs);
 }
@@ -209,6 +224,8 @@ static const struct counter counters[] = {
     MAPS("coarsened", "lights", "lights whose maps are coarser than pixels ask for, to fit into shadow.memory", coarsened),
     MAPS("traced", "lights", "lights whose shadows rays find because there is no room for a map", traced),
     MAPS("cells", "cells", "squares of 128x128 texels of shadow maps that are in use", cells),
+    MAPS("entries", "lights", "lights in the lists of all tiles before those in shadow leave them; 0 without shadow.classify", entries),
+    MAPS("dark", "lights", "of them, those that left: in shadow all over the tile, or too far away from what it shows", dark),
     MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
     {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",

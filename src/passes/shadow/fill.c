@@ -43,7 +43,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
 }
 
 static void add_draw(struct graph *graph, gpu_device *device, const struct shadow_fill_input *in,
-                     const struct shadow_fill *fill, graph_buffer cleared, graph_buffer draws) {
+                     const struct shadow_fill *fill, graph_buffer draws) {
     static const uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
     struct draw_data data = {.scene = in->scene,
                              .draws = draws,
@@ -60,7 +60,7 @@ static void add_draw(struct graph *graph, gpu_device *device, const struct shado
     graph_use_buffer(pass, draws, GRAPH_INDIRECT);
     graph_use_buffer(pass, fill->totals, GRAPH_INDIRECT);
     graph_add_row(pass, graph_buffer_row(&data.push.pairs, fill->pairs, GRAPH_READ_VERTEX));
-    graph_add_row(pass, graph_buffer_row(&data.push.cleared, cleared, GRAPH_READ_VERTEX));
+    graph_add_row(pass, graph_buffer_row(&data.push.drawn, fill->drawn, GRAPH_READ_VERTEX));
     graph_add_row(pass, graph_buffer_row(&data.push.pages, in->pages, GRAPH_READ_VERTEX));
     graph_add_row(pass, graph_buffer_row(&data.push.shapes, in->shapes, GRAPH_READ_VERTEX));
     graph_depth(pass, in->atlas, VK_ATTACHMENT_LOAD_OP_LOAD, 0);
@@ -119,12 +119,12 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
     const uint32_t capacity = MAX(in->pair_capacity, MAX(scene->item_count, 1u));
     struct shadow_fill fill = {
         .pairs = graph_create_buffer(graph, "shadow fill pairs", capacity * (uint64_t)sizeof(struct gpu_fill_pair)),
+        .drawn = graph_create_buffer(graph, "shadow fill drawn", in->page_limit * 4ull),
         .totals = graph_create_buffer(graph, "shadow fill totals", sizeof(struct gpu_fill_totals))};
     graph_buffer sums = graph_create_buffer(graph, "shadow fill sums", (in->page_limit + 1) * 4ull),
                  item_sums = graph_create_buffer(graph, "shadow fill item sums", (scene->item_count + 1) * 4ull),
                  entries =
                      graph_create_buffer(graph, "shadow fill entries", capacity * (uint64_t)sizeof(struct gpu_fill_entry)),
-                 cleared = graph_create_buffer(graph, "shadow fill cleared", in->page_limit * 4ull),
                  draws = graph_create_buffer(graph, "shadow fill draws",
                                              MAX(scene->group_count, 1u) * 2ull * sizeof(struct gpu_draw));
     struct gpu_fill_push push = {.rays = in->rays->address,
@@ -155,7 +155,7 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                               GRAPH_ROWS(graph_changes(&push.pages, in->pages), graph_changes(&push.counts, in->counts),
                                          graph_reads(&push.shapes, in->shapes), graph_reads(&push.sums, sums),
                                          graph_changes(&push.item_sums, item_sums), graph_writes(&push.entries, entries),
-                                         graph_writes(&push.cleared, cleared), graph_changes(&push.totals, fill.totals))});
+                                         graph_writes(&push.drawn, fill.drawn), graph_changes(&push.totals, fill.totals))});
     rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
     prefix_sum_add(graph, "shadow fill items", GRAPH_QUEUE_GRAPHICS, item_sums, scene->item_count + 1);
     graph_dispatch(graph, &(struct graph_dispatch){
@@ -166,6 +166,6 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                               GRAPH_ROWS(graph_reads(&push.sums, sums), graph_reads(&push.item_sums, item_sums),
                                          graph_reads(&push.entries, entries), graph_writes(&push.pairs, fill.pairs),
                                          graph_writes(&push.draws, draws), graph_changes(&push.totals, fill.totals))});
-    add_draw(graph, device, in, &fill, cleared, draws);
+    add_draw(graph, device, in, &fill, draws);
     return fill;
 }

@@ -39,6 +39,7 @@ struct shadow_fill_input {
 
 struct shadow_fill {
     graph_buffer pairs;  /* struct gpu_fill_pair */
+    graph_buffer drawn;  /* numbers of the pages that are drawn, in any order */
     graph_buffer totals; /* struct gpu_fill_totals */
 };
 

@@ -8,7 +8,7 @@
 layout(push_constant, scalar) uniform push_block { gpu_fill_draw_push push; };
 
 void main() {
-    gpu_shadow_page page = push.pages.at[push.cleared.at[gl_InstanceIndex]];
+    gpu_shadow_page page = push.pages.at[push.drawn.at[gl_InstanceIndex]];
     uint corner = gl_VertexIndex < 3 ? gl_VertexIndex : 6u - gl_VertexIndex; // 0 1 2, 3 2 1
     vec2 texel = vec2(page.place & 0xffffu, page.place >> 16u) * float(SHADOW_UNIT) +
                  vec2(corner & 1u, corner >> 1u) * float(shadow_page_size(shadow_page_of(page.bit).level));

@@ -45,11 +45,13 @@ void main() {
     if (page == push.page_limit) {
         push.counts.counts.pairs = push.sums.at[page];
         push.totals.totals.clear.index_count = 6u;
+        push.totals.totals.groups[1] = push.totals.totals.groups[2] = 1u;
     }
     uint first = push.sums.at[page];
     if (!wants || push.sums.at[page + 1u] > push.pair_capacity) return;
     walk(page, first);
-    push.cleared.at[atomicAdd(push.totals.totals.clear.instance_count, 1u)] = page;
+    push.drawn.at[atomicAdd(push.totals.totals.clear.instance_count, 1u)] = page;
+    atomicAdd(push.totals.totals.groups[0], 1u);
     push.pages.at[page].flags &= ~SHADOW_PAGE_DRAW;
 #else
     push.sums.at[page] = wants ? walk(page, 0u) : 0u;

@@ -22,6 +22,7 @@ struct gpu_fill_pair {
 struct gpu_fill_totals {
     STRUCT(gpu_draw) clear;     /* a square for each page that is drawn */
     uint draw_counts[2];        /* opaque, cutout */
+    uint groups[3];             /* for a dispatch: as many as pages are drawn, 1, 1 */
 };
 
 /* An item as pages show it: where it is, and the box round it in the space of its mesh. low.x > high.x: it casts no shadow. */
@@ -55,7 +56,7 @@ struct gpu_fill_push {
     ADDRESS(uint_array) item_sums;       /* the same of items; of the pages that are drawn */
     ADDRESS(fill_entry_array) entries;
     ADDRESS(fill_pair_array) pairs;
-    ADDRESS(uint_array) cleared;         /* the pages that are drawn, in any order */
+    ADDRESS(uint_array) drawn;           /* the pages that are drawn, in any order */
     ADDRESS(draw_array) draws;           /* of opaque groups, then from group_count on those of cutouts, in any order */
     ADDRESS(fill_totals_block) totals;
     uint page_limit;
@@ -68,7 +69,7 @@ struct gpu_fill_push {
 struct gpu_fill_draw_push {
     STRUCT(gpu_geometry_push) geometry;
     ADDRESS(fill_pair_array) pairs;
-    ADDRESS(const_uint_array) cleared;
+    ADDRESS(const_uint_array) drawn;
     ADDRESS(shadow_page_array) pages;
     ADDRESS(const_shadow_shape_array) shapes;
     float side; /* of the atlas, texels */

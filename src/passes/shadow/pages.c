@@ -2,6 +2,7 @@
 #include "passes/shadow/pages.h"
 
 #include "passes/geometry/prefix_sum.h"
+#include "passes/shadow/dark_shared.h"
 #include "passes/shadow/pages_shared.h"
 #include "shaders.h"
 
@@ -20,6 +21,7 @@ void shadow_state_finish(gpu_device *device, struct shadow_state *state) {
     }
     gpu_buffer_destroy(device, &state->shapes);
     gpu_buffer_destroy(device, &state->counts);
+    gpu_buffer_destroy(device, &state->least);
     gpu_image_destroy(device, &state->atlas);
     *state = (struct shadow_state){0};
 }
@@ -39,6 +41,8 @@ static fnl_result create(gpu_device *device, struct shadow_state *state, uint32_
     TRY(gpu_buffer_create(device, "shadow shapes", row_room * sizeof(struct gpu_shape), GPU_MEMORY_DEVICE,
                           &state->shapes));
     TRY(gpu_buffer_create(device, "shadow counts", sizeof(struct gpu_shadow_counts), GPU_MEMORY_DEVICE, &state->counts));
+    const uint64_t blocks = atlas_side / SHADOW_DARK_BLOCK, squares = atlas_side / SHADOW_DARK_WIDE;
+    TRY(gpu_buffer_create(device, "shadow least", (blocks * blocks + squares * squares) * 4, GPU_MEMORY_DEVICE, &state->least));
     const struct gpu_image_params atlas = {.name = "shadow atlas",
                                            .format = VK_FORMAT_D32_SFLOAT,
                                            .width = atlas_side,
@@ -242,6 +246,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                               .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
                               .biases = graph_create_buffer(graph, "shadow biases", row_count * 4ull),
                               .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
+                              .least = graph_import_buffer(graph, "shadow least", &state->least),
                               .shapes = graph_import_buffer(graph, "shadow shapes", &state->shapes),
                               .atlas = add_atlas(graph, state),
                               .row_count = row_count,

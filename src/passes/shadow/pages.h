@@ -28,6 +28,7 @@
 struct shadow_state {
     struct gpu_buffer held[2], before[2], pages[2]; /* of the last frame and of this one, in turns */
     struct gpu_buffer shapes, counts;
+    struct gpu_buffer least; /* the least depths of squares of texels (dark_shared.h), of pages that were drawn */
     struct gpu_image atlas; /* D32_SFLOAT; an attachment, and sampled */
     uint32_t row_room;      /* rows that there is memory for */
     uint32_t row_count;     /* of the last frame */
@@ -54,6 +55,7 @@ struct shadow_pages {
     graph_buffer held, before, pages,
         biases, shapes;  /* as struct gpu_shadow_maps has them; `before` is undefined for words without pages */
     graph_buffer counts; /* struct gpu_shadow_counts, whose `pairs` is 0 */
+    graph_buffer least;  /* of the state */
     graph_image
         atlas; /* holds what pages without SHADOW_PAGE_DRAW show; others are to be cleared and drawn, but for idle ones */
     uint32_t row_count;

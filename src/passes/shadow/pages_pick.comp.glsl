@@ -55,5 +55,5 @@ void main() {
     if (thread != 0u) return;
     uint last = push.fresh != 0u ? 0u : push.counts.counts.pages;
     push.choice.choice = gpu_shadow_choice(best, best_cut, least, last, 0u);
-    push.counts.counts = gpu_shadow_counts(wanted, 0u, 0u, last, 0u, 0u, 0u, 0u); // the pages that stay are taken off `evicted`
+    push.counts.counts = gpu_shadow_counts(wanted, 0u, 0u, last, 0u, 0u, 0u, 0u, 0u, 0u); // the pages that stay are taken off `evicted`
 }

@@ -11,82 +11,11 @@ layout(local_size_x = 64) in;
 layout(constant_id = 1) const uint SAMPLES = 1u;
 layout(push_constant, scalar) uniform push_block { gpu_shadow_requests_push push; };
 
-const uint GROUP = 64u, QUADS = 16u, SHARE = 16u; // lights whose quads are taken at once
-// Boxes as numbers of which the least is taken: low, -high, -near, fine, -wide.
-const uint PARTS = 9u;
-const float NOTHING = 3e38;
-shared float quad_parts[QUADS * PARTS], group_parts[PARTS];
+#include "passes/shadow/requests_group.glsl"
+
+const uint SHARE = 16u; // lights whose quads are taken at once
 shared uint lights[GROUP], light_count;       // that are left of a batch
 shared uint pairs[SHARE * QUADS], pair_count; // of them with a quad: light * QUADS + quad
-
-request_box box_of(float p[PARTS]) {
-    request_box box;
-    box.near = -p[6];
-    box.low = vec3(p[0], p[1], p[2]) - 0.1 * box.near; // well above what positions are rounded by
-    box.high = -vec3(p[3], p[4], p[5]) + 0.1 * box.near;
-    box.fine = p[7] * 0.9999;
-    box.wide = -p[8] * 1.0001;
-    return box;
-}
-bool is_empty(request_box box) { return !(box.near > 0.0); }
-
-request_box box_of_quad(uint quad) {
-    float p[PARTS];
-    for (uint i = 0u; i < PARTS; i++) p[i] = quad_parts[quad * PARTS + i];
-    return box_of(p);
-}
-
-uvec2 pixel_of_quad(uint quad, uint k) { return gl_WorkGroupID.xy * 8u + uvec2(quad % 4u, quad / 4u) * 2u + uvec2(k & 1u, k >> 1u); }
-
-uint samples_of(uvec2 pixel) { return all(lessThan(pixel, push.list.list.view.view.size)) ? SAMPLES : 0u; }
-
-// False: sky, or the depth of the last sample.
-bool sample_position(uvec2 pixel, uint s, inout float last, out vec3 position) {
-    view_block v = push.list.list.view;
-    float depth = SAMPLES > 1u ? texelFetch(textures_multisampled[push.depth], ivec2(pixel), int(s)).r
-                               : texelFetch(textures[push.depth], ivec2(pixel), 0).r;
-    position = vec3(0.0);
-    if (!(depth > 0.0) || depth == last) return false;
-    last = depth;
-    vec3 seen = view_position_of(v, ndc_of_pixel(v, vec2(pixel) + 0.5), view_depth_of(v, depth));
-    position = (v.view.view_to_world * vec4(seen, 1.0)).xyz;
-    return true;
-}
-
-// Of quads, then of the group.
-void find_boxes() {
-    view_block v = push.list.list.view;
-    uint thread = gl_LocalInvocationIndex;
-    if (thread < QUADS) {
-        float p[PARTS];
-        for (uint i = 0u; i < PARTS; i++) p[i] = NOTHING;
-        for (uint k = 0u; k < 4u; k++) {
-            uvec2 pixel = pixel_of_quad(thread, k);
-            uint samples = samples_of(pixel);
-            float last = 0.0;
-            for (uint s = 0u; s < samples; s++) {
-                vec3 position;
-                if (!sample_position(pixel, s, last, position)) continue;
-                float width = pixel_width(v, length(v.view.eye - position));
-                for (int i = 0; i < 3; i++) {
-                    p[i] = min(p[i], position[i]);
-                    p[3 + i] = min(p[3 + i], -position[i]);
-                }
-                p[6] = min(p[6], -shadow_slack(push.list, position));
-                p[7] = min(p[7], width);
-                p[8] = min(p[8], -width);
-            }
-        }
-        for (uint i = 0u; i < PARTS; i++) quad_parts[thread * PARTS + i] = p[i];
-    }
-    barrier();
-    if (thread < PARTS) {
-        float least = NOTHING;
-        for (uint i = 0u; i < QUADS; i++) least = min(least, quad_parts[i * PARTS + thread]);
-        group_parts[thread] = least;
-    }
-    barrier();
-}
 
 bool is_left(uint light, request_box box) {
     gpu_shape shape = request_shape(push.list, light);
