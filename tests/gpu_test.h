@@ -25,7 +25,7 @@ struct test_push {
     uint32_t count, width, lod, image, sampler_index;
     float u, v;
 };
-enum test_mode { TEST_MULTIPLY, TEST_FETCH, TEST_STORE, TEST_SAMPLE, TEST_LOAD };
+enum test_mode { TEST_MULTIPLY, TEST_FETCH, TEST_STORE, TEST_SAMPLE, TEST_LOAD, TEST_TRACE };
 /** Binds the test's compute shader with these constants and dispatches it. */
 void test_dispatch(struct gpu_commands *commands, enum test_mode mode, uint32_t factor, const struct test_push *push);
 /** Asks for the test's compute shader with so many factors, from `first` on, in a frame of its own; returns the ticket. */
@@ -34,8 +34,8 @@ uint64_t test_ask(gpu_device *device, uint32_t first, uint32_t count);
 void test_fetch_mip(gpu_device *device, const struct gpu_image *image, uint32_t mip, fnl_vec4 *out);
 
 extern const struct CMUnitTest device_tests[], memory_tests[], commands_tests[], draw_tests[], scope_tests[], ahead_tests[],
-    cache_tests[], specialise_tests[];
+    cache_tests[], specialise_tests[], structure_tests[];
 extern const size_t device_test_count, memory_test_count, commands_test_count, draw_test_count, scope_test_count, ahead_test_count,
-    cache_test_count, specialise_test_count;
+    cache_test_count, specialise_test_count, structure_test_count;
 
 #endif

@@ -10,6 +10,7 @@ static VkBufferCreateInfo buffer_info(const gpu_device *device, uint64_t size, u
                  VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
         .pQueueFamilyIndices = families,
     };
+    if (device->info.ray_query) info.usage |= VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
     gpu_sharing(device, &info.sharingMode, &info.queueFamilyIndexCount, families);
     return info;
 }
@@ -72,12 +73,13 @@ static fnl_result finish_buffer(gpu_device *device, fnl_result result, struct gp
     return result;
 }
 
-fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind,
-                             struct gpu_buffer *out) {
+static fnl_result create_buffer(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind,
+                                VkBufferUsageFlags more, struct gpu_buffer *out) {
     *out = (struct gpu_buffer){0};
     if (!gpu_retire_reserve(device)) return FNL_ERROR_MEMORY;
     uint32_t families[GPU_QUEUE_COUNT];
     VkBufferCreateInfo info = buffer_info(device, size, families);
+    info.usage |= more;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     void *mapped = NULL;
     fnl_result result = make_buffer(device, name, &info, out);
@@ -88,6 +90,17 @@ fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size
     if (result == FNL_OK) result = bind_buffer(device, name, memory, out->allocation.offset, info.size, out);
     if (kind != GPU_MEMORY_DEVICE) out->mapped = mapped;
     return finish_buffer(device, result, out);
+}
+
+fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind,
+                             struct gpu_buffer *out) {
+    return create_buffer(device, name, size, kind, 0, out);
+}
+
+fnl_result gpu_structure_buffer_create(gpu_device *device, const char *name, uint64_t size, struct gpu_buffer *out) {
+    TRY(create_buffer(device, name, size, GPU_MEMORY_DEVICE, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR, out));
+    gpu_memory_count_structure(device, out->allocation.size, true);
+    return FNL_OK;
 }
 
 fnl_result gpu_buffer_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const char *name,

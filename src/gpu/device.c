@@ -205,6 +205,11 @@ static fnl_result load_functions(gpu_device *device) {
         device->info.mesh_shader = !missing;
     }
     missing = NULL;
+    if (device->info.ray_query) {
+        GPU_DEVICE_STRUCTURE_FUNCTIONS(LOAD)
+        device->info.ray_query = !missing;
+    }
+    missing = NULL;
     /* Only where the instance has the extension: some loaders hand these out even if it is off. */
     if (device->instance.vk.CreateDebugUtilsMessengerEXT) {
         GPU_DEVICE_DEBUG_FUNCTIONS(LOAD)
@@ -223,6 +228,13 @@ fnl_result gpu_device_start(gpu_device *device, const char *cache_folder) {
     device->instance.vk.GetPhysicalDeviceProperties2(device->physical, &properties);
     device->properties = properties.properties;
     device->max_buffer_size = maintenance4.maxBufferSize;
+    VkPhysicalDeviceAccelerationStructurePropertiesKHR structures = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+    if (device->info.ray_query) {
+        VkPhysicalDeviceProperties2 query = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &structures};
+        device->instance.vk.GetPhysicalDeviceProperties2(device->physical, &query);
+    }
+    device->scratch_alignment = MAX(1u, structures.minAccelerationStructureScratchOffsetAlignment);
     device->memory.granularity = MAX(1u, device->properties.limits.bufferImageGranularity);
     device->instance.vk.GetPhysicalDeviceMemoryProperties(device->physical, &device->memory.properties);
 
@@ -275,17 +287,29 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     VkPhysicalDeviceMeshShaderFeaturesEXT meshes = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT,
                                                     .pNext = &features.features,
                                                     .meshShader = VK_TRUE};
-    const char *extensions[4];
+    VkPhysicalDeviceRayQueryFeaturesKHR queries = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR,
+                                                   .pNext = physical->info.mesh_shader ? (void *)&meshes : &features.features,
+                                                   .rayQuery = VK_TRUE};
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR,
+        .pNext = &queries,
+        .accelerationStructure = VK_TRUE};
+    const char *extensions[8];
     uint32_t extension_count = 0;
     if (physical->info.conservative_raster)
         extensions[extension_count++] = VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME;
     if (physical->info.post_depth_coverage) extensions[extension_count++] = VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME;
     if (physical->info.mesh_shader) extensions[extension_count++] = VK_EXT_MESH_SHADER_EXTENSION_NAME;
+    if (physical->info.ray_query) {
+        extensions[extension_count++] = VK_KHR_RAY_QUERY_EXTENSION_NAME;
+        extensions[extension_count++] = VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME;
+        extensions[extension_count++] = VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME;
+    }
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .enabledExtensionCount = extension_count,
         .ppEnabledExtensionNames = extensions,
-        .pNext = physical->info.mesh_shader ? (const void *)&meshes : &features.features,
+        .pNext = physical->info.ray_query ? (const void *)&structures : queries.pNext,
         .queueCreateInfoCount = same_family ? 1 : GPU_QUEUE_COUNT,
         .pQueueCreateInfos = queues,
     };

@@ -109,6 +109,8 @@ static void query_extensions(const struct gpu_instance *instance, struct gpu_phy
         bool *flag;
     } known[] = {
         {VK_KHR_RAY_QUERY_EXTENSION_NAME, &out->info.ray_query},
+        {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, &out->structures},
+        {VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME, &out->deferred_operations},
         {VK_EXT_MESH_SHADER_EXTENSION_NAME, &out->info.mesh_shader},
         {VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME, &out->info.conservative_raster},
         {VK_KHR_FRAGMENT_SHADER_BARYCENTRIC_EXTENSION_NAME, &out->info.barycentrics},
@@ -195,10 +197,19 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     gpu_features_clear(&out->supported);
     VkPhysicalDeviceMeshShaderFeaturesEXT meshes = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT,
                                                     .pNext = out->supported.features.pNext};
+    VkPhysicalDeviceRayQueryFeaturesKHR queries = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR, .pNext = &queries};
+    info->ray_query = info->ray_query && out->structures && out->deferred_operations;
     if (info->mesh_shader) out->supported.features.pNext = &meshes;
+    if (info->ray_query) {
+        queries.pNext = out->supported.features.pNext;
+        out->supported.features.pNext = &structures;
+    }
     instance->vk.GetPhysicalDeviceFeatures2(handle, &out->supported.features);
     out->supported.features.pNext = meshes.pNext;
     info->mesh_shader = info->mesh_shader && meshes.meshShader;
+    info->ray_query = info->ray_query && queries.rayQuery && structures.accelerationStructure;
     gpu_features_missing(&out->supported, info->missing, sizeof info->missing);
     info->multiview = out->supported.features_11.multiview;
     info->max_views = info->multiview ? views.maxMultiviewViewCount : 1;

@@ -58,6 +58,15 @@
 /* Present only with VK_EXT_mesh_shader. */
 #define GPU_DEVICE_MESH_FUNCTIONS(X) X(CmdDrawMeshTasksIndirectEXT)
 
+/* Present only with VK_KHR_acceleration_structure. */
+#define GPU_DEVICE_STRUCTURE_FUNCTIONS(X)                                                                                   \
+    X(CreateAccelerationStructureKHR)                                                                                       \
+    X(DestroyAccelerationStructureKHR)                                                                                      \
+    X(GetAccelerationStructureBuildSizesKHR)                                                                                \
+    X(GetAccelerationStructureDeviceAddressKHR)                                                                             \
+    X(CmdBuildAccelerationStructuresKHR)                                                                                    \
+    X(CmdCopyAccelerationStructureKHR) X(CmdWriteAccelerationStructuresPropertiesKHR)
+
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_DEVICE_DEBUG_FUNCTIONS(X) X(SetDebugUtilsObjectNameEXT) X(CmdBeginDebugUtilsLabelEXT) X(CmdEndDebugUtilsLabelEXT)
 
@@ -69,6 +78,7 @@ struct gpu_instance_functions {
 struct gpu_device_functions {
     GPU_DEVICE_FUNCTIONS(GPU_FUNCTION_MEMBER)
     GPU_DEVICE_MESH_FUNCTIONS(GPU_FUNCTION_MEMBER)
+    GPU_DEVICE_STRUCTURE_FUNCTIONS(GPU_FUNCTION_MEMBER)
     GPU_DEVICE_DEBUG_FUNCTIONS(GPU_FUNCTION_MEMBER)
 };
 #undef GPU_FUNCTION_MEMBER

@@ -55,6 +55,7 @@ void gpu_fail(gpu_device *device, fnl_result result);
 
 struct gpu_memory_stats {
     uint64_t used_bytes, reserved_bytes, peak_used_bytes;
+    uint64_t structure_bytes; /* of used_bytes: acceleration structures */
 };
 /**
  * Small files beside the pipeline cache, one per stem, device and driver. Load is false when there is none; save fails silently, as
@@ -92,6 +93,46 @@ fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size
                              struct gpu_buffer *out);
 /** Freed once the frames in flight are over. Clears the struct; an all-zero struct is accepted. */
 void gpu_buffer_destroy(gpu_device *device, struct gpu_buffer *buffer);
+
+/* ---- acceleration structures, which rays walk through: only where fnl_device_info.ray_query ---- */
+
+struct gpu_structure {
+    VkAccelerationStructureKHR handle;
+    VkDeviceAddress address; /* instances name the structure of a mesh by it, shaders that of the instances */
+    struct gpu_buffer buffer;
+};
+
+/** What a structure is built of: triangles, or instances of structures of triangles. All of it can let rays through: shaders decide. */
+struct gpu_structure_input {
+    uint32_t count;            /* triangles or instances */
+    VkDeviceAddress instances; /* VkAccelerationStructureInstanceKHR[count]; 0: triangles */
+    VkDeviceAddress positions; /* vec3[vertex_count] */
+    VkDeviceAddress indices;   /* uint32_t[3 * count] */
+    uint32_t vertex_count;
+    bool of_instances;
+    bool changes; /* vertices move, and the structure may be updated; else it may be compacted */
+};
+struct gpu_structure_sizes {
+    uint64_t size, build_scratch, update_scratch; /* scratch: a multiple of its alignment */
+};
+/** For at most so many triangles or instances; addresses do not matter. */
+struct gpu_structure_sizes gpu_structure_sizes(gpu_device *device, const struct gpu_structure_input *input);
+fnl_result gpu_structure_create(gpu_device *device, const char *name, bool of_instances, uint64_t size, struct gpu_structure *out);
+/** As gpu_buffer_destroy. */
+void gpu_structure_destroy(gpu_device *device, struct gpu_structure *structure);
+
+/** What a scratch buffer must have beyond the sum of its parts. */
+uint64_t gpu_scratch_padding(const gpu_device *device);
+
+/** Sizes that structures would have if they were compacted, measured in a frame. */
+struct gpu_structure_queries {
+    VkQueryPool handle;
+    uint32_t count;
+};
+fnl_result gpu_structure_queries_create(gpu_device *device, uint32_t count, struct gpu_structure_queries *out);
+void gpu_structure_queries_destroy(gpu_device *device, struct gpu_structure_queries *queries);
+/** When the frame that measured is over; false: nothing is known. */
+bool gpu_structure_queries_read(gpu_device *device, const struct gpu_structure_queries *queries, uint64_t *sizes);
 
 /* ---- images ---- */
 
@@ -304,6 +345,21 @@ void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_im
                               uint64_t offset);
 /** The first layer to `layer`, of the same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
 void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer);
+
+struct gpu_structure_build {
+    struct gpu_structure_input input;
+    const struct gpu_structure *to;
+    bool update; /* vertices have moved since it was built; counts are those of then */
+    uint64_t scratch; /* offset in the scratch buffer: the sum of the parts before */
+};
+/** Builds that do not wait for each other. */
+void gpu_build_structures(struct gpu_commands *commands, const struct gpu_structure_build *builds, uint32_t count,
+                          const struct gpu_buffer *scratch);
+/** Query `first` and those that follow. */
+void gpu_measure_structures(struct gpu_commands *commands, const struct gpu_structure_queries *queries, uint32_t first,
+                            const struct gpu_structure *structures, uint32_t count);
+/** Compacts `from` into `to`, which is of the size that was measured. */
+void gpu_compact_structure(struct gpu_commands *commands, const struct gpu_structure *from, const struct gpu_structure *to);
 
 struct gpu_attachment {
     const struct gpu_image *image;

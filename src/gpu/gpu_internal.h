@@ -66,6 +66,7 @@ struct gpu_physical {
     fnl_device_info info;
     struct gpu_features supported;
     bool isotropic_gradients;
+    bool structures, deferred_operations; /* VK_KHR_acceleration_structure, and the extension that it asks for */
     uint32_t families[GPU_QUEUE_COUNT], queue_indices[GPU_QUEUE_COUNT]; /* the second is valid with info.async_compute */
 };
 
@@ -81,6 +82,8 @@ struct gpu_retired {
     VkImage image;
     VkImageView views[3];
     VkFramebuffer framebuffer;
+    VkAccelerationStructureKHR structure; /* in the buffer */
+    VkQueryPool queries;
     VkDeviceMemory memory; /* a heap, of heap_size bytes */
     uint64_t heap_size;
     uint32_t sampled_index, storage_index, srgb_index; /* GPU_NO_INDEX: none */
@@ -135,8 +138,15 @@ uint32_t gpu_memory_order_types(const struct gpu_memory *memory, enum gpu_memory
 /** The first lazily allocated type of the mask, if there is one. */
 bool gpu_memory_lazy_type(const struct gpu_memory *memory, uint32_t mask, uint32_t *type);
 void gpu_memory_free(gpu_device *device, const struct gpu_allocation *allocation);
+/** Counts bytes in use as those of an acceleration structure, or not any more. */
+void gpu_memory_count_structure(gpu_device *device, uint64_t size, bool made);
 void gpu_memory_free_heap(gpu_device *device, VkDeviceMemory memory, uint64_t size);
 void gpu_memory_finish(gpu_device *device);
+
+/* ---- buffer.c ---- */
+
+/** What stays in a buffer is an acceleration structure, and counts as such. */
+fnl_result gpu_structure_buffer_create(gpu_device *device, const char *name, uint64_t size, struct gpu_buffer *out);
 
 /* ---- bindless.c ---- */
 
@@ -362,6 +372,7 @@ struct fnl_device {
     uint64_t max_buffer_size;
     uint64_t timestamp_mask; /* 0: no timestamps */
     bool isotropic_gradients;
+    uint64_t scratch_alignment; /* of building acceleration structures */
     bool keeps_draw_counts; /* the driver's fault that gpu_draw_indexed_indirect_count mends */
     bool compiles_late;     /* the driver's way that rehearse.c is for */
 

@@ -85,9 +85,9 @@ static struct gpu_spirv specialise(const struct gpu_shader *shader, uint32_t cou
 static void test_what_is_ruled_out_is_gone(void **state) {
     UNUSED(state);
     const fnl_host host = fnl_host_default();
-    const struct gpu_constant given[] = {{0, 5}, {1, 6}}, stated[] = {{0, 0}, {1, 5}};
+    const struct gpu_constant given[] = {{0, 5}, {1, 6}}, none[] = {{0, TEST_TRACE + 1}}, stated[] = {{0, 0}, {1, 5}};
     struct gpu_spirv few = specialise(&shader_gpu_test_walk_comp, 2, given), all = specialise(&shader_gpu_test_walk_comp, 0, NULL),
-                     same = specialise(&shader_gpu_test_walk_comp, 2, stated), simple = specialise(&shader_gpu_test_comp, 2, given),
+                     same = specialise(&shader_gpu_test_walk_comp, 2, stated), simple = specialise(&shader_gpu_test_comp, 1, none),
                      multiply = specialise(&shader_gpu_test_comp, 0, NULL);
     assert_int_equal(all.count, same.count);
     assert_memory_equal(all.words, same.words, all.count * 4);
@@ -100,7 +100,7 @@ static void test_what_is_ruled_out_is_gone(void **state) {
     print_message("walk: %zu words; 5 and 6: %zu, %u blocks; by default %zu, %u blocks\n", shader_gpu_test_walk_comp.size / 4, few.count,
                   count_operations(&few, OP_LABEL, OP_LABEL), all.count, count_operations(&all, OP_LABEL, OP_LABEL));
     assert_true(count_operations(&few, OP_LABEL, OP_LABEL) < count_operations(&all, OP_LABEL, OP_LABEL));
-    /* No mode is 5: the shader has nothing but the test of its index. A multiplication needs no images. */
+    /* There is no such mode: the shader has nothing but the test of its index. A multiplication needs no images. */
     enum { STORE = 62, IMAGE_FETCH = 95, IMAGE_WRITE = 99, TYPE_IMAGE = 25 };
     assert_int_equal(count_operations(&simple, STORE, STORE) + count_operations(&simple, IMAGE_FETCH, IMAGE_WRITE), 0);
     assert_int_equal(count_operations(&multiply, STORE, STORE), 1);
@@ -108,6 +108,51 @@ static void test_what_is_ruled_out_is_gone(void **state) {
     assert_int_equal(count_operations(&multiply, TYPE_IMAGE, TYPE_IMAGE), 0);
     for (uint32_t i = 0; i < COUNT_OF(made); i++) host_free(&host, made[i]->words, made[i]->size);
     host_free(&host, same.words, same.size);
+}
+
+enum { CAPABILITY = 17, EXTENSION = 10, LOAD = 61, CONVERT = 4447, TYPE_RAY_QUERY = 4472, INITIALIZE = 4473, CANDIDATE = 4479, TYPE_STRUCTURE = 5341,
+       GETTERS = 6016, LAST_GETTER = 6032 };
+
+static void expect_queries(const struct gpu_spirv *spirv, bool traces) {
+    bool capability = false, extension = false;
+    for (size_t i = 5; i < spirv->count; i += spirv->words[i] >> 16) {
+        const uint32_t op = spirv->words[i] & 0xffff;
+        capability |= op == CAPABILITY && spirv->words[i + 1] == TYPE_RAY_QUERY;
+        extension |= op == EXTENSION && strcmp((const char *)&spirv->words[i + 1], "SPV_KHR_ray_query") == 0;
+    }
+    assert_int_equal(capability, traces);
+    assert_int_equal(extension, traces);
+    assert_int_equal(count_operations(spirv, TYPE_RAY_QUERY, TYPE_RAY_QUERY), traces);
+    assert_int_equal(count_operations(spirv, TYPE_STRUCTURE, TYPE_STRUCTURE), traces);
+    assert_int_equal(count_operations(spirv, CONVERT, CONVERT), traces);
+    assert_int_equal(count_operations(spirv, INITIALIZE, CANDIDATE) + count_operations(spirv, GETTERS, LAST_GETTER) > 0, traces);
+}
+
+/* Devices without ray queries must not see as much as their types. */
+static void test_ray_queries_leave_nothing_behind(void **state) {
+    UNUSED(state);
+    const fnl_host host = fnl_host_default();
+    for (uint32_t mode = 0; mode <= TEST_TRACE; mode++) {
+        struct gpu_spirv spirv = specialise(&shader_gpu_test_comp, 1, &(struct gpu_constant){0, mode});
+        expect_queries(&spirv, mode == TEST_TRACE);
+        host_free(&host, spirv.words, spirv.size);
+    }
+    /* Not even where a number that is no id, the alignment of what is read, looks like that of a type. */
+    static const uint32_t types[] = {TYPE_RAY_QUERY, TYPE_STRUCTURE};
+    for (uint32_t k = 0; k < COUNT_OF(types); k++) {
+        const size_t count = shader_gpu_test_comp.size / 4;
+        uint32_t *code = gpu_shader_code(&host, &shader_gpu_test_comp), id = 0, patched = 0;
+        for (size_t i = 5; i < count; i += code[i] >> 16)
+            if ((code[i] & 0xffff) == types[k]) id = code[i + 1];
+        for (size_t i = 5; i < count; i += code[i] >> 16)
+            if ((code[i] & 0xffff) == LOAD && code[i] >> 16 == 6) code[i + 5] = id, patched++;
+        assert_true(id > 0 && patched > 0);
+        struct gpu_spirv spirv;
+        assert_int_equal(gpu_specialise(&host, code, count, 2, (const struct gpu_constant[]){{0, TEST_MULTIPLY}, {1, 3}}, &spirv), FNL_OK);
+        expect_queries(&spirv, false);
+        host_free(&host, spirv.words, spirv.size);
+        host_free(&host, code, shader_gpu_test_comp.size);
+    }
 }
 
 static void test_words_that_are_no_module(void **state) {
@@ -129,6 +174,7 @@ static void test_words_that_are_no_module(void **state) {
 const struct CMUnitTest specialise_tests[] = {
     cmocka_unit_test(test_what_is_left_computes_the_same),
     cmocka_unit_test(test_what_is_ruled_out_is_gone),
+    cmocka_unit_test(test_ray_queries_leave_nothing_behind),
     cmocka_unit_test(test_words_that_are_no_module),
 };
 const size_t specialise_test_count = COUNT_OF(specialise_tests);

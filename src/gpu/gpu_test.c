@@ -117,6 +117,7 @@ int main(void) {
     failed += _cmocka_run_group_tests("gpu: scopes", scope_tests, scope_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: pipelines ahead", ahead_tests, ahead_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: pipeline cache", cache_tests, cache_test_count, NULL, NULL);
+    failed += _cmocka_run_group_tests("gpu: acceleration structures", structure_tests, structure_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: specialised shaders", specialise_tests, specialise_test_count, NULL, NULL);
     return failed;
 }

@@ -6,6 +6,7 @@
 #extension GL_EXT_nonuniform_qualifier : require
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_shader_image_load_formatted : require
+#extension GL_EXT_ray_query : require
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint mode = 0u;
@@ -30,5 +31,14 @@ void main() {
     if (mode == 1u) texels(to).at[i] = texelFetch(textures[nonuniformEXT(image)], at, int(lod));
     if (mode == 2u) imageStore(images[nonuniformEXT(image)], at, vec4(float(i) / 255.0, 1.0, 0.0, float(factor) / 255.0));
     if (mode == 3u) texels(to).at[i] = textureLod(sampler2D(textures[image], samplers[sampler_index]), vec2(u, v), float(lod));
+    if (mode == 5u) { // a ray for each 100 metres along x: how many triangles it meets, and the numbers of the last
+        vec4 found = vec4(0.0);
+        rayQueryEXT query;
+        rayQueryInitializeEXT(query, accelerationStructureEXT(from), gl_RayFlagsNoOpaqueEXT, 0xffu, vec3(0.25 + 100.0 * float(i), 0.25, -1.0), 0.0, vec3(0.0, 0.0, 1.0), u);
+        while (rayQueryProceedEXT(query))
+            found = vec4(found.x + 1.0, rayQueryGetIntersectionInstanceCustomIndexEXT(query, false), rayQueryGetIntersectionPrimitiveIndexEXT(query, false),
+                         rayQueryGetIntersectionTEXT(query, false));
+        texels(to).at[i] = found;
+    }
     if (mode == 4u) texels(to).at[i] = imageLoad(images[nonuniformEXT(image)], at);
 }

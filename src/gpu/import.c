@@ -75,7 +75,7 @@ static void read_descriptor_indexing(const VkPhysicalDeviceDescriptorIndexingFea
 
 struct enabled {
     struct gpu_features features; /* its pNext pointers are the caller's */
-    bool mesh_shader;
+    bool mesh_shader, ray_query, structures;
 };
 
 /* A valid chain has each structure once, and no single one beside VkPhysicalDeviceVulkan1*Features of its version. */
@@ -102,6 +102,12 @@ static void read_enabled(const VkDeviceCreateInfo *created, struct enabled *out)
             break;
         case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT:
             out->mesh_shader = ((const VkPhysicalDeviceMeshShaderFeaturesEXT *)in)->meshShader;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR:
+            out->ray_query = ((const VkPhysicalDeviceRayQueryFeaturesKHR *)in)->rayQuery;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR:
+            out->structures = ((const VkPhysicalDeviceAccelerationStructureFeaturesKHR *)in)->accelerationStructure;
             break;
 #define READ(name, type, member, feature)                                                                                   \
     case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_##type:                                                                          \
@@ -139,8 +145,10 @@ static void keep_enabled(const VkDeviceCreateInfo *created, const struct enabled
     info->mesh_shader &= enabled->mesh_shader && has_extension(created, VK_EXT_MESH_SHADER_EXTENSION_NAME);
     info->conservative_raster &= has_extension(created, VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME);
     info->post_depth_coverage &= has_extension(created, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME);
+    info->ray_query &= enabled->ray_query && enabled->structures && has_extension(created, VK_KHR_RAY_QUERY_EXTENSION_NAME) &&
+                       has_extension(created, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME);
     /* Nothing uses these. */
-    info->ray_query = info->barycentrics = info->sample_locations = info->fragment_shading_rate = false;
+    info->barycentrics = info->sample_locations = info->fragment_shading_rate = false;
 }
 
 /* ---- the device ---- */

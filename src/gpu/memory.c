@@ -231,6 +231,12 @@ void gpu_memory_free(gpu_device *device, const struct gpu_allocation *allocation
     pthread_mutex_unlock(&memory->mutex);
 }
 
+void gpu_memory_count_structure(gpu_device *device, uint64_t size, bool made) {
+    pthread_mutex_lock(&device->memory.mutex);
+    device->memory.stats.structure_bytes += made ? size : 0 - size;
+    pthread_mutex_unlock(&device->memory.mutex);
+}
+
 void gpu_memory_finish(gpu_device *device) {
     struct gpu_memory *memory = &device->memory;
     for (uint32_t i = 0; i < memory->blocks.count; i++) {

@@ -49,6 +49,11 @@ void gpu_retired_free(gpu_device *device, const struct gpu_retired *item) {
     for (uint32_t i = 0; i < COUNT_OF(item->views); i++) vk->DestroyImageView(device->handle, item->views[i], NULL);
     vk->DestroyFramebuffer(device->handle, item->framebuffer, NULL);
     vk->DestroyImage(device->handle, item->image, NULL);
+    if (item->structure) {
+        vk->DestroyAccelerationStructureKHR(device->handle, item->structure, NULL);
+        gpu_memory_count_structure(device, item->allocation.size, false);
+    }
+    vk->DestroyQueryPool(device->handle, item->queries, NULL);
     vk->DestroyBuffer(device->handle, item->buffer, NULL);
     if (item->allocation.size) gpu_memory_free(device, &item->allocation);
     if (item->memory) gpu_memory_free_heap(device, item->memory, item->heap_size);

@@ -11,6 +11,7 @@ enum {
     OP_UNDEF = 1,
     OP_NAME = 5,
     OP_MEMBER_NAME = 6,
+    OP_EXTENSION = 10,
     OP_EXT_INST_IMPORT = 11,
     OP_EXT_INST = 12,
     OP_ENTRY_POINT = 15,
@@ -20,6 +21,7 @@ enum {
     OP_TYPE_BOOL = 20,
     OP_TYPE_INT = 21,
     OP_TYPE_FLOAT = 22,
+    OP_TYPE_POINTER = 32,
     OP_TYPE_FORWARD_POINTER = 39,
     OP_CONSTANT_TRUE = 41,
     OP_CONSTANT_FALSE = 42,
@@ -102,11 +104,19 @@ enum {
     OP_GROUP_QUAD_SWAP = 366,
     OP_COPY_LOGICAL = 400,
     OP_TERMINATE_INVOCATION = 4416,
+    OP_CONVERT_U_TO_ACCELERATION_STRUCTURE = 4447,
     OP_IGNORE_INTERSECTION = 4448,
     OP_TERMINATE_RAY = 4449,
+    OP_TYPE_RAY_QUERY = 4472,
+    OP_RAY_QUERY_INITIALIZE = 4473,
+    OP_RAY_QUERY_GET_INTERSECTION_TYPE = 4479,
     OP_EMIT_MESH_TASKS = 5294,
+    OP_TYPE_ACCELERATION_STRUCTURE = 5341,
     OP_DECORATE_STRING = 5632,
     OP_MEMBER_DECORATE_STRING = 5633,
+    OP_RAY_QUERY_GET_RAY_T_MIN = 6016,
+    OP_RAY_QUERY_GET_WORLD_TO_OBJECT = 6032,
+    CAPABILITY_RAY_QUERY = 4472,
     DECORATION_SPEC_ID = 1,
     STORAGE_INPUT = 1,
     STORAGE_OUTPUT = 3,
@@ -153,6 +163,7 @@ struct work {
     uint32_t block_count;
     struct gpu_spirv out;
     uint32_t next_id;
+    bool traces; /* some ray query is left */
 };
 
 static uint32_t length_at(const struct work *w, uint32_t at) { return w->words[at] >> 16; }
@@ -171,13 +182,15 @@ static bool is_pure(const struct work *w, uint32_t at) {
            between(op, OP_SAMPLED_IMAGE, OP_IMAGE_READ) || between(op, OP_IMAGE, OP_IMAGE_QUERY_SAMPLES) ||
            between(op, OP_CONVERT_F_TO_U, OP_BITCAST) || between(op, OP_S_NEGATE, OP_S_MUL_EXTENDED) ||
            between(op, OP_ANY, OP_F_UNORD_GREATER_THAN_EQUAL) || between(op, OP_SHIFT_RIGHT_LOGICAL, OP_BIT_COUNT) ||
-           between(op, OP_DPDX, OP_FWIDTH_COARSE);
+           between(op, OP_DPDX, OP_FWIDTH_COARSE) || op == OP_CONVERT_U_TO_ACCELERATION_STRUCTURE;
 }
 
 /* Where the result stands among the words of an instruction, or 0. (Results of rarer instructions are not followed; those are never dropped.) */
 static uint32_t result_word(const struct work *w, uint32_t at) {
     const uint32_t op = op_at(w, at);
-    if (op == OP_LABEL || op == OP_EXT_INST_IMPORT || (between(op, OP_TYPE_VOID, OP_TYPE_FORWARD_POINTER - 1))) return 1;
+    if (op == OP_LABEL || op == OP_EXT_INST_IMPORT || between(op, OP_TYPE_VOID, OP_TYPE_FORWARD_POINTER - 1) || op == OP_TYPE_RAY_QUERY ||
+        op == OP_TYPE_ACCELERATION_STRUCTURE)
+        return 1;
     if (between(op, OP_CONSTANT_TRUE, OP_SPEC_CONSTANT_OP) || op == OP_FUNCTION_CALL || op == OP_LOAD || op == OP_EXT_INST ||
         op == OP_ATOMIC_LOAD || between(op, OP_ATOMIC_EXCHANGE, OP_ATOMIC_XOR) || between(op, OP_GROUP_ELECT, OP_GROUP_QUAD_SWAP) ||
         is_pure(w, at))
@@ -530,6 +543,32 @@ static void find_uses(struct work *w) {
     }
 }
 
+/* ---- ray queries: devices without them cannot have so much as their types ---- */
+
+static bool is_of_queries(const struct work *w, uint32_t at) {
+    const uint32_t op = op_at(w, at), *i = w->words + at;
+    if (op == OP_TYPE_POINTER) return i[3] < w->bound && w->defined[i[3]] && is_of_queries(w, w->defined[i[3]]);
+    if (op == OP_VARIABLE) return i[1] < w->bound && w->defined[i[1]] && is_of_queries(w, w->defined[i[1]]);
+    return op == OP_TYPE_RAY_QUERY || op == OP_TYPE_ACCELERATION_STRUCTURE || op == OP_CONVERT_U_TO_ACCELERATION_STRUCTURE;
+}
+
+/* Where no query is left, so is nothing that is made for them: other instructions may have words that look like their ids. */
+static void find_queries(struct work *w) {
+    for (uint32_t b = 0; b < w->block_count && !w->traces; b++)
+        for (uint32_t at = w->blocks[b].start; w->blocks[b].fate == KEPT && at < w->blocks[b].end; at += length_at(w, at))
+            w->traces |= between(op_at(w, at), OP_RAY_QUERY_INITIALIZE, OP_RAY_QUERY_GET_INTERSECTION_TYPE) ||
+                         between(op_at(w, at), OP_RAY_QUERY_GET_RAY_T_MIN, OP_RAY_QUERY_GET_WORLD_TO_OBJECT);
+    for (uint32_t at = HEADER_WORDS; !w->traces && at < w->count; at += length_at(w, at))
+        if (is_of_queries(w, at)) w->used[w->words[at + result_word(w, at)]] = GONE;
+}
+
+static bool is_need_of_queries(const struct work *w, uint32_t at) {
+    static const char name[] = "SPV_KHR_ray_query";
+    if (op_at(w, at) == OP_CAPABILITY) return w->words[at + 1] == CAPABILITY_RAY_QUERY;
+    return op_at(w, at) == OP_EXTENSION && (length_at(w, at) - 1) * sizeof(uint32_t) >= sizeof name &&
+           memcmp(w->words + at + 1, name, sizeof name) == 0;
+}
+
 /* ---- writing ---- */
 
 static void put(struct work *w, uint32_t word) { w->out.words[w->out.count++] = word; }
@@ -556,6 +595,7 @@ static void put_entry_point(struct work *w, uint32_t at) {
 
 static void put_global(struct work *w, uint32_t at) {
     const uint32_t op = op_at(w, at), *i = w->words + at, result = result_word(w, at);
+    if (!w->traces && is_need_of_queries(w, at)) return;
     if (op == OP_ENTRY_POINT) put_entry_point(w, at);
     else if (is_annotation(op)) {
         if (i[1] >= w->bound || w->used[i[1]] != USED) return;
@@ -716,6 +756,7 @@ fnl_result gpu_specialise(const fnl_host *host, const uint32_t *words, size_t co
         read_constants(&w);
         find_ways(&w);
         find_uses(&w);
+        find_queries(&w);
         write_module(&w);
         *out = w.out;
     } else host_free(host, w.out.words, w.out.size);

@@ -26,7 +26,8 @@ struct gpu_spirv {
 
 /**
  * The module with these constants; those that are not given have the values that the shader states. It has no specialisation constants of 32 bits
- * or bools left. Names, decorations and interface are kept for what remains. The same input gives the same words.
+ * or bools left, and where it has no ray query left it does not ask for VK_KHR_ray_query. Names, decorations and interface are kept for what
+ * remains. The same input gives the same words.
  * \param words valid SPIR-V 1.4 or later, of `count` words, without switches over 64-bit numbers
  * \param out the caller frees its words
  * \return FNL_ERROR_MEMORY, or FNL_ERROR_INVALID for what is not SPIR-V (neither is logged)
