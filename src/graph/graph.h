@@ -126,6 +126,12 @@ enum graph_use {
     GRAPH_INDEX,               /* buffer: indices */
     GRAPH_COPY_FROM,
     GRAPH_COPY_TO,
+    GRAPH_BUILD_INPUT,   /* buffer: triangles or instances that acceleration structures are built of, on devices that have them */
+    GRAPH_BUILD_SCRATCH, /* buffer: what the device needs to build them */
+    GRAPH_BUILD,         /* imported buffer: acceleration structures that are built, updated, measured or copied */
+    GRAPH_BUILD_READ,    /* … that others are built of */
+    GRAPH_TRACE_COMPUTE, /* … that compute shaders trace rays through */
+    GRAPH_TRACE_FRAGMENT,
     GRAPH_READ_HOST, /* imported buffer: read by the CPU after the frame; keeps the pass */
 };
 /** Several uses of one resource by one pass add up; those of an image must agree on the layout. */

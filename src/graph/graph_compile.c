@@ -10,7 +10,8 @@
 #include "graph/graph_internal.h"
 
 static const VkAccessFlags2 WRITE_ACCESS = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
-                                           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+                                           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT |
+                                           VK_ACCESS_2_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
 
 /* ---- checks ---- */
 
