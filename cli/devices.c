@@ -43,7 +43,7 @@ static const struct {
     FEATURE(conservative_raster, "--lists raster draws light meshes conservatively"),
     FEATURE(barycentrics, "not used; visibility.barycentrics works without it"),
     FEATURE(mesh_shader, "--geometry mesh"),
-    FEATURE(ray_query, "not used yet"),
+    FEATURE(ray_query, "shadow.ray-backend=ray-query: the device's own ray tracing"),
     FEATURE(sample_locations, "not used; visibility.grid uses the standard locations"),
     FEATURE(fragment_shading_rate, "not used; coarse shading works without it"),
     FEATURE(multiview, "--set multiview=on draws several views at once"),

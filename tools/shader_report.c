@@ -134,14 +134,14 @@ static bool is_wanted(const VkPipelineShaderStageCreateInfo *stages, uint32_t co
 /*
  * Shaders that light come in kinds, which have a row each: for lights of all shapes or for spheres and cones alone (GPU_LIST_SIMPLE, a bit beside
  * the kind of list in constant 0), without shadows or with (GPU_LIST_RAYS, GPU_LIST_MAPS, GPU_LIST_SOFT, GPU_LIST_FILTERED,
- * GPU_LIST_SAMPLED). The worst of all would hide what the others gain.
+ * GPU_LIST_SAMPLED, GPU_LIST_RAY_QUERY). The worst of all would hide what the others gain.
  */
 static void name_kind(struct row *row) {
-    enum { KINDS = 0xff, LAST_KIND = 12, LAST_BIT = 0x4000 };
+    enum { KINDS = 0xff, LAST_KIND = 12, LAST_BIT = 0x8000 };
     static const struct {
         unsigned bit;
         const char *name;
-    } bits[] = {{0x200, " simple"}, {0x800, " maps"}, {0x2000, " filtered"}, {0x400, " rays"}, {0x1000, " soft"}, {LAST_BIT, " sampled"}};
+    } bits[] = {{0x200, " simple"}, {0x800, " maps"}, {0x2000, " filtered"}, {0x400, " rays"}, {0x1000, " soft"}, {0x4000, " sampled"}, {LAST_BIT, " query"}};
     unsigned value = 0;
     if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || value >= 2 * LAST_BIT) return;
     for (size_t i = 0; i < COUNT_OF(bits); i++)
@@ -350,6 +350,21 @@ static void VKAPI_CALL memory_properties(VkPhysicalDevice physical, VkPhysicalDe
     out->memoryTypes[0].propertyFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                         VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 }
+static VkResult VKAPI_CALL create_structure(VkDevice device, const VkAccelerationStructureCreateInfoKHR *info, const VkAllocationCallbacks *allocator,
+                                            VkAccelerationStructureKHR *out) {
+    (void)device, (void)info, (void)allocator;
+    *out = (VkAccelerationStructureKHR)some_handle();
+    return VK_SUCCESS;
+}
+static VkDeviceAddress VKAPI_CALL structure_address(VkDevice device, const VkAccelerationStructureDeviceAddressInfoKHR *info) {
+    (void)device;
+    return (VkDeviceAddress)info->accelerationStructure;
+}
+static void VKAPI_CALL structure_sizes(VkDevice device, VkAccelerationStructureBuildTypeKHR type, const VkAccelerationStructureBuildGeometryInfoKHR *info,
+                                       const uint32_t *counts, VkAccelerationStructureBuildSizesInfoKHR *out) {
+    (void)device, (void)type, (void)info, (void)counts;
+    out->accelerationStructureSize = out->buildScratchSize = out->updateScratchSize = 256;
+}
 /* For calls that return nothing. Ignoring the arguments is safe where the caller cleans up the stack, as on all ABIs that radv runs on. */
 static void VKAPI_CALL do_nothing(void) {}
 static VkResult VKAPI_CALL succeed(void) { return VK_SUCCESS; }
@@ -364,6 +379,10 @@ static PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char
                 {"vkDestroyImage", (PFN_vkVoidFunction)do_nothing},
                 {"vkCreateImageView", (PFN_vkVoidFunction)create_view},
                 {"vkDestroyImageView", (PFN_vkVoidFunction)do_nothing},
+                {"vkCreateAccelerationStructureKHR", (PFN_vkVoidFunction)create_structure},
+                {"vkDestroyAccelerationStructureKHR", (PFN_vkVoidFunction)do_nothing},
+                {"vkGetAccelerationStructureDeviceAddressKHR", (PFN_vkVoidFunction)structure_address},
+                {"vkGetAccelerationStructureBuildSizesKHR", (PFN_vkVoidFunction)structure_sizes},
                 {"vkBeginCommandBuffer", (PFN_vkVoidFunction)succeed},
                 {"vkEndCommandBuffer", (PFN_vkVoidFunction)succeed},
                 {"vkDeviceWaitIdle", (PFN_vkVoidFunction)succeed},
@@ -437,12 +456,17 @@ static fnl_device *open_device(char *name, size_t capacity) {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT, .pNext = &requirements.features, .meshShader = VK_TRUE};
     VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR, .pNext = &meshes, .pipelineExecutableInfo = VK_TRUE};
-    static const char *const extensions[] = {VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME, VK_EXT_MESH_SHADER_EXTENSION_NAME,
+    VkPhysicalDeviceRayQueryFeaturesKHR queries = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR, .pNext = &executables, .rayQuery = VK_TRUE};
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR, .pNext = &queries, .accelerationStructure = VK_TRUE};
+    static const char *const extensions[] = {VK_KHR_RAY_QUERY_EXTENSION_NAME, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+                                             VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME, VK_EXT_MESH_SHADER_EXTENSION_NAME,
                                              VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME};
     const float priority = 1;
     const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueCount = 1, .pQueuePriorities = &priority};
     const VkDeviceCreateInfo device_info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                            .pNext = &executables,
+                                            .pNext = &structures,
                                             .queueCreateInfoCount = 1,
                                             .pQueueCreateInfos = &queue,
                                             .enabledExtensionCount = COUNT_OF(extensions),
@@ -533,10 +557,12 @@ static void add_decals(fnl_scene *scene) {
 static void warm_all(fnl_renderer *renderer, const fnl_scene *scene, bool everything) {
     static const uint32_t samples[] = {1, 4, 8};
     static const char *const with[][5] = {{"culling", "clusters", "geometry", "mesh"}, {"culling", "triangles", "geometry", "mesh"},
-                                          {"culling", "clusters", "occlusion", "on"},  {"decals", "gbuffer"}, {"aa", "taa"}};
+                                          {"culling", "clusters", "occlusion", "on"},  {"decals", "gbuffer"}, {"aa", "taa"},
+                                          {"shadows", "rays", "shadow.ray-backend", "ray-query"}};
     fnl_frame frame = fnl_frame_default();
     frame.width = 320;
     frame.height = 180;
+    frame.shadow.ray_backend = FNL_RAY_BACKEND_BVH;
     if (fnl_scene_query_framing_camera(scene, 16.0f / 9.0f, &frame.camera) != FNL_OK) fail("no camera");
     for (frame.shading = 0; frame.shading < FNL_SHADING_AUTO; frame.shading++)
         for (uint32_t s = 0; s < COUNT_OF(samples); s++) {

@@ -37,6 +37,15 @@ typedef enum fnl_shadow_filter {
     FNL_SHADOW_FILTER_COUNT
 } fnl_shadow_filter;
 
+/** What shadow rays go through. All give the same picture, but for rays that meet the very edge of a triangle. */
+typedef enum fnl_ray_backend {
+    FNL_RAY_BACKEND_AUTO = 0, /**< FNL_RAY_BACKEND_RAY_QUERY where the device has it and is a GPU, else FNL_RAY_BACKEND_BVH */
+    FNL_RAY_BACKEND_BVH,      /**< bounding volume hierarchies of our own, walked by any shader of any device */
+    /** The device's acceleration structures (fnl_device_info.ray_query). Devices without take FNL_RAY_BACKEND_BVH, and a line in the log says so. */
+    FNL_RAY_BACKEND_RAY_QUERY,
+    FNL_RAY_BACKEND_COUNT
+} fnl_ray_backend;
+
 /** Settings of shadows. */
 typedef struct fnl_shadow_options {
     /**
@@ -65,6 +74,7 @@ typedef struct fnl_shadow_options {
     uint32_t rays;
     /** sampled: frames with the same seed, 0 .. 999 999, have the same noise. Those of which a mean is taken count it up. Temporal antialiasing does so itself. Default 0. */
     uint32_t seed;
+    fnl_ray_backend ray_backend; /**< wherever rays find shadows; default FNL_RAY_BACKEND_AUTO */
 } fnl_shadow_options;
 
 #ifdef __cplusplus

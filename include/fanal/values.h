@@ -24,6 +24,7 @@ typedef enum fnl_enum {
     FNL_ENUM_MSAA_METHOD,      /**< fnl_msaa_method */
     FNL_ENUM_SHADOWS,          /**< fnl_shadows */
     FNL_ENUM_SHADOW_FILTER,    /**< fnl_shadow_filter */
+    FNL_ENUM_RAY_BACKEND,      /**< fnl_ray_backend */
     FNL_ENUM_TRANSPARENCY,     /**< fnl_transparency */
     FNL_ENUM_DECALS,           /**< fnl_decals */
     FNL_ENUM_CULLING,          /**< fnl_culling */

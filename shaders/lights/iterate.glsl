@@ -32,6 +32,7 @@ layout(constant_id = LISTS_ID) const uint LIST_BITS = GPU_LIST_ALL;
 const uint LIST_KIND = LIST_BITS & GPU_LIST_KINDS;
 const bool LIST_SCATTERED = (LIST_BITS & GPU_LIST_SCATTERED) != 0u;
 const bool LIST_RAYS = (LIST_BITS & GPU_LIST_RAYS) != 0u;
+const bool LIST_RAY_QUERY = (LIST_BITS & GPU_LIST_RAY_QUERY) != 0u;
 const bool LIST_MAPS = (LIST_BITS & GPU_LIST_MAPS) != 0u;
 const bool LIST_SAMPLED = (LIST_BITS & GPU_LIST_SAMPLED) != 0u;
 const bool LIST_SHADOWED = LIST_RAYS || LIST_MAPS;

@@ -46,8 +46,10 @@ struct gpu_light {
 #define GPU_LIST_FILTERED 0x2000u
 /* Beside GPU_LIST_RAYS: of a point's lights only some are sent a ray (shadows/sampled.glsl). */
 #define GPU_LIST_SAMPLED 0x4000u
-/* Any of the five above. */
-#define GPU_LIST_SHADOWED 0x7c00u
+/* Beside GPU_LIST_RAYS: rays go through the device's own structures, not the trees (shadows/ray_query.glsl). */
+#define GPU_LIST_RAY_QUERY 0x8000u
+/* Any of the six above. */
+#define GPU_LIST_SHADOWED 0xfc00u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

@@ -88,11 +88,22 @@ bool ray_meets_triangle(shadow_ray r, vec3 a, vec3 b, vec3 c, out vec3 weights) 
     return at > 0.0 && at < r.high;
 }
 
-// The part of light that comes through one item. `slack`: what holds the ray's origin within so many metres casts no shadow on it.
-float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float slack) {
-    shadow_ray r = shadow_ray_make(
+// The ray in the space of the item's mesh.
+shadow_ray ray_in_item(gpu_ray_item item, shadow_ray world) {
+    return shadow_ray_make(
         vec3(dot(item.rows[0], vec4(world.origin, 1.0)), dot(item.rows[1], vec4(world.origin, 1.0)), dot(item.rows[2], vec4(world.origin, 1.0))),
         vec3(dot(item.rows[0].xyz, world.direction), dot(item.rows[1].xyz, world.direction), dot(item.rows[2].xyz, world.direction)), world.high);
+}
+
+// Whether the triangle's plane holds the ray's origin to within so many metres.
+bool ray_begins_on(gpu_ray_item item, shadow_ray r, vec3 p, vec3 q, vec3 s, float slack) {
+    vec3 n = cross(q - p, s - p), to_world = item.rows[0].xyz * n.x + item.rows[1].xyz * n.y + item.rows[2].xyz * n.z;
+    return !(abs(dot(n, p - r.origin)) > slack * length(to_world));
+}
+
+// The part of light that comes through one item. `slack`: what holds the ray's origin within so many metres casts no shadow on it.
+float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float slack) {
+    shadow_ray r = ray_in_item(item, world);
     gpu_ray_mesh mesh = b.rays.mesh_table.at[item.primitive];
     if (mesh.count == 0u) return 1.0;
     uint end = mesh.first + mesh.count - 1u, material = b.rays.scene.scene.primitives.at[item.primitive].material;
@@ -111,8 +122,7 @@ float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float 
             position_array positions = b.rays.scene.scene.positions;
             vec3 p = positions.at[corners.x], q = positions.at[corners.y], s = positions.at[corners.z], weights;
             if (ray_meets_triangle(r, p, q, s, weights)) {
-                vec3 n = cross(q - p, s - p), to_world = item.rows[0].xyz * n.x + item.rows[1].xyz * n.y + item.rows[2].xyz * n.z;
-                if (abs(dot(n, p - r.origin)) > slack * length(to_world)) open *= 1.0 - ray_coverage(b, material, corners, weights);
+                if (!ray_begins_on(item, r, p, q, s, slack)) open *= 1.0 - ray_coverage(b, material, corners, weights);
                 if (open <= 0.0) return 0.0;
             }
         }
@@ -121,14 +131,10 @@ float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float 
     return open;
 }
 
-// Rays that this invocation has sent.
-uint rays_sent = 0u;
-
-// The part of light, 0 .. 1, that comes from `origin` + `high` metres along the unit `direction`.
-float ray_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
+// The part of light, 0 .. 1, that comes from `origin` + `high` metres along the unit `direction`: through the trees.
+float tree_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
     shadow_ray r = shadow_ray_make(origin, direction, high);
     float open = 1.0;
-    rays_sent++;
     for (uint reference = b.rays.items.root; reference != RAY_END;) {
         uint last = reference & ~RAY_LEAF;
         if ((reference & RAY_LEAF) == 0u) {

@@ -4,7 +4,7 @@
 #define SHADOWS_SOFT_RAYS_GLSL
 
 #include "shadows/sources.glsl"
-#include "shadows/rays.glsl"
+#include "shadows/ray_query.glsl"
 
 // The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
 // `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer

@@ -77,6 +77,7 @@ static const struct names enums[] = {
     [FNL_ENUM_LIGHT_BUFFER] = NAMES(fnl_light_buffer, FNL_LIGHT_BUFFER_COUNT, "auto", "rgba", "two", "four"),
     [FNL_ENUM_LIGHT_PACKING] = NAMES(fnl_light_packing, FNL_LIGHT_PACKING_COUNT, "ids", "shift", "max"),
     [FNL_ENUM_MSAA_METHOD] = NAMES(fnl_msaa_method, FNL_MSAA_METHOD_COUNT, "all", "tiles", "stencil", "compact", "coverage", "aggregate"),
+    [FNL_ENUM_RAY_BACKEND] = NAMES(fnl_ray_backend, FNL_RAY_BACKEND_COUNT, "auto", "bvh", "ray-query"),
     [FNL_ENUM_SHADOW_FILTER] = NAMES(fnl_shadow_filter, FNL_SHADOW_FILTER_COUNT, "hard", "pcf", "pcss"),
     [FNL_ENUM_SHADOWS] = NAMES(fnl_shadows, FNL_SHADOWS_COUNT, "off", "rays", "maps", "sampled"),
     [FNL_ENUM_TRANSPARENCY] = NAMES(fnl_transparency, FNL_TRANSPARENCY_COUNT, "sorted", "weighted", "linked"),

@@ -38,6 +38,7 @@ static struct world {
     VkSemaphore binary[2], timeline;
     uint64_t ticks; /* what the timeline was last asked to reach */
     uint32_t layer_version;
+    uint32_t told; /* warnings that ray queries are missing */
     atomic_uint messages;
     char last_error[2048]; /* of Fanal's log */
     fnl_camera camera;
@@ -65,6 +66,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
 
 static void keep_error(void *user, fnl_log_level level, const char *line) {
     UNUSED(user);
+    if (level == FNL_LOG_WARNING && strstr(line, "ray-query")) w.told++;
     if (level == FNL_LOG_ERROR) snprintf(w.last_error, sizeof w.last_error, "%s", line);
 }
 
@@ -597,6 +599,63 @@ static void test_optional_features_are_used_where_the_caller_says_so(void **stat
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
+/* The device has not been created for them: shaders must be free of them, which validation sees, and the log says once what was done. */
+static void test_devices_without_ray_queries_walk_trees(void **state) {
+    UNUSED(state);
+    fnl_frame frame = small_frame();
+    fnl_device_info info;
+    FNL(fnl_device_query_info(w.imported, &info));
+    assert_false(info.ray_query);
+    frame.shadows = FNL_SHADOWS_RAYS;
+    assert_equal_on(w.renderer, frame); /* auto */
+    assert_int_equal(w.told, 0);
+    frame.shadow.ray_backend = FNL_RAY_BACKEND_RAY_QUERY;
+    for (int i = 0; i < 2; i++) assert_equal_on(w.renderer, frame);
+    assert_int_equal(w.told, 1);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
+/* Another device of the caller's, which was. */
+static void test_ray_queries_are_used_where_the_caller_says_so(void **state) {
+    UNUSED(state);
+    if (!w.optional.ray_query) skip();
+    static const char *const extensions[] = {VK_KHR_RAY_QUERY_EXTENSION_NAME, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+                                             VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
+    fnl_vulkan_requirements features;
+    fnl_vulkan_requirements_init(&features);
+    VkPhysicalDeviceRayQueryFeaturesKHR queries = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR, .pNext = &features.features, .rayQuery = VK_TRUE};
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR, .pNext = &queries, .accelerationStructure = VK_TRUE};
+    VkDeviceCreateInfo created = w.created;
+    created.pNext = &structures;
+    created.enabledExtensionCount = COUNT_OF(extensions);
+    created.ppEnabledExtensionNames = extensions;
+    fnl_device_params params = device_params();
+    fnl_vulkan_import handles = w.handles;
+    VK(vkCreateDevice(w.physical, &created, NULL, &handles.device));
+    vkGetDeviceQueue(handles.device, w.family, 0, &handles.graphics_queue);
+    fnl_frame frame = small_frame();
+    frame.shadows = FNL_SHADOWS_RAYS;
+    frame.shadow.ray_backend = FNL_RAY_BACKEND_RAY_QUERY;
+    for (int on = 0; on < 2; on++) {
+        queries.rayQuery = on; /* what the caller says, not what is */
+        handles.created = &created;
+        fnl_device *device;
+        fnl_renderer *renderer;
+        fnl_device_info info;
+        FNL(fnl_device_import(&params, &handles, &device));
+        FNL(fnl_device_query_info(device, &info));
+        assert_int_equal(info.ray_query, on);
+        FNL(fnl_renderer_create(device, w.scene, &renderer));
+        if (on) assert_equal_on(renderer, frame);
+        fnl_renderer_destroy(&renderer);
+        fnl_device_destroy(&device);
+    }
+    vkDestroyDevice(handles.device, NULL);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
 /* ---- required features ---- */
 
 /* All that fnl_vulkan_requirements_init switches on, once more: X(member, feature). */
@@ -780,6 +839,8 @@ int main(void) {
         cmocka_unit_test(test_semaphores_are_waited_for_and_signalled),
         cmocka_unit_test(test_misuse_is_refused_and_does_no_harm),
         cmocka_unit_test(test_optional_features_are_used_where_the_caller_says_so),
+        cmocka_unit_test(test_devices_without_ray_queries_walk_trees),
+        cmocka_unit_test(test_ray_queries_are_used_where_the_caller_says_so),
         cmocka_unit_test(test_each_required_feature_that_is_off_is_named),
         cmocka_unit_test(test_structures_of_single_features_count),
         cmocka_unit_test(test_auto_makes_pipelines_in_the_background),

@@ -62,6 +62,8 @@ static const struct row rows[] = {
            "radius of lights that have none of their own, for soft shadows"),
     NUMBER("shadow.sun-degrees", shadow.sun_degrees, 0, 57, "degrees", EVERY, EVERY,
            "half the angle that directional and box lights fill which have none of their own; the sun 0.27"),
+    NAME("shadow.ray-backend", shadow.ray_backend, FNL_ENUM_RAY_BACKEND, EVERY, EVERY,
+         "what shadow rays go through: the library's own trees, or what the device builds for its ray queries"),
     COUNT("shadow.rays", shadow.rays, 1, 16, "rays", EVERY, EVERY, "shadows=sampled: rays from each surface, besides those to directional lights"),
     COUNT("shadow.seed", shadow.seed, 0, 999999, "", EVERY, EVERY, "shadows=sampled: frames with the same seed have the same noise"),
     COUNT("msaa", msaa, 1, 8, "samples", EVERY, EVERY, "samples per pixel", ONLY(1, 2, 4, 8)),

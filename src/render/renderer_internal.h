@@ -112,6 +112,7 @@ struct fnl_renderer {
     ARRAY(fnl_counter) counters;           /* handed out with all stats */
     struct virtual_atlas atlas; /* of virtual texturing */
     bool told_of_maps;         /* the log knows that rays stand in for shadow maps */
+    bool told_of_trees;        /* … and trees for ray queries */
     uint64_t mapless_version; /* light_version of the scene + 1 at which it was asked whether it has lights without maps: shadows.c */
     bool mapless;
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */

@@ -44,6 +44,19 @@ static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
     return has_mapless(r) || row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
 }
 
+/* Whether rays go through the device's own structures. `auto` walks the trees on the CPU, where no hardware helps. */
+static bool queries(const fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_device_info *info = gpu_info(r->device);
+    if (!info->ray_query || r->device_scene->item_count > RAY_QUERY_MOST_ITEMS) return false;
+    return frame->shadow.ray_backend == FNL_RAY_BACKEND_RAY_QUERY ||
+           (frame->shadow.ray_backend == FNL_RAY_BACKEND_AUTO && info->type != FNL_DEVICE_CPU);
+}
+
+static struct device_rays_use rays_use_of(fnl_renderer *r, const fnl_frame *frame) {
+    const bool traces = has_traced(r, frame), query = traces && queries(r, frame);
+    return (struct device_rays_use){.trees = traces && !query, .query = query, .items = has_maps(r, frame)};
+}
+
 fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {
     if (!has_maps(r, frame)) return FNL_OK;
     const struct device_scene *d = r->device_scene;
@@ -73,18 +86,30 @@ static void tell_of_rays(fnl_renderer *r) {
                     r->scene->light_slot_end, r->scene->suns.count);
 }
 
+static void tell_of_trees(fnl_renderer *r) {
+    if (r->told_of_trees) return;
+    r->told_of_trees = true;
+    if (!gpu_info(r->device)->ray_query)
+        log_warning(&r->host, "shadows: this device has no ray_query, which shadow.ray-backend=ray-query needs: rays go through bounding volume hierarchies");
+    else
+        log_warning(&r->host, "shadows: the scene has %u items, more than ray queries can number: rays go through bounding volume hierarchies",
+                    r->device_scene->item_count);
+}
+
 fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
+    const struct device_rays_use use = rays_use_of(r, frame);
+    if (use.trees && frame->shadow.ray_backend == FNL_RAY_BACKEND_RAY_QUERY) tell_of_trees(r);
     if (frame->shadows == FNL_SHADOWS_MAPS && row_count(r) > 0 && !has_maps(r, frame)) tell_of_rays(r);
-    TRY(device_rays_prepare(r->device_scene, has_traced(r, frame)));
+    TRY(device_rays_prepare(r->device_scene, use));
     return shadows_prepare_view(r, frame, &r->views.data[0]);
 }
 
 void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene) {
     if (shared->frame->shadows == FNL_SHADOWS_OFF) return;
-    const bool traces = has_traced(shared->r, shared->frame);
-    shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, traces);
-    if (traces) scene->lights.rays = shared->rays;
+    const struct device_rays_use use = rays_use_of(shared->r, shared->frame);
+    shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, use);
+    if (use.trees || use.query) scene->lights.rays = shared->rays;
     scene->lights.soft = shared->frame->shadow.samples > 1;
     scene->lights.filtered = shared->frame->shadow.filter != FNL_SHADOW_FILTER_HARD;
 }
@@ -137,8 +162,21 @@ static bool classifies(const struct frame_state *f) {
            frame->lists != FNL_LISTS_BATCHES && frame->lists != FNL_LISTS_MULTIPASS;
 }
 
+/* The first view has what all share. */
+static void note_structures(struct frame_state *f) {
+    const struct device_structures *s = &f->r->device_scene->structures;
+    if (!f->rays.top.id) return;
+    const bool first = f->view_index == 0;
+    counters_note(f, "shadows.instances", s->frame.instances);
+    counters_note(f, "shadows.structures-built", first ? s->frame.built + s->frame.placed : 0);
+    counters_note(f, "shadows.structures-refitted", first ? s->frame.updated : 0);
+    counters_note(f, "shadows.structures-compacted", first ? s->frame.compacted : 0);
+    counters_note(f, "shadows.structure-bytes", gpu_memory_stats(f->r->device).structure_bytes);
+}
+
 void shadows_add(struct frame_state *f) {
     struct light_input *lights = &f->scene->lights;
+    note_structures(f);
     if (f->frame->shadows == FNL_SHADOWS_SAMPLED) {
         lights->shadow_rays = f->frame->shadow.rays;
         lights->shadow_seed = f->frame->shadow.seed + f->temporal.index;
@@ -228,6 +266,11 @@ static const struct counter counters[] = {
     MAPS("dark", "lights", "of them, those that left: in shadow all over the tile, or too far away from what it shows", dark),
     MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
+    {"shadows.instances", "items", "items in the device's acceleration structure, with ray queries", NOTED},
+    {"shadows.structures-built", "structures", "acceleration structures built in this frame: of meshes, and one of the instances when any has moved", NOTED},
+    {"shadows.structures-refitted", "structures", "of meshes that deform, adapted to this frame's vertices without being built anew", NOTED},
+    {"shadows.structures-compacted", "structures", "of meshes, made smaller in this frame", NOTED},
+    {"shadows.structure-bytes", "bytes", "memory of all acceleration structures on the device", NOTED},
     {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
      .find = find_waiting, .needs = "shadows=maps", .kind = FNL_COUNTER_OVERFLOW},
 };

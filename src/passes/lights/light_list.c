@@ -41,7 +41,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
 }
 
 void light_list_cast(struct light_list *list, const struct light_input *input) {
-    if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->soft ? GPU_LIST_SOFT : 0);
+    if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->soft ? GPU_LIST_SOFT : 0) | (input->rays.top.id ? GPU_LIST_RAY_QUERY : 0);
     if (input->maps.address) list->kind |= GPU_LIST_MAPS | (input->filtered ? GPU_LIST_FILTERED : 0);
     if (input->rays.address && input->shadow_rays > 0) list->kind |= GPU_LIST_SAMPLED;
     list->rays = input->rays;

@@ -81,7 +81,7 @@ static graph_buffer import_with(struct world *w, const char *name, const void *d
 /* Draws w->pages and reads everything back. */
 static void fill(struct world *w, uint32_t capacity) {
     assert_int_equal(device_scene_prepare(w->user.scene), FNL_OK);
-    assert_int_equal(device_rays_prepare(w->user.scene, false), FNL_OK);
+    assert_int_equal(device_rays_prepare(w->user.scene, (struct device_rays_use){.items = true}), FNL_OK);
     assert_int_equal(gpu_frame_begin(test_device), FNL_OK);
     graph_begin(w->graph);
     struct device_scene_frame frame;
@@ -90,7 +90,7 @@ static void fill(struct world *w, uint32_t capacity) {
         const uint64_t size = shadow_fill_kept_bytes(w->user.scene->item_count + 2);
         assert_int_equal(gpu_buffer_create(test_device, "kept", size, GPU_MEMORY_DEVICE, &w->kept), FNL_OK);
     }
-    struct rays rays = device_rays_add(w->user.scene, w->graph, &frame.geometry, false);
+    struct rays rays = device_rays_add(w->user.scene, w->graph, &frame.geometry, (struct device_rays_use){.items = true});
     struct gpu_shadow_page rows[MOST_PAGES] = {{0}};
     for (uint32_t i = 0; i < w->pages.count; i++) {
         const struct page *p = &w->pages.data[i];

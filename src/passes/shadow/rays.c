@@ -162,6 +162,11 @@ struct rays rays_add(struct graph *graph, gpu_device *device, const struct rays_
         b.rays.meshes = graph_import_buffer(graph, "ray meshes", input->meshes);
         if (input->make_meshes && input->triangle_count > 0) add_meshes(&b);
     }
+    if (input->query) {
+        const VkDeviceAddress top = input->query->top->address;
+        ((struct gpu_rays *)table.data)->top = (uvec2){(uint32_t)top, (uint32_t)(top >> 32)};
+        ray_query_add(graph, device, input, input->items->address + parts_of(input->item_count).rest, &b.rays);
+    }
     if (input->place && input->item_count > 0) {
         add_primitives(&b);
         add_items(&b);
@@ -171,6 +176,11 @@ struct rays rays_add(struct graph *graph, gpu_device *device, const struct rays_
 
 void rays_use(struct graph_pass *pass, const struct rays *rays, enum graph_use use) {
     if (rays->meshes.id) graph_use_buffer(pass, rays->meshes, use);
+    const enum graph_use trace = use == GRAPH_READ_COMPUTE ? GRAPH_TRACE_COMPUTE : GRAPH_TRACE_FRAGMENT;
+    if (rays->top.id) {
+        graph_use_buffer(pass, rays->bottoms, trace);
+        graph_use_buffer(pass, rays->top, trace);
+    }
     graph_use_buffer(pass, rays->items, use);
     graph_use_buffer(pass, rays->vertices, use);
 }

@@ -8,6 +8,7 @@
 #define FNL_PASSES_SHADOW_RAYS_H
 
 #include "graph/graph.h"
+#include "passes/shadow/ray_query.h"
 #include "shadows/rays_shared.h"
 
 struct rays_input {
@@ -19,13 +20,15 @@ struct rays_input {
     const struct gpu_buffer *meshes, *items; /* what is kept: of rays_mesh_bytes() and rays_item_bytes(). `meshes` NULL: no rays
                                                 are traced, and the tree over items is all that is wanted */
     bool make_meshes;      /* triangles have come or gone, or their vertices have moved */
-    bool place;            /* that, or items have come, gone or moved */
+    bool place;            /* that, or items have come, gone or moved, and the tree over items is wanted */
+    const struct ray_query_input *query; /* rays go through the device's own structures: `meshes` is NULL. NULL: they do not */
 };
 uint64_t rays_mesh_bytes(uint32_t triangle_count, uint32_t primitive_count);
 uint64_t rays_item_bytes(uint32_t item_count, uint32_t primitive_count);
 
 struct rays {
     graph_buffer meshes, items; /* for shaders that trace: rays_use(). meshes may be id 0 */
+    graph_buffer bottoms, top;  /* with rays_input.query; or id 0 */
     graph_buffer vertices;
     VkDeviceAddress address;    /* struct gpu_rays; 0: no memory */
 };

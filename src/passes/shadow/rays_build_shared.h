@@ -33,6 +33,22 @@ struct gpu_ray_place_push {
     vec3 scale;          /* 1 / its size, or 0 */
 };
 
+/* As VkAccelerationStructureInstanceKHR. */
+struct gpu_ray_instance {
+    vec4 rows[3];          /* object to world */
+    uint index_and_mask;   /* number of the draw item, 24 bits; the mask above */
+    uint offset_and_flags;
+    uvec2 structure;       /* address of that of the triangles; 0: the instance is none */
+};
+
+struct gpu_ray_instances_push {
+    ADDRESS(scene_block) scene;
+    ADDRESS(ray_item_array) placed;
+    ADDRESS(ray_instance_array) instances;
+    ADDRESS(structure_array) structures; /* by primitive: addresses, uvec2 */
+    uint item_count;
+};
+
 struct gpu_ray_links_push {
     ADDRESS(const_uint_array) pairs; /* sorted */
     ADDRESS(ray_node_array) nodes;

@@ -55,26 +55,33 @@ static fnl_result send_table(struct device_scene *d) {
 static fnl_result keep(struct device_scene *d, const char *name, struct gpu_buffer *buffer, uint64_t size) {
     if (buffer->handle && buffer->size >= size) return FNL_OK;
     gpu_buffer_destroy(d->device, buffer);
-    d->sent.ray_meshes = d->sent.ray_items = UINT64_MAX;
+    d->sent.ray_meshes = d->sent.ray_items = d->sent.ray_instances = UINT64_MAX;
     return gpu_buffer_create(d->device, name, size + size / 2, GPU_MEMORY_DEVICE, buffer);
 }
 
-fnl_result device_rays_prepare(struct device_scene *d, bool traces) {
+fnl_result device_rays_prepare(struct device_scene *d, struct device_rays_use use) {
     if (d->ray_structure != d->structure_version) {
         d->ray_structure = UINT64_MAX;
         TRY(send_table(d));
         d->ray_structure = d->structure_version;
         d->sent.ray_items = UINT64_MAX;
     }
-    if (traces) TRY(keep(d, "ray meshes", &d->ray_meshes, rays_mesh_bytes(d->ray_triangles, d->ray_primitives)));
+    if (use.trees) TRY(keep(d, "ray meshes", &d->ray_meshes, rays_mesh_bytes(d->ray_triangles, d->ray_primitives)));
     TRY(keep(d, "ray items", &d->ray_items, rays_item_bytes(d->item_count, d->ray_primitives)));
+    if (use.query) TRY(device_structures_prepare(d));
     return gpu_upload_submit(d->device);
 }
 
-struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry, bool traces) {
+struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry, struct device_rays_use use) {
     const uint64_t now = d->scene->transform_version;
     const bool makes =
-        traces && (d->sent.ray_meshes == UINT64_MAX || (d->deformed.count > 0 && d->sent.ray_meshes != now));
+        use.trees && (d->sent.ray_meshes == UINT64_MAX || (d->deformed.count > 0 && d->sent.ray_meshes != now));
+    struct ray_query_input query;
+    if (use.query && device_structures_add(d, &query) != FNL_OK) {
+        gpu_fail(d->device, FNL_ERROR_MEMORY);
+        return (struct rays){0};
+    }
+    const bool items = use.items || !use.query;
     struct rays rays = rays_add(graph, d->device,
                                 &(struct rays_input){.vertices = geometry->vertices,
                                                      .scene = geometry->scene,
@@ -85,12 +92,13 @@ struct rays device_rays_add(struct device_scene *d, struct graph *graph, const s
                                                      .item_count = d->item_count,
                                                      .low = d->bounds.low,
                                                      .high = d->bounds.high,
-                                                     .meshes = traces ? &d->ray_meshes : NULL,
+                                                     .meshes = use.trees ? &d->ray_meshes : NULL,
                                                      .items = &d->ray_items,
+                                                     .query = use.query ? &query : NULL,
                                                      .make_meshes = makes,
-                                                     .place = makes || d->sent.ray_items != now});
-    if (traces) d->sent.ray_meshes = now;
-    d->sent.ray_items = now;
+                                                     .place = items && (makes || d->sent.ray_items != now)});
+    if (use.trees) d->sent.ray_meshes = now;
+    if (items) d->sent.ray_items = now;
     return rays;
 }
 
@@ -100,4 +108,5 @@ void device_rays_finish(struct device_scene *d) {
     gpu_buffer_destroy(d->device, &d->ray_table.buffer);
     array_free(&d->host, &d->ray_table.sent);
     d->ray_structure = UINT64_MAX;
+    device_structures_finish(d);
 }

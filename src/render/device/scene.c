@@ -7,8 +7,10 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .scene = scene,
                                .structure_version = UINT64_MAX,
                                .material_version = UINT64_MAX,
-                               .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX},
+                               .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX,
+                                        UINT64_MAX, UINT64_MAX},
                                .ray_structure = UINT64_MAX,
+                               .structures = {.structure = UINT64_MAX},
                                .decals = {.version = UINT64_MAX}};
 }
 
@@ -75,6 +77,7 @@ static void free_structure(struct device_scene *d) {
     d->primitive_places.count = d->nodes.count = d->buckets.count = d->deformed.count = d->deform_vertex_counts.count = 0;
     d->ray_structure = UINT64_MAX;
     d->ray_key = 0;
+    device_structures_forget(d);
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
 
@@ -99,7 +102,7 @@ void device_scene_finish(struct device_scene *d) {
 /* Of a frame that was declared and not submitted. */
 static void take_back(struct device_scene *d) {
     if (d->declared) d->sent = d->sent_before;
-    d->declared = false;
+    d->declared = d->structures.declared = false;
 }
 
 void device_scene_forget(struct device_scene *d) {

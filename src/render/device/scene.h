@@ -106,6 +106,49 @@ struct device_scene_sent {
     uint64_t transforms, poses, lights; /* poses: what deforms has its vertices of these transforms */
     uint64_t decals, decal_transforms;
     uint64_t ray_meshes, ray_items; /* transforms of what the trees of rays.c were made for */
+    uint64_t ray_poses, ray_instances; /* … and the structures of structures.c */
+};
+
+/** The device's acceleration structure of a primitive's triangles (structures.c). */
+struct device_structure {
+    uint64_t key;                      /* of what it is made of */
+    uint32_t share;                    /* the row whose structure serves: another one's for what a deforming node shows as it is */
+    bool wanted;                       /* some item shows it */
+    bool built, measured;              /* in frames that were submitted */
+    uint32_t query;                    /* by which it is measured, or GPU_NO_INDEX */
+    uint32_t updates;                  /* since it was built */
+    struct gpu_structure made, smaller; /* smaller: what the next frame compacts it into; handle 0: nothing */
+    struct gpu_structure_input input;  /* without addresses */
+    uint64_t build_scratch, update_scratch;
+};
+typedef ARRAY(struct device_structure) device_structure_list;
+
+/** What a frame does to structures. */
+struct device_structure_work {
+    uint32_t built, updated, compacted, instances;
+    bool placed; /* the one over the instances is built */
+};
+
+struct device_structures {
+    uint64_t structure; /* structure_version that they are of */
+    device_structure_list rows; /* as d->primitives */
+    uint32_t first_deformed;    /* row */
+    uint32_t unbuilt, unmeasured, copies; /* rows: to be built, not measured yet, to be compacted */
+    struct gpu_buffer bottoms, instances; /* see struct ray_query_input */
+    struct gpu_structure top;
+    uint32_t top_capacity;
+    uint64_t top_scratch;
+    struct device_array addresses; /* by row */
+    struct gpu_structure_queries queries; /* of rows that are being measured */
+    bool asked;                           /* by a frame that was submitted: asked_frame */
+    uint64_t asked_frame;
+    /* Of the frame that was declared. */
+    bool declared;
+    struct device_structure_work frame;
+    ARRAY(struct gpu_structure_build) builds;
+    ARRAY(uint32_t) changed; /* the rows of `builds` */
+    ARRAY(struct ray_query_copy) moves;
+    ARRAY(struct gpu_structure) measured;
 };
 
 struct device_scene {
@@ -163,6 +206,7 @@ struct device_scene {
     struct device_array ray_table; /* struct gpu_ray_mesh */
     struct gpu_buffer ray_meshes, ray_items;
     uint32_t ray_primitives, ray_triangles;
+    struct device_structures structures; /* for ray queries, once some frame has asked for them */
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
     struct gpu_buffer bound_buffer;     /* of the lights: struct gpu_entity_bounds, a place for each slot */
@@ -296,11 +340,25 @@ void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light
  */
 fnl_result device_lights_fade(struct device_scene_user *user, const struct gpu_view *view, float lod, bool walk);
 
+/** What a frame traces shadow rays through, and what else it wants of the trees. */
+struct device_rays_use {
+    bool trees, query; /* the trees; the device's own structures, where it has fnl_device_info.ray_query */
+    bool items;        /* the tree over items, which drawing maps goes through too. Where both others are false it is all that is wanted */
+};
 /** Outside of frames, after device_scene_prepare, for frames that trace shadow rays, or want the tree over items alone (rays.c). */
-fnl_result device_rays_prepare(struct device_scene *d, bool traces);
+fnl_result device_rays_prepare(struct device_scene *d, struct device_rays_use use);
 /** Then, in the frame: makes what of it changed. `geometry` is of device_scene_add. */
-struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry, bool traces);
+struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry, struct device_rays_use use);
 void device_rays_finish(struct device_scene *d);
+
+/** The same for the device's own structures (structures.c); `out` points into `d`. */
+fnl_result device_structures_prepare(struct device_scene *d);
+fnl_result device_structures_add(struct device_scene *d, struct ray_query_input *out);
+/** The frame that was declared last was submitted. */
+void device_structures_submitted(struct device_scene *d);
+/** All of them are built anew. */
+void device_structures_forget(struct device_scene *d);
+void device_structures_finish(struct device_scene *d);
 
 /** Outside of frames, when structure or decals changed: pictures, tables of mesh decals. */
 fnl_result device_decals_prepare(struct device_scene *d);

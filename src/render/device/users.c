@@ -191,6 +191,7 @@ fnl_result device_users_add(struct device_scene_user *user, struct graph *graph,
 void device_scene_submitted(struct device_scene_user *user) {
     struct device_scene *d = user->scene;
     d->declared = false;
+    device_structures_submitted(d);
     for (struct device_scene_user *other = d->users; other; other = other->next)
         if (other->last == DEVICE_LAST_THERE && d->overwrites)
             other->last = other->keeping ? DEVICE_LAST_KEPT : DEVICE_LAST_UNKNOWN;
