@@ -55,6 +55,16 @@ void count_rays(view_block v, uint_array counters) {
     rays_sent = 0u;
 }
 
+// With LIST_DENOISED shade_surface() leaves here what it did not add to the radiance.
+struct light_apart {
+    vec3 open;   // what all local lights give without shadows, cd/m^2: exact
+    vec3 drawn;  // the same, estimated by the chosen ones
+    vec3 seen;   // what is left of that by their shadows
+    vec4 field;  // lux: sum over the lights of the direction to it, and of 1, each times its luminance; it knows nothing of the surface
+    float noise; // variance of seen over drawn, as a part of what is possible for its mean; 0: all lights were sent a ray
+};
+light_apart apart;
+
 // Outgoing radiance in cd/m^2. `counters` holds two uints per pixel; it is touched only where COUNT_LIGHTS is 1. `item` is the draw item,
 // or LIGHT_NO_ITEM.
 vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
@@ -76,9 +86,11 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
     light_draw draw;
     float weights = 0.0;
     uint weighed = 0u;
+    if (LIST_DENOISED) apart = light_apart(vec3(0.0), vec3(0.0), vec3(0.0), vec4(0.0), 0.0);
     for (uint walk = LIST_SAMPLED ? 0u : 1u; walk < 2u && HAS_LIGHTS == 1u; walk++) {
         if (LIST_SAMPLED && walk == 1u) {
             draw = light_draw_begin(lights, pixel, weights, weighed);
+            if (LIST_DENOISED && draw.scale != 0.0) apart.noise = 1.0 / float(lights.list.shadow_rays);
             cursor = lights_begin(lights, point);
         }
         FOR_EACH_LIGHT(lights, cursor, light) {
@@ -91,6 +103,10 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     precise float weight = luminance(illuminance * brdf_cos(s, b, to_light));
                     if (!(weight > 0.0)) continue;
                     if (walk == 0u) {
+                        if (LIST_DENOISED) {
+                            apart.open += illuminance * brdf_cos(s, b, to_light);
+                            apart.field += luminance(illuminance) * vec4(to_light, 1.0);
+                        }
                         precise float more = weights + weight;
                         weights = more;
                         weighed++;
@@ -100,8 +116,10 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     if (share == 0.0) continue;
                     illuminance *= share;
                 }
+                if (LIST_DENOISED) apart.drawn += illuminance * brdf_cos(s, b, to_light);
                 if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
-                sum += illuminance * brdf_cos(s, b, to_light);
+                if (LIST_DENOISED) apart.seen += illuminance * brdf_cos(s, b, to_light);
+                else sum += illuminance * brdf_cos(s, b, to_light);
                 if (LIST_SAMPLED && light_draw_done(draw)) break;
             }
         }

@@ -123,6 +123,8 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_SHADOW_LEVELS,  /**< shadow maps: the level of that page, finer is brighter, with a legend */
     FNL_DEBUG_SHADOW_TEXELS,  /**< shadow maps: a texel of that page against the pixel: up to its width green to blue, wider yellow to red */
     FNL_DEBUG_SHADOW_ERRORS,  /**< shadow maps against rays: red where light is that should not be, blue where it is missing */
+    FNL_DEBUG_SHADOW_VARIANCE, /**< shadow.denoise: standard deviation of the part of the light that is seen, before it is filtered in space; brightest: a half */
+    FNL_DEBUG_SHADOW_HISTORY, /**< shadow.denoise: frames that a pixel has collected; brightest: 32 */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

@@ -75,6 +75,11 @@ typedef struct fnl_shadow_options {
     /** sampled: frames with the same seed, 0 .. 999 999, have the same noise. Those of which a mean is taken count it up. Temporal antialiasing does so itself. Default 0. */
     uint32_t seed;
     fnl_ray_backend ray_backend; /**< wherever rays find shadows; default FNL_RAY_BACKEND_AUTO */
+    /**
+     * sampled: filters the noise over time and space, for real time; deferred shading with 1 sample alone. Shadows then lag behind what moves by a few frames, and
+     * are blurred where few frames know them. Frames take other lights each, and those of a still scene come close to FNL_SHADOWS_RAYS. Default false.
+     */
+    bool denoise;
 } fnl_shadow_options;
 
 #ifdef __cplusplus

@@ -58,7 +58,9 @@ struct names {
     ROW("shadow-pages", "shadow maps: a colour for each page, of the light that gives most to the pixel; magenta: none")        \
     ROW("shadow-levels", "shadow maps: the level of that page, finer is brighter, with a legend")                               \
     ROW("shadow-texels", "shadow maps: a texel of that page over the pixel: at most 1 green to blue, more yellow to red")       \
-    ROW("shadow-errors", "shadow maps against rays: red where light is that should not be, blue where it is missing")
+    ROW("shadow-errors", "shadow maps against rays: red where light is that should not be, blue where it is missing")           \
+    ROW("shadow-variance", "shadow.denoise: standard deviation of the light seen, before filtering in space; brightest: 0.5")   \
+    ROW("shadow-history", "shadow.denoise: frames that a pixel has collected; brightest: 32, or exact")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

@@ -103,9 +103,13 @@ static void test_frames_have_what_they_do(void **state) {
         if (!fnl_shading_supports(frame.shading, frame.lists, 1)) frame.lists = usual.lists;
         frame.visibility.sort = FNL_VISIBILITY_SORT_CLASS;
         look(&stage, &frame);
-        if (s != FNL_SHADING_DEFERRED || !(info.msaa_counts & 4)) continue;
-        frame.msaa = 4;
+        if (s != FNL_SHADING_DEFERRED) continue;
         frame.deferred.class_blocks = 0;
+        frame.shadows = FNL_SHADOWS_SAMPLED; /* with shadow.denoise */
+        look(&stage, &frame);
+        frame.shadow.denoise = false;
+        if (!(info.msaa_counts & 4)) continue;
+        frame.msaa = 4;
         look(&stage, &frame);
     }
     for (uint32_t i = 0; fnl_counter_query(i, &c); i++) {

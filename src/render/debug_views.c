@@ -3,6 +3,7 @@
 
 #include "render/decals.h"
 #include "render/orders/order.h"
+#include "render/shadows.h"
 
 /* ---- views that go with every order ---- */
 
@@ -64,6 +65,16 @@ static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, 
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
 }
 
+static void add_denoise(struct frame_state *f, bool swap) {
+    denoise_view_add(f->graph, &f->denoise, f->frame->debug == FNL_DEBUG_SHADOW_HISTORY, f->view_address, f->color, swap);
+}
+
+static fnl_result check_denoise(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (shadows_denoised(frame)) return FNL_OK;
+    return unsupported(call, "the debug view %s needs shadows sampled and shadow.denoise", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
+}
+
 static fnl_result check_clusters(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(frame);
     if (gpu_info(r->device)->primitive_ids) return FNL_OK;
@@ -91,6 +102,8 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_SHADOW_LEVELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_TEXELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_ERRORS, .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_VARIANCE, .add = add_denoise, .check = check_denoise},
+    {FNL_DEBUG_SHADOW_HISTORY, .add = add_denoise, .check = check_denoise},
 };
 
 /* ---- the view of a frame ---- */

@@ -120,7 +120,7 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
     camera.shift.y += 2 * f->temporal.jitter.y / (float)f->frame->height;
     f->view = view_from_camera(&camera, f->frame->width, f->frame->height);
     f->view.samples = f->frame->msaa;
-    f->view.turn = f->temporal.index % 64;
+    f->view.turn = MAX(f->temporal.index, f->temporal.sequence) % 64;
     f->view.frame = f->shared_address;
     TRY(decals_begin(f));
     *out = f->view;

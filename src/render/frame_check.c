@@ -3,6 +3,7 @@
 #include "render/debug_views.h"
 #include "render/options.h"
 #include "render/shading.h"
+#include "render/shadows.h"
 
 static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame) {
     bool plain = frame->gbuffer.layout == FNL_GBUFFER_DEFAULT && frame->gbuffer.normals == FNL_NORMALS_LAYOUT && !frame->gbuffer.chroma;
@@ -33,6 +34,11 @@ static fnl_result check_geometry(const struct call *call, const fnl_renderer *r,
     return FNL_OK;
 }
 
+static fnl_result check_denoise(const struct call *call, const fnl_frame *frame) {
+    if (!shadows_denoised(frame) || frame->shading == FNL_SHADING_DEFERRED) return FNL_OK;
+    return unsupported(call, "shadow.denoise needs deferred shading, not %s", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+}
+
 static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
     TRY(check_count(call, "view_count", frame->view_count, 0, FNL_VIEWS_MAX));
     if (frame->view_count == 0) return camera_check(call, "camera.", &frame->camera);
@@ -57,6 +63,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     TRY(lists_check(call, &frame->clusters));
     TRY(check_gbuffer(call, frame));
     TRY(check_geometry(call, r, frame));
+    TRY(check_denoise(call, frame));
     TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
     if (!fnl_shading_supports(frame->shading, frame->lists, 1))
         return unsupported(call, "%s lists do not work with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),

@@ -7,6 +7,7 @@
 #include "passes/aa/motion.h"
 #include "passes/dais/dais.h"
 #include "passes/post/post.h"
+#include "passes/shadow/denoise.h"
 #include "passes/texturing/texturing.h"
 #include "passes/visibility/visibility.h"
 #include "render/renderer_internal.h"
@@ -29,6 +30,8 @@ struct frame_temporal {
     vec2 jitter;          /* pixels right of and below their centres */
     uint32_t index;
     bool keeps, still; /* the last frame's history counts; and nothing has changed since */
+    uint32_t sequence;     /* frames before whose history counts, where shadows are denoised */
+    uint32_t still_frames; /* since something changed */
     graph_image motion;
 };
 
@@ -65,6 +68,7 @@ struct frame_state {
     struct frame_decals decals;
     struct aov_images aov;
     struct frame_temporal temporal;
+    struct denoise denoise; /* places.id 0: nothing was denoised */
     graph_image color;
     const struct frame_target *target; /* or NULL: where the picture goes besides */
     bool blended;                      /* the order has drawn blended surfaces itself */

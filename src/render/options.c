@@ -66,6 +66,8 @@ static const struct row rows[] = {
          "what shadow rays go through: the library's own trees, or what the device builds for its ray queries"),
     COUNT("shadow.rays", shadow.rays, 1, 16, "rays", EVERY, EVERY, "shadows=sampled: rays from each surface, besides those to directional lights"),
     COUNT("shadow.seed", shadow.seed, 0, 999999, "", EVERY, EVERY, "shadows=sampled: frames with the same seed have the same noise"),
+    SWITCH("shadow.denoise", shadow.denoise, PATH(DEFERRED), EVERY,
+           "shadows=sampled: filters their noise over time and space; needs 1 sample per pixel"),
     COUNT("msaa", msaa, 1, 8, "samples", EVERY, EVERY, "samples per pixel", ONLY(1, 2, 4, 8)),
     NAME("transparency", transparency, FNL_ENUM_TRANSPARENCY, ~PATH(INFERRED), EVERY,
          "how blended surfaces that overlap are composited"),

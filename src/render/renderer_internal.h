@@ -10,6 +10,7 @@
 #include "passes/transparency/transparency.h"
 #include "passes/shade/coarse_shared.h"
 #include "passes/shade/edges_shared.h"
+#include "passes/shadow/denoise_shared.h"
 #include "passes/shadow/pages.h"
 #include "render/chooser.h"
 #include "render/counters.h"
@@ -36,6 +37,7 @@ struct frame_counts {
     uint32_t dais[DAIS_COUNTS];
     struct gpu_virtual_counts pages;
     struct gpu_shadow_counts shadows;
+    struct gpu_denoise_counts denoise;
 };
 
 enum { DECAL_POOL_START = 1 << 17 };

@@ -5,6 +5,7 @@
 #include "passes/shadow/fill.h"
 #include "passes/shadow/maps.h"
 #include "render/orders/order.h"
+#include "render/temporal.h"
 
 /* ---- what finds them ---- */
 
@@ -179,7 +180,7 @@ void shadows_add(struct frame_state *f) {
     note_structures(f);
     if (f->frame->shadows == FNL_SHADOWS_SAMPLED) {
         lights->shadow_rays = f->frame->shadow.rays;
-        lights->shadow_seed = f->frame->shadow.seed + f->temporal.index;
+        lights->shadow_seed = f->frame->shadow.seed + MAX(f->temporal.index, f->temporal.sequence);
     }
     if (!has_maps(f->r, f->frame) || shadow_row_count(lights) == 0) return;
     const uint32_t pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count);
@@ -235,6 +236,23 @@ void shadows_add(struct frame_state *f) {
     graph_pop_names(f->graph);
     COUNTERS_COPY(f, pages.counts, 0, shadows);
     counters_note(f, "shadows.waiting", pairs);
+}
+
+/* ---- denoised ---- */
+
+bool shadows_denoised(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.denoise; }
+
+void shadows_denoise(struct frame_state *f, const struct shade_apart *apart) {
+    temporal_add_motion(f);
+    const struct denoise_input input = {.view = f->view_address,
+                                        .previous = f->temporal.keeps ? &f->kept->temporal.view : NULL,
+                                        .depth = f->depth,
+                                        .motion = f->temporal.motion,
+                                        .apart = apart,
+                                        .still = f->temporal.still_frames,
+                                        .whole = f->temporal.still_frames >= f->temporal.sequence};
+    f->denoise = denoise_add(f->graph, f->r->device, &input, f->radiance);
+    COUNTERS_COPY(f, f->denoise.counts, 0, denoise);
 }
 
 /* ---- numbers ---- */

@@ -18,6 +18,11 @@ void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene)
 /** The maps of a view: lists that are made afterwards cast shadows. After what is drawn before lists, before lists. */
 void shadows_add(struct frame_state *f);
 
+/** Whether the frame asks for denoised shadows. Its check sees to it that its order has them. */
+bool shadows_denoised(const fnl_frame *frame);
+/** Adds to f->radiance what the order kept apart, denoised. */
+void shadows_denoise(struct frame_state *f, const struct shade_apart *apart);
+
 extern const struct counter_table shadows_counters;
 
 #endif

@@ -3,10 +3,11 @@
 
 #include "passes/aa/taa.h"
 #include "render/frame_state.h"
+#include "render/shadows.h"
 #include "render/view.h"
 
 bool temporal_needs_motion(const fnl_frame *frame) {
-    return frame->aa == FNL_ANTIALIASING_TAA || frame->debug == FNL_DEBUG_MOTION || frame->outputs & FNL_OUTPUT_MOTION;
+    return frame->aa == FNL_ANTIALIASING_TAA || shadows_denoised(frame) || frame->debug == FNL_DEBUG_MOTION || frame->outputs & FNL_OUTPUT_MOTION;
 }
 
 /* Is the last frame one of the same camera at the same scene? */
@@ -41,6 +42,8 @@ void temporal_begin(struct frame_state *f) {
     t->keeps = keeps(f, &t->view);
     t->still = t->keeps && is_still(f, &t->view);
     t->jitter = f->frame->jitter;
+    t->still_frames = t->still ? s->still + 1 : 0;
+    if (shadows_denoised(f->frame)) t->sequence = t->keeps ? s->sequence + 1 : 0;
     if (f->frame->aa != FNL_ANTIALIASING_TAA) return;
     t->index = collects(f) ? s->index + 1 : 0;
     vec2 jitter = pixel_jitter(t->index);
@@ -48,13 +51,10 @@ void temporal_begin(struct frame_state *f) {
     t->jitter.y += jitter.y;
 }
 
-void temporal_add(struct frame_state *f) {
+/* `depth`: of opaque surfaces. */
+static void add_motion(struct frame_state *f, graph_image depth) {
     struct frame_temporal *t = &f->temporal;
-    const fnl_frame *frame = f->frame;
-    if (!temporal_needs_motion(frame)) return;
-    graph_image depth = f->depth;
-    if (!depth.id)
-        depth = motion_depth_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
+    if (t->motion.id) return;
     const struct device_previous *previous = &f->scene->previous_layout;
     struct motion_input input = {.view = f->view_address,
                                  .current = &f->view,
@@ -69,6 +69,18 @@ void temporal_add(struct frame_state *f) {
                                              .first_deformed = previous->first_deformed,
                                              .deformed_count = previous->deformed_count}};
     t->motion = motion_add(f->graph, f->r->device, &input);
+}
+
+void temporal_add_motion(struct frame_state *f) { add_motion(f, f->depth); }
+
+void temporal_add(struct frame_state *f) {
+    struct frame_temporal *t = &f->temporal;
+    const fnl_frame *frame = f->frame;
+    if (!temporal_needs_motion(frame)) return;
+    graph_image depth = f->depth;
+    if (!depth.id)
+        depth = motion_depth_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
+    add_motion(f, depth);
     if (frame->aa != FNL_ANTIALIASING_TAA) return;
     struct taa_params params = {.view = f->view_address,
                                 .depth = depth,
@@ -90,5 +102,7 @@ void temporal_end(struct frame_state *f) {
                                                 .image_arrivals = f->r->device_scene->image_arrivals,
                                                 .background = f->r->scene->background,
                                                 .frame = *f->frame,
-                                                .index = f->temporal.index};
+                                                .index = f->temporal.index,
+                                                .sequence = f->temporal.sequence,
+                                                .still = f->temporal.still_frames};
 }

@@ -15,12 +15,15 @@ struct temporal_state {
     vec3 background;
     fnl_frame frame;
     uint32_t index; /* of its jitter */
+    uint32_t sequence, still; /* of struct frame_temporal */
 };
 
 /** Whether the frame needs motion vectors. */
 bool temporal_needs_motion(const fnl_frame *frame);
 /** Decides, once updates of the scene are declared, what of the last frame counts; fills f->temporal. */
 void temporal_begin(struct frame_state *f);
+/** Motion vectors, with f->depth, for what needs them before the frame is shaded; fills f->temporal.motion. */
+void temporal_add_motion(struct frame_state *f);
 /** After shading: motion vectors, and with temporal antialiasing f->radiance becomes what was collected. */
 void temporal_add(struct frame_state *f);
 /** Once the frame is declared. */

@@ -7,6 +7,7 @@
 #include "shade.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/shade_shared.h"
+#include "passes/shadow/denoise.glsl"
 
 layout(constant_id = IS_FULL_ID) const uint IS_FULL = 0u;    // every pixel of the blocks is to be shaded
 layout(constant_id = BLOCK_SIZE_ID) const uint BLOCK_SIZE = 0u; // 0: not classified
@@ -27,15 +28,32 @@ bool block_pixel(out ivec2 pixel) {
     return true;
 }
 
+// What is denoised, as parts of the luminance of all light, and the normal (denoise_shared.h).
+void store_apart(ivec2 pixel, vec3 normal) {
+    float all = luminance(apart.open), scale = all > 0.0 ? 1.0 / all : 0.0;
+    vec2 encoded = octahedral_encode(normal);
+    imageStore(images[push.open], pixel, vec4(min(apart.open, vec3(push.view.view.frame.frame.hdr_max)), encoded.x));
+    imageStore(images[push.seen], pixel, vec4(apart.seen * scale, encoded.y));
+    imageStore(images[push.drawn], pixel, vec4(apart.drawn * scale, apart.noise));
+    imageStore(images[push.field], pixel, vec4(apart.field.xyz / max(apart.field.w, 1e-30), min(apart.field.w, HALF_MAX)));
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, push.first_row);
     if (BLOCK_SIZE != 0u && !block_pixel(pixel)) return;
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
     float depth = gbuffer_depth(push.gbuffer, pixel);
-    if (IS_FULL == 0u && (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel))) return; // sky keeps the background
+    if (IS_FULL == 0u && (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel))) { // sky keeps the background
+        if (LIST_DENOISED) {
+            imageStore(images[push.open], pixel, vec4(0.0, 0.0, 0.0, DENOISE_SKY));
+            imageStore(images[push.field], pixel, vec4(0.0));
+        }
+        return;
+    }
     float view_depth = view_depth_of(push.view, depth);
     vec3 emissive = imageLoad(images[push.radiance], pixel).rgb;
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(push.view, pixel, view_depth), emissive);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
+    if (LIST_DENOISED) store_apart(pixel, s.normal);
     imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)), 1.0));
 }

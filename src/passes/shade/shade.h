@@ -8,6 +8,12 @@
 #include "passes/geometry/geometry.h"
 #include "passes/lights/light_list.h"
 
+/** Where a pass puts what shade_surface() of shade.glsl keeps apart (light_apart), which is then not in the radiance. open.id 0: it keeps nothing apart. */
+struct shade_apart {
+    graph_image open, seen, drawn;
+    struct graph_history field;
+};
+
 struct shade_input {
     const struct geometry_scene *scene;
     const struct geometry_draws *draws;
@@ -20,6 +26,7 @@ struct shade_input {
     fnl_gbuffer layout; /* of the G-buffer, in orders that have one: see fnl_frame */
     fnl_normal_encoding normals;
     bool chroma;
+    struct shade_apart apart; /* of deferred_add() without classes */
 };
 
 /**

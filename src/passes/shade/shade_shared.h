@@ -15,6 +15,10 @@ struct gpu_deferred_push {
     uint block_count;
     uint class_index;
     uint first_row;  /* of the dispatch: pixels */
+    uint open;       /* storage, as the three below: struct gpu_denoise_collect_push says what they hold; with GPU_LIST_DENOISED */
+    uint seen;
+    uint drawn;
+    uint field;
 };
 
 #endif

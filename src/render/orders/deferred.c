@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/decals.h"
+#include "render/shadows.h"
+#include "render/temporal.h"
 #include "render/orders/order.h"
 
 #include "passes/shade/classify.h"
@@ -18,6 +20,8 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
         return unsupported(call, "deferred.pass=fragment needs deferred.class-blocks=0 and 1 sample per pixel");
     if (frame->msaa > 1 && frame->deferred.class_blocks)
         return unsupported(call, "deferred.class-blocks needs 1 sample per pixel; use 0 with MSAA");
+    if (shadows_denoised(frame) && (frame->msaa > 1 || frame->deferred.class_blocks || frame->deferred.pass != FNL_DEFERRED_COMPUTE))
+        return unsupported(call, "shadow.denoise needs 1 sample per pixel, deferred.class-blocks=0 and deferred.pass=compute");
     return FNL_OK;
 }
 
@@ -54,6 +58,8 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     const struct gbuffer *gbuffer = &f->gbuffer;
     decals_on_gbuffer_add(f, input, gbuffer);
     order_add_lists(f, f->depth, gbuffer);
+    const bool denoised = shadows_denoised(f->frame) && f->lights.kind & GPU_LIST_SAMPLED;
+    if (denoised) input->apart = denoise_begin(f->graph, f->radiance);
     struct shade_classes classes = {0};
     if (f->frame->deferred.class_blocks) {
         classes = classify_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks);
@@ -63,6 +69,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
         f->radiance = deferred_screen_add(f->graph, input, gbuffer, f->radiance);
     else
         deferred_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
+    if (denoised) shadows_denoise(f, &input->apart);
     add_rest(f, input, gbuffer);
     order_note_gbuffer(f, 0);
 }
@@ -170,6 +177,14 @@ static const struct debug_view views[] = {
         "shading-blocks." key_, "blocks", "blocks of the class: " what, COUNTED(blocks[class_]),                            \
             .needs = "deferred.class-blocks"                                                                                \
     }
+#define DENOISED(key_, help, member) {"shadows." key_, "pixels", help, COUNTED(denoise.member), .needs = "shadow.denoise"}
+static bool find_frames(const struct counted *counted, uint64_t *value) {
+    const struct gpu_denoise_counts *c = &counted->counts->denoise;
+    if (!COUNTED_HAS(counted, denoise)) return false;
+    *value = c->pixels ? ((c->frames[0] | (uint64_t)c->frames[1] << 32) + c->pixels / 2) / c->pixels : 0;
+    return true;
+}
+
 static const struct counter counters[] = {
     BLOCKS("plain", "neither lights nor metal, some pixels need no shading", 0),
     BLOCKS("lights", "lights, no metal, some pixels need no shading", SHADE_LIGHTS),
@@ -180,6 +195,10 @@ static const struct counter counters[] = {
     BLOCKS("metal-full", "metal, no lights, every pixel is shaded", SHADE_METAL | SHADE_FULL),
     BLOCKS("lights-metal-full", "lights and metal, every pixel is shaded", SHADE_LIGHTS | SHADE_METAL | SHADE_FULL),
     BLOCKS("empty", "nothing to shade", SHADE_NOTHING),
+    DENOISED("denoised", "pixels whose shadows are noisy and are denoised: those with more lights than rays", pixels),
+    DENOISED("fresh", "of them, without history", fresh),
+    DENOISED("refuted", "of them, whose history was shortened because this frame shows other shadows", refuted),
+    {"shadows.frames", "frames", "frames in a pixel's history, on average", .find = find_frames, .needs = "shadow.denoise"},
 };
 
 static const struct counter volume_counters[] = {
