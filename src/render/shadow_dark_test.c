@@ -49,7 +49,7 @@ static void expect_work(const char *source, double most) {
     stage_close(&s);
 }
 
-static void test_dark_lights_leave_with_the_same_picture(void **state) { /* ES-49 */
+static void test_dark_lights_leave_with_the_same_picture_ES_49(void **state) {
     UNUSED(state);
     expect_work("builtin:hall?lights=256", 0.65);
     expect_work("builtin:city?lights=256&blocks=1", 0.67);
@@ -76,7 +76,7 @@ static uint32_t dark_tiles(const fnl_image *radiance) {
 
 /* A square over a floor under one lamp, whose shadow is seen at several sizes: a light leaves just the tiles that are all dark, but for some whose squares
    of texels reach beyond the edge. */
-static void test_a_light_leaves_all_dark_tiles(void **state) { /* ES-49 */
+static void test_a_light_leaves_all_dark_tiles_ES_49(void **state) {
     UNUSED(state);
     static const float sizes[] = {0.5f, 1, 1.7f, 2.6f};
     uint32_t dark = 0, left = 0, tiles = 0;
@@ -179,8 +179,8 @@ static void test_dark_lights_come_back(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_dark_lights_leave_with_the_same_picture, harness_check),
-        cmocka_unit_test_teardown(test_a_light_leaves_all_dark_tiles, harness_check),
+        cmocka_unit_test_teardown(test_dark_lights_leave_with_the_same_picture_ES_49, harness_check),
+        cmocka_unit_test_teardown(test_a_light_leaves_all_dark_tiles_ES_49, harness_check),
         cmocka_unit_test_teardown(test_edges_lie_anywhere, harness_check),
         cmocka_unit_test_teardown(test_dark_lights_come_back, harness_check),
     };
