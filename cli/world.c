@@ -10,7 +10,7 @@
 #include <string.h>
 
 struct world_options world_options_default(void) {
-    return (struct world_options){.scatter = fnl_scatter_params_default(), .loading = fnl_load_params_default()};
+    return (struct world_options){.scatter = fnl_scatter_params_default(), .loading = fnl_load_params_default(), .environment_params = fnl_environment_params_default()};
 }
 
 bool world_has(int option) { return loading_has(option) || (option >= WORLD_CAMERA && option < WORLD_END); }
@@ -71,6 +71,21 @@ bool world_parse(int option, const char *value, struct world_options *o) {
     case WORLD_AMBIENT:
         o->has_ambient = true;
         return argument_vector("ambient", value, &o->ambient);
+    case WORLD_ENVIRONMENT:
+        o->environment = value;
+        return true;
+    case WORLD_ENVIRONMENT_ROTATION:
+        if (!argument_number("environment-rotation", value, &number)) return false;
+        o->environment_params.rotation = (float)(number * 3.14159265358979323846 / 180);
+        return true;
+    case WORLD_ENVIRONMENT_INTENSITY:
+        if (!argument_number("environment-intensity", value, &number)) return false;
+        if (!(number >= 0 && number <= 1e6)) return argument_bad("environment-intensity", value, "a factor from 0 to 1e6");
+        o->environment_params.intensity = (float)number;
+        return true;
+    case WORLD_ENVIRONMENT_HIDDEN:
+        o->environment_params.background = false;
+        return true;
     case WORLD_TIME:
         return argument_number("time", value, &o->time);
     case WORLD_ANIMATION:
@@ -143,8 +158,11 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
     if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
+    fnl_environment_params environment = o->environment_params;
+    environment.source = o->environment;
+    if (o->environment && fnl_scene_set_environment(*scene, &environment) != FNL_OK) return false;
     bool added = false;
-    if (!o->has_ambient && loading_add_default_light(o->scene, *scene, &added) != FNL_OK) return false;
+    if (!o->has_ambient && !o->environment && loading_add_default_light(o->scene, *scene, &added) != FNL_OK) return false;
     if (added && !quiet) puts("The scene has no light: a sun and a sky were added (--lights, --ambient).");
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;

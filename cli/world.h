@@ -11,6 +11,8 @@ struct world_options {
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy, range_roughness;
     float fov; /* radians; 0: the camera's */
+    const char *environment; /* NULL: the scene's own, or one where it has no light */
+    fnl_environment_params environment_params; /* but for its source */
     fnl_scatter_params scatter;
     uint32_t grow_metal; /* texels */
     fnl_load_params loading;
@@ -25,6 +27,10 @@ enum {
     WORLD_FOV,
     WORLD_BACKGROUND,
     WORLD_AMBIENT,
+    WORLD_ENVIRONMENT,
+    WORLD_ENVIRONMENT_ROTATION,
+    WORLD_ENVIRONMENT_INTENSITY,
+    WORLD_ENVIRONMENT_HIDDEN,
     WORLD_ANISOTROPY,
     WORLD_LIGHTS,
     WORLD_LIGHT_SEED,
@@ -42,6 +48,10 @@ enum {
     {"camera", required_argument, NULL, WORLD_CAMERA}, {"eye", required_argument, NULL, WORLD_EYE},                         \
         {"look-at", required_argument, NULL, WORLD_LOOK_AT}, {"fov", required_argument, NULL, WORLD_FOV},                   \
         {"background", required_argument, NULL, WORLD_BACKGROUND}, {"ambient", required_argument, NULL, WORLD_AMBIENT},     \
+        {"environment", required_argument, NULL, WORLD_ENVIRONMENT},                                                        \
+        {"environment-rotation", required_argument, NULL, WORLD_ENVIRONMENT_ROTATION},                                      \
+        {"environment-intensity", required_argument, NULL, WORLD_ENVIRONMENT_INTENSITY},                                    \
+        {"environment-hidden", no_argument, NULL, WORLD_ENVIRONMENT_HIDDEN},                                                \
         {"anisotropy", required_argument, NULL, WORLD_ANISOTROPY}, {"lights", required_argument, NULL, WORLD_LIGHTS},       \
         {"light-seed", required_argument, NULL, WORLD_LIGHT_SEED},                                                          \
         {"light-shapes", required_argument, NULL, WORLD_LIGHT_SHAPES},                                                      \
@@ -57,6 +67,10 @@ enum {
 #define WORLD_SURROUNDINGS_HELP                                                                                             \
     "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"                                              \
     "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light gets some, and a sun)\n"        \
+    "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:sky, builtin:overcast\n" \
+    "  --environment-rotation D   turns it about the vertical axis, degrees (0)\n"                                          \
+    "  --environment-intensity X  multiplies its light (1)\n"                                                               \
+    "  --environment-hidden       it gives light, but the background is seen behind the scene\n"                            \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
 #define WORLD_SCENE_HELP                                                                                                    \
     "  --lights N                 adds N point and spot lights at random places in the scene\n"                             \

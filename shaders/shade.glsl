@@ -5,6 +5,7 @@
 
 #include "view.glsl"
 #include "brdf.glsl"
+#include "environment.glsl"
 #include "lights/illuminate.glsl"
 #include "shadows/sampled.glsl"
 
@@ -19,15 +20,48 @@ vec3 ambient_radiance(view_block v, vec3 direction) {
     return mix(v.view.frame.frame.ambient_ground, v.view.frame.frame.ambient_sky, direction.y * 0.5 + 0.5);
 }
 
-// What a surface gets from all around, but for its mirror direction. Shaders that know it already say so before they include this.
+// What a white diffuse surface reflects of light from all around.
+vec3 ambient_diffuse(view_block v, vec3 normal) { return LIST_ENVIRONMENT ? environment_diffuse(v, normal) : ambient_radiance(v, normal); }
+
+// Shaders that know that already say so before they include this.
 #ifndef AMBIENT_DIFFUSE
-#define AMBIENT_DIFFUSE(v, normal) ambient_radiance(v, normal)
+#define AMBIENT_DIFFUSE(v, normal) ambient_diffuse(v, normal)
 #endif
+
+// Light from the environment on a lobe with this reflectance (environment_reflectance()). `mirrored`: what the lobe is aimed at; `around`: what a
+// white diffuse surface reflects. Light that is mirrored more than once comes from all around as well, and takes the lobe's colour each time
+// (Fdez-Agueera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting"). `taken`: the part that the lobe reflects.
+vec3 environment_lobe(vec3 f0, vec3 f90, vec2 reflectance, vec3 mirrored, vec3 around, out vec3 taken) {
+    precise vec3 once = f0 * reflectance.x + f90 * reflectance.y;
+    precise float rest = 1.0 - reflectance.x - reflectance.y;
+    precise vec3 mean = f0 + (f90 - f0) * (1.0 / 21.0);
+    precise vec3 again = once * mean * rest / (1.0 - mean * rest);
+    taken = once + again;
+    precise vec3 light = once * mirrored + again * around;
+    return light;
+}
+
+vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
+    vec3 table = environment_reflectance(v, n_v, s.roughness);
+    vec2 reflectance = table.xy;
+    vec3 mirrored = environment_radiance(v, reflect(-to_view, s.normal), table.z), around = AMBIENT_DIFFUSE(v, s.normal), taken;
+    precise vec3 dielectric = environment_lobe(s.dielectric_f0, vec3(s.dielectric_f90), reflectance, mirrored, around, taken);
+    precise vec3 below = s.base_color * (1.0 - max_component(taken)) * around;
+    precise vec3 light = dielectric + below;
+    if (HAS_METAL == 0u) return light;
+    precise vec3 metal = environment_lobe(s.base_color, vec3(1.0), reflectance, mirrored, around, taken);
+    precise vec3 mixed = mix(light, metal, s.metallic);
+    return mixed;
+}
 
 // What is left when all lights are summed up: ambient light (diffuse by the normal, specular by the mirror direction, both dimmed by
 // occlusion) and the surface's own glow. Precise, so that variants of a shader that know some of its input round alike.
 vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
+    if (LIST_ENVIRONMENT) {
+        precise vec3 lit = sum + environment_light(s, v, to_view, n_v) * s.occlusion + s.emissive;
+        return lit;
+    }
     precise vec2 environment = environment_brdf(s.roughness, n_v);
     precise vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
     precise float f90 = mix(s.dielectric_f90, 1.0, s.metallic);

@@ -5,6 +5,8 @@
 #include "common.glsl"
 
 layout(buffer_reference) buffer frame_block;
+layout(buffer_reference) buffer environment_block;
+#include "environment_shared.h"
 #include "view_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer frame_block { gpu_frame frame; };

@@ -23,6 +23,13 @@ struct gpu_frame {
     uint shadow_samples; /* shadow rays to a source with a size */
     float light_radius;  /* of sources that have none of their own, as gpu_light.source has them: metres */
     float sun_tangent;   /* and of directional lights and boxes */
+    /* The environment; of lists with GPU_LIST_ENVIRONMENT. */
+    ADDRESS(environment_block) environment;
+    uint environment_cube;      /* sampled: GGX lobes by mips */
+    uint environment_table;     /* sampled: reflectance */
+    uint environment_sampler;
+    vec2 environment_turn;      /* cosine and sine of its rotation about +Y */
+    float environment_scale;
 };
 
 /*

@@ -263,6 +263,8 @@ static fnl_loaded loaded;
     X(fnl_scene_set_background, NULLED("scene", fnl_scene_set_background(NULL, camera.up)))                                 \
     X(fnl_scene_set_decal, NULLED("scene", fnl_scene_set_decal(NULL, w.decal, &decal));                                     \
       NULLED("params", fnl_scene_set_decal(w.scene, w.decal, NULL)))                                                        \
+    X(fnl_scene_set_environment, NULLED("scene", fnl_scene_set_environment(NULL, NULL));                                     \
+      SILENT(fnl_scene_set_environment(w.scene, NULL)))                                                                     \
     X(fnl_scene_set_instance_receivers, NULLED("scene", fnl_scene_set_instance_receivers(NULL, w.instance, 1)))             \
     X(fnl_scene_set_instance_transforms,                                                                                    \
       NULLED("scene", fnl_scene_set_instance_transforms(NULL, &w.instance, &matrix, 1));                                    \
@@ -505,6 +507,11 @@ static void test_other_arguments(void **state) {
          fnl_scene_set_light_cutoff(w.scene, 1, NAN));
     SAYS("fnl_scene_set_ambient", "ground.y is -1, must be at least 0 cd/m^2 and finite",
          fnl_scene_set_ambient(w.scene, (fnl_vec3){0}, (fnl_vec3){0, -1, 0}));
+    fnl_environment_params environment = fnl_environment_params_default();
+    SAYS("fnl_scene_set_environment", "source and image are both NULL, must be one of them", fnl_scene_set_environment(w.scene, &environment));
+    environment.source = "builtin:sky";
+    environment.intensity = -1;
+    SAYS("fnl_scene_set_environment", "intensity is -1, must be 0 .. 1e+06", fnl_scene_set_environment(w.scene, &environment));
     SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
     SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));
     SAYS("fnl_scene_set_time", "animation is 1, but there are no animations", fnl_scene_set_time(w.scene, 1, 0));

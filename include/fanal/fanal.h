@@ -7,6 +7,7 @@
 #include "fanal/camera.h"
 #include "fanal/decal.h"
 #include "fanal/device.h"
+#include "fanal/environment.h"
 #include "fanal/frame.h"
 #include "fanal/gbuffer.h"
 #include "fanal/image.h"

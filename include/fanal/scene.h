@@ -11,6 +11,7 @@
 
 #include "fanal/camera.h"
 #include "fanal/decal.h"
+#include "fanal/environment.h"
 #include "fanal/image.h"
 #include "fanal/instance.h"
 #include "fanal/light.h"

@@ -52,6 +52,8 @@ struct gpu_light {
 #define GPU_LIST_SHADOWED 0xfc00u
 /* Beside GPU_LIST_SAMPLED: what the chosen lights give is kept apart, to be denoised (passes/shadow/denoise.h). Of passes, not of lists. */
 #define GPU_LIST_DENOISED 0x10000u
+/* Beside the kind: ambient light comes from the environment (shaders/environment.glsl). */
+#define GPU_LIST_ENVIRONMENT 0x40000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

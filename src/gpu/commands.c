@@ -196,6 +196,20 @@ void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_im
                                               to->handle, 1, &region);
 }
 
+void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t offset, const struct gpu_image *to,
+                              uint32_t mip) {
+    if (!commands->handle) return;
+    VkBufferImageCopy region = {
+        .bufferOffset = offset,
+        .imageSubresource = first_mip(to),
+        .imageExtent = {MAX(to->params.width >> mip, 1u), MAX(to->params.height >> mip, 1u), 1},
+    };
+    region.imageSubresource.mipLevel = mip;
+    region.imageSubresource.layerCount = to->params.layers;
+    commands->device->vk.CmdCopyBufferToImage(commands->handle, from->handle, to->handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                                              &region);
+}
+
 void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer) {
     if (!commands->handle) return;
     VkImageCopy region = {

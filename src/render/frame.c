@@ -8,7 +8,7 @@
 #include "render/shading.h"
 #include "render/shadows.h"
 
-static fnl_result add_shared(struct frame_state *f);
+static fnl_result add_shared(struct frame_state *f, const struct device_scene_frame *scene);
 static fnl_result add_view(struct frame_state *f, struct gpu_view *out);
 static fnl_result fade_lights(struct frame_state *f);
 static void add_counters(struct frame_state *f);
@@ -82,7 +82,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     uint32_t count = frame_view_count(frame);
     graph_begin(r->graph);
     TRY(device_scene_add(&r->scene_user, r->graph, &scene));
-    TRY(add_shared(&shared));
+    TRY(add_shared(&shared, &scene));
     shadows_begin(&shared, &scene);
     struct gpu_slice cameras = gpu_frame_allocate(r->device, count * sizeof(struct gpu_view));
     if (!cameras.data) return gpu_status(r->device);
@@ -95,19 +95,25 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
 
 /* ---- the steps that are short ---- */
 
-static fnl_result add_shared(struct frame_state *f) {
+static fnl_result add_shared(struct frame_state *f, const struct device_scene_frame *scene) {
+    const struct scene_environment *environment = &f->r->scene->environment;
     f->shared = (struct gpu_frame){.ambient_sky = f->r->scene->ambient_sky,
                                    .ambient_ground = f->r->scene->ambient_ground,
                                    .shade_cost = f->frame->shade_cost,
                                    .shadow_filter = (uint32_t)f->frame->shadow.filter,
                                    .shadow_samples = f->frame->shadow.samples,
                                    .light_radius = f->frame->shadow.light_radius,
+                                   .environment_turn = {cosf(environment->rotation), sinf(environment->rotation)},
+                                   .environment_scale = environment->intensity,
                                    .sun_tangent = tanf(f->frame->shadow.sun_degrees * (PI / 180)),
                                    .hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f};
     shading_begin(f);
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->shared);
     if (!slice.data) return gpu_status(f->r->device);
+    if (scene->lights.environment.cube.id)
+        environment_tell(f->r->device, &f->shared);
     memcpy(slice.data, &f->shared, sizeof f->shared);
+    if (scene->lights.environment.cube.id) environment_put(f->graph, &scene->lights.environment, slice.data);
     f->shared_address = slice.address;
     return decals_send(f);
 }

@@ -6,6 +6,7 @@
 
 #include "passes/lights/sprites.h"
 #include "passes/shade/gbuffer_layouts.h"
+#include "passes/sky/sky.h"
 
 /* ---- the table ---- */
 
@@ -149,6 +150,10 @@ static uint32_t blend_draw_count(const struct frame_state *f) {
 
 bool shading_shows_volumes(const fnl_frame *frame) { return frame->debug == FNL_DEBUG_LIGHTS && frame_is(frame, SHADING_VOLUMES); }
 
+bool shading_shows_sky(const struct frame_state *f) {
+    return f->scene->lights.environment.cube.id && f->r->scene->environment.background;
+}
+
 VkFormat shading_format(const struct frame_state *f) {
     if (f->frame->outputs & FNL_OUTPUT_RADIANCE) return VK_FORMAT_R32G32B32A32_SFLOAT;
     return shading_is(f->frame->shading, SHADING_BLENDS) ? volumes_format(f->r->device) : VK_FORMAT_R16G16B16A16_SFLOAT;
@@ -164,6 +169,7 @@ static struct shade_input input_of(const struct frame_state *f) {
                                 .height = f->frame->height,
                                 .light_count = f->scene->lights.local_count,
                                 .counters = f->counters,
+                                .environment = f->scene->lights.environment,
                                 .background = {background.x, background.y, background.z},
                                 .layout = f->frame->gbuffer.layout,
                                 .normals = f->frame->gbuffer.normals,
@@ -212,6 +218,7 @@ void shading_add(struct frame_state *f) {
     f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
     order->add(f, &opaque, frame_is(f->frame, SHADING_PREPASS));
     decals_redraw(f, &input);
+    if (shading_shows_sky(f)) sky_add(f->graph, &f->scene->lights.environment, f->view_address, f->radiance, f->depth);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     if (order_has_blend(f) && !f->blended) {
         blend.lights = &f->blend_lights;

@@ -37,6 +37,8 @@ bool frame_is(const fnl_frame *frame, uint32_t traits);
 
 /** Whether the debug view of lights shows counts of this very frame's volumes. */
 bool shading_shows_volumes(const fnl_frame *frame);
+/** Whether the environment is seen behind everything. */
+bool shading_shows_sky(const struct frame_state *f);
 /** The format of the radiance target. */
 VkFormat shading_format(const struct frame_state *f);
 

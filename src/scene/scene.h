@@ -12,6 +12,7 @@
 #include "base/jobs.h"
 #include "base/maths.h"
 #include "fanal/scene.h"
+#include "scene/scene_environment.h"
 
 #define SCENE_NONE UINT32_MAX
 
@@ -236,6 +237,7 @@ struct fnl_scene {
     ARRAY(const char *) messages;
 
     vec3 ambient_sky, ambient_ground, background;
+    struct scene_environment environment;
     float anisotropy;                           /* of mipmapped textures, 1 .. 16 */
     float cutoff_roughness, cutoff_illuminance; /* of lights without a range */
     uint32_t next_generation;

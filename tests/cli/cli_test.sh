@@ -290,7 +290,8 @@ expect 0 'shadows KIND +[^(]*\(maps where the scene has lights\)' render --help
 
 # Each way to choose exposure, tone mapper and camera gives a picture of its own.
 for option in '--exposure 2' '--exposure none' '--tonemap none' '--tonemap aces' '--tonemap agx' '--eye 0,3,9 --look-at 0,1,0 --fov 30' \
-    '--background 3,0,0' '--ambient 2,2,2' '--lights 20' '--lights 20 --light-seed 2' '--debug albedo' '--debug normal' '--debug depth' \
+    '--background 3,0,0' '--ambient 2,2,2' '--lights 20' '--lights 20 --light-seed 2' '--environment builtin:studio' '--environment builtin:sky' \
+    '--environment builtin:studio --environment-rotation 90' '--environment builtin:studio --environment-intensity 2' '--debug albedo' '--debug normal' '--debug depth' \
     '--debug roughness' '--debug lights' '--debug cells' '--debug overdraw' '--debug overshading'; do
     # shellcheck disable=SC2086
     expect 0 '' render builtin:spheres $plain $option -o "$work/c.png" --quiet

@@ -8,7 +8,7 @@
 #include "passes/dais/log_luv.glsl"
 bool ambient_known;
 vec3 ambient_light;
-#define AMBIENT_DIFFUSE(v, normal) (ambient_known ? ambient_light : ambient_radiance(v, normal))
+#define AMBIENT_DIFFUSE(v, normal) (ambient_known ? ambient_light : ambient_diffuse(v, normal))
 #include "shade.glsl"
 
 layout(constant_id = DAIS_SHOW_ID) const uint PROBE = DAIS_SHOW_RADIANCE;

@@ -16,5 +16,5 @@ void main() {
     dais_interpolate(push.view, push.pool, reference, vec2(place & 0xffffu, place >> 16) + 0.5);
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
-    push.samples.at[2u * number] = log_luv_encode(ambient_radiance(push.view, s.normal));
+    push.samples.at[2u * number] = log_luv_encode(ambient_diffuse(push.view, s.normal));
 }

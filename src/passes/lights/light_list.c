@@ -12,6 +12,7 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
     if (list->extra.id) graph_use_buffer(pass, list->extra, use);
     if (list->bounds.id) graph_use_buffer(pass, list->bounds, use);
     if (list->spare.id) graph_use_buffer(pass, list->spare, use);
+    environment_use(pass, &list->environment, use);
     if (list->rays.address) rays_use(pass, &list->rays, use);
     if (list->maps.address) shadow_maps_use(pass, &list->maps, use);
 }
@@ -44,6 +45,8 @@ void light_list_cast(struct light_list *list, const struct light_input *input) {
     if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->soft ? GPU_LIST_SOFT : 0) | (input->rays.top.id ? GPU_LIST_RAY_QUERY : 0);
     if (input->maps.address) list->kind |= GPU_LIST_MAPS | (input->filtered ? GPU_LIST_FILTERED : 0);
     if (input->rays.address && input->shadow_rays > 0) list->kind |= GPU_LIST_SAMPLED;
+    if (input->environment.cube.id) list->kind |= GPU_LIST_ENVIRONMENT;
+    list->environment = input->environment;
     list->rays = input->rays;
     list->maps = input->maps;
 }

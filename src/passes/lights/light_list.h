@@ -13,6 +13,7 @@
 
 #include "graph/graph.h"
 #include "lights/lights_shared.h"
+#include "passes/ambient/environment.h"
 #include "passes/shadow/maps.h"
 #include "passes/shadow/rays.h"
 
@@ -31,6 +32,7 @@ struct light_input {
     bool keep_unseen;       /* lights out of the view count as in view */
     struct rays rays;       /* that find shadows; address 0: there are none */
     struct shadow_maps maps; /* the same */
+    struct environment_light environment; /* that gives ambient light; ids 0: there is none */
     bool soft, filtered;    /* several rays go to sources with a size; maps are filtered */
     uint32_t shadow_rays;   /* that a point sends to its lights; 0: one to each */
     uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
@@ -50,6 +52,7 @@ struct light_list {
     graph_buffer spare;      /* the spare list, or id 0 */
     struct rays rays;        /* with GPU_LIST_RAYS */
     struct shadow_maps maps; /* with GPU_LIST_MAPS */
+    struct environment_light environment; /* with GPU_LIST_ENVIRONMENT */
     uint32_t cell_count;
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */
@@ -70,7 +73,7 @@ static inline uint32_t list_kind(const struct light_list *list) { return list->k
 /** Declares that a pass iterates over the list in fragment or compute shaders. */
 void light_list_use(struct graph_pass *pass, const struct light_list *list, enum graph_use use);
 
-/** Gives a list the shadows of its input. */
+/** Gives a list the shadows and the environment of its input. */
 void light_list_cast(struct light_list *list, const struct light_input *input);
 
 /** The reference: every light, every pixel. */

@@ -181,7 +181,8 @@ static void add_gbuffer(struct graph *graph, const struct shade_input *input, bo
     data.state =
         (struct gpu_graphics_params){.fragment = shaders[params->layout],
                                      .constant_count = GAMMA_ID + 1,
-                                     .constants = {[HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [GAMMA_ID] = (uint32_t)params->gamma},
+                                     .constants = {[LISTS_ID] = input->environment.cube.id ? GPU_LIST_ENVIRONMENT : 0, [HAS_LIGHTS_ID] = 1,
+                                                   [HAS_METAL_ID] = 1, [GAMMA_ID] = (uint32_t)params->gamma},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
                                      .depth_write = !prepass,
@@ -191,6 +192,7 @@ static void add_gbuffer(struct graph *graph, const struct shade_input *input, bo
     struct graph_pass *pass =
         graph_add_pass(graph, "mobile gbuffer", GRAPH_QUEUE_GRAPHICS, execute_geometry, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
+    environment_use(pass, &input->environment, GRAPH_READ_FRAGMENT);
     float clears[MOBILE_TARGETS][4] = {{0}}, background[3];
     for (uint32_t i = 0; i < 3; i++) background[i] = fminf(input->background[i] * params->scale.scale, params->scale.most);
     if (targets->layout.wide) {
@@ -228,6 +230,7 @@ static void add_decals(struct graph *graph, const struct shade_input *input, con
                              .state = screen_state(shaders[params->layout][merged])};
     data.push.view = input->view;
     data.state.constant_count = GAMMA_ID + 1;
+    data.state.constants[LISTS_ID] = input->environment.cube.id ? GPU_LIST_ENVIRONMENT : 0;
     data.state.constants[HAS_LIGHTS_ID] = data.state.constants[HAS_METAL_ID] = 1;
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
     uint32_t changed[MOBILE_TARGETS], count = 0;
@@ -237,6 +240,7 @@ static void add_decals(struct graph *graph, const struct shade_input *input, con
     struct graph_pass *pass =
         graph_add_pass(graph, "mobile decals", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
     light_list_use(pass, decals->list, GRAPH_READ_FRAGMENT);
+    environment_use(pass, &input->environment, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, decals->decals, GRAPH_READ_FRAGMENT);
     for (uint32_t i = 0, k = 0; i < layout->target_count; i++)
         if (k < count && changed[k] == i) {

@@ -22,6 +22,7 @@ struct shade_input {
     uint32_t width, height;
     uint32_t light_count; /* a pixel visits no more local lights */
     graph_buffer counters; /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
+    struct environment_light environment; /* for passes without lists; or ids 0 */
     float background[3];
     fnl_gbuffer layout; /* of the G-buffer, in orders that have one: see fnl_frame */
     fnl_normal_encoding normals;

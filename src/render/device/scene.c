@@ -8,7 +8,8 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .structure_version = UINT64_MAX,
                                .material_version = UINT64_MAX,
                                .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX,
-                                        UINT64_MAX, UINT64_MAX},
+                                        UINT64_MAX, UINT64_MAX, UINT64_MAX},
+                               .environment_version = UINT64_MAX,
                                .ray_structure = UINT64_MAX,
                                .structures = {.structure = UINT64_MAX},
                                .decals = {.version = UINT64_MAX}};
@@ -87,6 +88,7 @@ void device_scene_finish(struct device_scene *d) {
     device_decals_finish(d);
     device_lights_finish(d);
     device_rays_finish(d);
+    device_environment_finish(d);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
     array_free(&d->host, &d->group_list);
@@ -107,7 +109,7 @@ static void take_back(struct device_scene *d) {
 
 void device_scene_forget(struct device_scene *d) {
     take_back(d);
-    d->structure_version = d->decals.version = d->sent.lights = d->sent.decals = UINT64_MAX;
+    d->structure_version = d->decals.version = d->environment_version = d->sent.lights = d->sent.decals = UINT64_MAX;
 }
 
 /* Nodes that moved since the device was last told: those of the scene's list, or any when a step was missed. */
@@ -177,6 +179,7 @@ static fnl_result prepare(struct device_scene *d) {
     TRY(device_decals_prepare(d));
     TRY(device_users_prepare(d));
     TRY(device_lights_prepare(d));
+    TRY(device_environment_prepare(d));
     return gpu_upload_submit(d->device);
 }
 
@@ -312,5 +315,6 @@ fnl_result device_scene_add(struct device_scene_user *user, struct graph *graph,
                                             .index_count = d->index_count,
                                             .pool_triangles = user->pool_triangles};
     out->lights = device_lights_input(d, lights);
+    out->lights.environment = device_environment_add(d, graph);
     return FNL_OK;
 }

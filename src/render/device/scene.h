@@ -107,6 +107,7 @@ struct device_scene_sent {
     uint64_t decals, decal_transforms;
     uint64_t ray_meshes, ray_items; /* transforms of what the trees of rays.c were made for */
     uint64_t ray_poses, ray_instances; /* … and the structures of structures.c */
+    uint64_t environment;              /* its maps are filtered */
 };
 
 /** The device's acceleration structure of a primitive's triangles (structures.c). */
@@ -207,6 +208,9 @@ struct device_scene {
     struct gpu_buffer ray_meshes, ray_items;
     uint32_t ray_primitives, ray_triangles;
     struct device_structures structures; /* for ray queries, once some frame has asked for them */
+
+    struct environment_maps environment;
+    uint64_t environment_version; /* of the scene, when its picture was sent; UINT64_MAX: never */
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
     struct gpu_buffer bound_buffer;     /* of the lights: struct gpu_entity_bounds, a place for each slot */
@@ -320,6 +324,12 @@ fnl_result device_array_set(struct device_scene *d, const char *name, struct dev
 static inline bool device_node_draws(const struct scene_node *node) {
     return node->active && !node->removed && node->mesh != SCENE_NONE;
 }
+
+/** Outside of frames: sends the environment's picture (environment.c). */
+fnl_result device_environment_prepare(struct device_scene *d);
+/** Declares what a frame shades with, and filters what is new. */
+struct environment_light device_environment_add(struct device_scene *d, struct graph *graph);
+void device_environment_finish(struct device_scene *d);
 
 /** Outside of frames: makes room in the buffers for all lights (lights.c). */
 fnl_result device_lights_prepare(struct device_scene *d);

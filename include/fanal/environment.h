@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/** Light from all around, out of a picture of the surroundings. fanal/scene.h includes this. */
+#ifndef FANAL_ENVIRONMENT_H
+#define FANAL_ENVIRONMENT_H
+
+#include "fanal/image.h"
+#include "fanal/scene_ids.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * Where a scene stands. The picture is a panorama by longitude and latitude, twice as wide as high: the top row looks to +Y, the middle of the
+ * width to +X, and a quarter to the right of it is +Z. Its values are radiance in cd/m^2; pictures of 8 or 16 bits are taken as sRGB.
+ */
+typedef struct fnl_environment_params {
+    /**
+     * A file that fnl_image_load reads, or one that is made by code: "builtin:studio" (soft boxes around the scene), "builtin:sky" (a clear sky with
+     * a sun) or "builtin:overcast". Default NULL: `image`.
+     */
+    const char *source;
+    const fnl_image *image; /**< read during the call; default NULL */
+    float rotation;         /**< radians about +Y, anticlockwise seen from above; default 0 */
+    float intensity;        /**< factor of all radiance, 0 .. 1e6; default 1 */
+    bool background;        /**< whether it is seen where no surface is; otherwise the scene's background is. Default true */
+    /**
+     * Small bright sources (the sun, lamps) become directional lights of the scene, with shadows, and go from the picture: prefiltered light has
+     * neither sharp shadows nor exact highlights. At most 8, those with the most illuminance; each fills at most 10 degrees and gives at
+     * least 2 % of the light. Default true.
+     */
+    bool lights;
+} fnl_environment_params;
+
+FNL_API fnl_environment_params fnl_environment_params_default(void);
+/**
+ * Surrounds the scene. Ambient light (fnl_scene_set_ambient) is not used while there is an environment; surfaces get light from it by their
+ * roughness, without shadows but for their own occlusion. Where the picture stays the same, by `source` and `lights`, a change costs next to nothing.
+ * `params` NULL: no environment, as in a new scene. Lights that came with the environment before go. On errors (the log names the file) all stays
+ * as it was.
+ */
+FNL_API fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_params *params);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/ambient/environment.h"
+
+#include "passes/ambient/environment_maps_shared.h"
+#include "shaders.h"
+#include "view_shared.h"
+
+/* Texels of the mips before this one, all faces. */
+static uint32_t first_texel(uint32_t side, uint32_t mip) {
+    uint32_t first = 0;
+    for (uint32_t i = 0; i < mip; i++) first += 6 * (side >> i) * (side >> i);
+    return first;
+}
+
+static uint32_t mip_count(uint32_t side) {
+    uint32_t count = 1;
+    while (side >> count) count++;
+    return count;
+}
+
+uint32_t environment_side(uint32_t picture_width) {
+    uint32_t side = 128;
+    while (side < 1024 && side * 4 < picture_width) side *= 2;
+    return side;
+}
+
+float environment_roughness(uint32_t mip, uint32_t last_mip) { return powf((float)mip / (float)last_mip, ENVIRONMENT_ROUGHNESS_POWER); }
+
+/* ---- memory ---- */
+
+static struct gpu_image_params image_params(const char *name, VkFormat format, uint32_t width, uint32_t height) {
+    return (struct gpu_image_params){.name = name,
+                                     .format = format,
+                                     .width = width,
+                                     .height = height,
+                                     .layers = 1,
+                                     .mips = 1,
+                                     .samples = 1,
+                                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+}
+
+static fnl_result create_cube(gpu_device *device, const char *name, uint32_t side, uint32_t mips, struct gpu_image *out) {
+    struct gpu_image_params params = image_params(name, VK_FORMAT_R16G16B16A16_SFLOAT, side, side);
+    params.layers = 6;
+    params.cube = true;
+    params.mips = mips;
+    return gpu_image_create(device, &params, out);
+}
+
+void environment_release(gpu_device *device, struct environment_maps *maps) {
+    gpu_image_destroy(device, &maps->levels);
+    gpu_image_destroy(device, &maps->picture);
+}
+
+void environment_finish_maps(gpu_device *device, struct environment_maps *maps) {
+    environment_release(device, maps);
+    gpu_image_destroy(device, &maps->cube);
+    gpu_image_destroy(device, &maps->table);
+    gpu_buffer_destroy(device, &maps->light);
+    *maps = (struct environment_maps){0};
+}
+
+fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, struct environment_maps *maps) {
+    const uint32_t side = environment_side(width);
+    environment_release(device, maps);
+    if (maps->side != side) {
+        gpu_image_destroy(device, &maps->cube);
+        maps->side = side;
+        TRY(create_cube(device, "environment", side, environment_last_mip(side) + 1, &maps->cube));
+    }
+    TRY(create_cube(device, "environment levels", side, mip_count(side), &maps->levels));
+    if (!maps->table.handle) {
+        const struct gpu_image_params table = image_params("reflectance", VK_FORMAT_R16G16B16A16_SFLOAT, ENVIRONMENT_TABLE_SIDE, ENVIRONMENT_TABLE_SIDE);
+        TRY(gpu_image_create(device, &table, &maps->table));
+        TRY(gpu_buffer_create(device, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
+    }
+    const struct gpu_image_params picture = image_params("environment picture", VK_FORMAT_R16G16B16A16_SFLOAT, width, height);
+    TRY(gpu_image_create(device, &picture, &maps->picture));
+    return gpu_upload_image(device, &maps->picture, pixels, (uint64_t)width * height * 8, false, false);
+}
+
+/* ---- passes ---- */
+
+struct copy_data {
+    graph_buffer from;
+    graph_image to;
+    uint32_t side, mips, texel_bytes;
+};
+
+static void execute_copy(const struct graph_context *context, const void *data) {
+    const struct copy_data *d = data;
+    for (uint32_t mip = 0; mip < d->mips; mip++)
+        gpu_copy_buffer_to_image(context->commands, graph_get_buffer(context, d->from), (uint64_t)first_texel(d->side, mip) * d->texel_bytes,
+                                 graph_get_image(context, d->to), mip);
+}
+
+static void add_copy(struct graph *graph, const char *name, const struct copy_data *data) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_copy, data, sizeof *data);
+    graph_use_buffer(pass, data->from, GRAPH_COPY_FROM);
+    graph_use_image(pass, data->to, GRAPH_COPY_TO);
+}
+
+static uint32_t linear_sampler(gpu_device *device, bool mipmapped, bool wraps) {
+    return gpu_sampler_index(device, &(struct gpu_sampler_params){.mag = VK_FILTER_LINEAR,
+                                                                  .min = VK_FILTER_LINEAR,
+                                                                  .mip = mipmapped ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                                                  .mipmapped = mipmapped,
+                                                                  .wrap_u = wraps ? VK_SAMPLER_ADDRESS_MODE_REPEAT
+                                                                                  : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                                                  .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                                                  .anisotropy = 1});
+}
+
+/* The picture as a cube map with all mips, in `texels`. */
+static void add_levels(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_image picture, graph_buffer texels) {
+    const uint32_t side = maps->side, width = maps->picture.params.width;
+    struct gpu_environment_faces_push faces = {
+        .side = side, .taps = MAX(2u, DIVIDE_UP(width, 2 * side)), .sampler_index = linear_sampler(device, false, true)};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "environment faces",
+                                                   .pipeline = {.shader = &shader_environment_faces_comp},
+                                                   .groups = {DIVIDE_UP(6 * side * side, 64u)},
+                                                   GRAPH_PUSH(faces),
+                                                   GRAPH_ROWS(graph_samples(&faces.picture, picture), graph_writes(&faces.texels, texels))});
+    for (uint32_t mip = 1; side >> mip; mip++) {
+        struct gpu_environment_level_push level = {
+            .side = side >> mip, .from = first_texel(side, mip - 1), .to = first_texel(side, mip)};
+        graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "environment level %u", mip),
+                                                       .pipeline = {.shader = &shader_environment_levels_comp},
+                                                       .groups = {DIVIDE_UP(6 * level.side * level.side, 64u)},
+                                                       GRAPH_PUSH(level),
+                                                       GRAPH_ROWS(graph_changes(&level.texels, texels))});
+    }
+}
+
+static void add_diffuse(struct graph *graph, const struct environment_maps *maps, graph_buffer texels, graph_buffer light) {
+    enum { SIDE = 32 }; /* nine functions do not tell it from more */
+    uint32_t mip = 0;
+    while (maps->side >> mip > SIDE) mip++;
+    struct gpu_environment_light_push push = {.side = maps->side >> mip, .first = first_texel(maps->side, mip)};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "environment light",
+                                                   .pipeline = {.shader = &shader_environment_light_comp},
+                                                   .groups = {1},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.texels, texels), graph_writes(&push.light, light))});
+}
+
+/* All mips for their roughness; the first is a mirror's. */
+static void add_filter(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_image levels, graph_buffer texels) {
+    const uint32_t last = environment_last_mip(maps->side), sampler = linear_sampler(device, true, false);
+    struct graph_pass *pass = NULL;
+    for (uint32_t mip = 1; mip <= last; mip++) {
+        const uint32_t side = maps->side >> mip;
+        const float roughness = environment_roughness(mip, last);
+        struct gpu_environment_filter_push push = {.first = first_texel(maps->side, mip),
+                                                   .side = side,
+                                                   .sampler_index = sampler,
+                                                   .samples = CLAMP(524288u / (side * side), 32u, 1024u),
+                                                   .cube_side = maps->side,
+                                                   .alpha = roughness * roughness};
+        pass = graph_dispatch(graph, &(struct graph_dispatch){.pass = pass,
+                                                              .name = "environment filter",
+                                                              .pipeline = {.shader = &shader_environment_filter_comp},
+                                                              .groups = {DIVIDE_UP(6 * side * side, 64u)},
+                                                              GRAPH_PUSH(push),
+                                                              GRAPH_ROWS(graph_samples(&push.cube, levels), graph_changes(&push.texels, texels))});
+    }
+}
+
+static void add_table(struct graph *graph, graph_image table, uint32_t last_mip) {
+    graph_buffer texels = graph_create_buffer(graph, "reflectance texels", ENVIRONMENT_TABLE_SIDE * ENVIRONMENT_TABLE_SIDE * 8ull);
+    struct gpu_environment_table_push push = {.last_mip = (float)last_mip};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "reflectance",
+                                                   .pipeline = {.shader = &shader_environment_table_comp},
+                                                   .groups = {ENVIRONMENT_TABLE_SIDE / 8, ENVIRONMENT_TABLE_SIDE / 8},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_writes(&push.texels, texels))});
+    add_copy(graph, "reflectance copy", &(struct copy_data){.from = texels, .to = table, .side = ENVIRONMENT_TABLE_SIDE, .mips = 1, .texel_bytes = 8});
+}
+
+struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter) {
+    const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, before = filter ? VK_IMAGE_LAYOUT_UNDEFINED : sampled;
+    struct environment_light out = {.cube = graph_import_image(graph, &maps->cube, before, sampled),
+                                    .table = graph_import_image(graph, &maps->table, before, sampled),
+                                    .light = graph_import_buffer(graph, "environment light", &maps->light)};
+    if (!filter) return out;
+    const uint32_t side = maps->side, last = environment_last_mip(side), texel_count = first_texel(side, mip_count(side));
+    graph_image picture = graph_import_image(graph, &maps->picture, sampled, sampled);
+    graph_image levels = graph_import_image(graph, &maps->levels, VK_IMAGE_LAYOUT_UNDEFINED, sampled);
+    graph_buffer texels = graph_create_buffer(graph, "environment texels", texel_count * 8ull);
+    add_levels(graph, device, maps, picture, texels);
+    add_diffuse(graph, maps, texels, out.light);
+    add_copy(graph, "environment levels copy", &(struct copy_data){.from = texels, .to = levels, .side = side, .mips = mip_count(side), .texel_bytes = 8});
+    add_filter(graph, device, maps, levels, texels);
+    add_copy(graph, "environment copy", &(struct copy_data){.from = texels, .to = out.cube, .side = side, .mips = last + 1, .texel_bytes = 8});
+    add_table(graph, out.table, last);
+    out.texels = texels;
+    return out;
+}
+
+void environment_use(struct graph_pass *pass, const struct environment_light *light, enum graph_use use) {
+    if (!light->cube.id) return;
+    const enum graph_use sample = use == GRAPH_READ_COMPUTE ? GRAPH_SAMPLE_COMPUTE : GRAPH_SAMPLE_FRAGMENT;
+    graph_use_image(pass, light->cube, sample);
+    graph_use_image(pass, light->table, sample);
+    graph_use_buffer(pass, light->light, use);
+}
+
+void environment_tell(gpu_device *device, struct gpu_frame *out) {
+    out->environment_sampler = linear_sampler(device, true, false);
+}
+
+void environment_put(struct graph *graph, const struct environment_light *light, struct gpu_frame *out) {
+    graph_put_address(graph, &out->environment, light->light);
+    graph_put_sampled(graph, &out->environment_cube, light->cube);
+    graph_put_sampled(graph, &out->environment_table, light->table);
+}

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Light from all around, made of a picture by longitude and latitude: a cube map whose mips hold what surfaces of growing roughness mirror,
+ * prefiltered by the GGX lobe seen from the front; what diffuse surfaces reflect, as nine spherical harmonics; and a table of how much of it the
+ * specular lobe reflects, so that the two parts of the integral are multiplied (Karis 2013, "Real Shading in Unreal Engine 4"). Shaders find it by
+ * shaders/environment.glsl. Samples are at fixed places: the same picture gives the same bytes.
+ *
+ * Cost: nothing in frames that make none. Memory: 64 bytes for each texel of a face.
+ */
+#ifndef FNL_PASSES_AMBIENT_ENVIRONMENT_H
+#define FNL_PASSES_AMBIENT_ENVIRONMENT_H
+
+#include "environment_shared.h"
+#include "graph/graph.h"
+
+/** On the device. */
+struct environment_maps {
+    struct gpu_image cube;  /* RGBA16F; the last mip has 8 texels a side */
+    struct gpu_image table; /* RGBA16F: reflectance, and which mip of the cube */
+    struct gpu_image levels; /* RGBA16F: the picture as a cube map with all mips; only until frames that filter it are over */
+    struct gpu_image picture; /* RGBA16F; so too */
+    struct gpu_buffer light; /* struct gpu_environment */
+    uint32_t side;
+};
+
+/** For passes that shade: environment_use(). ids 0: there is none. */
+struct environment_light {
+    graph_image cube, table;
+    graph_buffer light;
+    graph_buffer texels; /* of the cube, as environment_maps_shared.h lays them out; id 0 in frames that do not filter */
+};
+
+/** Sides of the cube map for a picture of this width: a power of two, 128 .. 1024. */
+uint32_t environment_side(uint32_t picture_width);
+/**
+ * The perceptual roughness that a mip is filtered for. Between two mips shading blends so that the mean cosine of directions to the lobe's axis is
+ * right (the table has the mip for each roughness): then light that changes slowly is blended exactly.
+ */
+float environment_roughness(uint32_t mip, uint32_t last_mip);
+/** The last mip that shading reads. */
+static inline uint32_t environment_last_mip(uint32_t side) { return (uint32_t)log2f((float)side) - 3; }
+
+/** Outside of frames: makes the images, and sends the picture: halves, RGBA, `width` times `height`. What was there goes when its frames are over. */
+fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, struct environment_maps *maps);
+void environment_finish_maps(gpu_device *device, struct environment_maps *maps);
+/** What only filtering needs. Frames that are under way may still use it. */
+void environment_release(gpu_device *device, struct environment_maps *maps);
+
+/** Declares what a frame shades with; `filter`: the maps are made in this frame. */
+struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter);
+/** Declares that a pass shades in compute or fragment shaders (GRAPH_READ_COMPUTE, GRAPH_READ_FRAGMENT). */
+void environment_use(struct graph_pass *pass, const struct environment_light *light, enum graph_use use);
+struct gpu_frame;
+/** Tells a frame how the maps are read. Scale and turn are left alone. */
+void environment_tell(gpu_device *device, struct gpu_frame *out);
+/** Tells a frame's shaders where the maps are; `out` lies in memory of the frame (gpu_frame_allocate). */
+void environment_put(struct graph *graph, const struct environment_light *light, struct gpu_frame *out);
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* The scene's environment on the device. */
+#include "render/device/scene.h"
+
+static fnl_result send_picture(struct device_scene *d, const struct panorama *p) {
+    const size_t count = (size_t)p->width * p->height, bytes = count * 4 * sizeof(uint16_t);
+    const uint16_t one = half_from_float(1);
+    uint16_t *pixels = host_allocate(&d->host, bytes);
+    if (!pixels) return FNL_ERROR_MEMORY;
+    for (size_t i = 0; i < count; i++) {
+        for (size_t c = 0; c < 3; c++) pixels[4 * i + c] = half_from_float(p->texels[3 * i + c]);
+        pixels[4 * i + 3] = one;
+    }
+    const fnl_result result = environment_prepare(d->device, pixels, p->width, p->height, &d->environment);
+    host_free(&d->host, pixels, bytes);
+    d->bytes_uploaded += bytes;
+    return result;
+}
+
+fnl_result device_environment_prepare(struct device_scene *d) {
+    const struct scene_environment *e = &d->scene->environment;
+    if (d->environment_version == e->version) {
+        if (d->sent.environment == e->version) environment_release(d->device, &d->environment);
+        return FNL_OK;
+    }
+    d->environment_version = d->sent.environment = UINT64_MAX;
+    if (e->panorama.width > 0) TRY(send_picture(d, &e->panorama));
+    d->environment_version = e->version;
+    return FNL_OK;
+}
+
+struct environment_light device_environment_add(struct device_scene *d, struct graph *graph) {
+    const struct scene_environment *e = &d->scene->environment;
+    if (e->panorama.width == 0) return (struct environment_light){0};
+    const bool filter = d->sent.environment != e->version;
+    d->sent.environment = e->version;
+    return environment_add(graph, d->device, &d->environment, filter);
+}
+
+void device_environment_finish(struct device_scene *d) {
+    environment_finish_maps(d->device, &d->environment);
+    d->environment_version = UINT64_MAX;
+}

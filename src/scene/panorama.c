@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+/* Panoramas: those that are made by code, and the bright sources in them. */
+#include "scene/scene_environment.h"
+
+#include <stdlib.h>
+
+static size_t byte_count(const struct panorama *p) { return (size_t)p->width * p->height * 3 * sizeof(float); }
+
+void panorama_finish(const fnl_host *host, struct panorama *p) {
+    if (p->texels) host_free(host, p->texels, byte_count(p));
+    *p = (struct panorama){0};
+}
+
+vec3 panorama_direction(const struct panorama *p, float x, float y) {
+    const float longitude = ((x + 0.5f) / (float)p->width - 0.5f) * 2 * PI, latitude = (y + 0.5f) / (float)p->height * PI;
+    return vec3_make(sinf(latitude) * cosf(longitude), cosf(latitude), sinf(latitude) * sinf(longitude));
+}
+
+void panorama_place(const struct panorama *p, vec3 d, float *x, float *y) {
+    *x = (atan2f(d.z, d.x) / (2 * PI) + 0.5f) * (float)p->width - 0.5f;
+    *y = acosf(CLAMP(d.y, -1.0f, 1.0f)) / PI * (float)p->height - 0.5f;
+}
+
+static float texel_angle(const struct panorama *p, uint32_t y) { /* steradian */
+    const float step = PI / (float)p->height;
+    return 2 * PI / (float)p->width * (cosf(step * (float)y) - cosf(step * (float)(y + 1)));
+}
+
+static float texel_luminance(const float *texel) { return 0.2126f * texel[0] + 0.7152f * texel[1] + 0.0722f * texel[2]; }
+
+fnl_result panorama_shrink(const fnl_host *host, struct panorama *p, uint32_t most_width) {
+    const size_t before = byte_count(p);
+    float *all = p->texels;
+    while (p->width > most_width) {
+        const uint32_t width = p->width / 2, height = p->height / 2;
+        for (uint32_t y = 0; y < height; y++)
+            for (uint32_t x = 0; x < width; x++)
+                for (uint32_t c = 0; c < 3; c++) {
+                    const float *from = p->texels + 3 * ((size_t)2 * y * p->width + 2 * x) + c;
+                    p->texels[3 * ((size_t)y * width + x) + c] = (from[0] + from[3] + from[3 * p->width] + from[3 * p->width + 3]) / 4;
+                }
+        p->width = width;
+        p->height = height;
+    }
+    if (byte_count(p) == before) return FNL_OK;
+    p->texels = host_allocate(host, byte_count(p));
+    if (p->texels) memcpy(p->texels, all, byte_count(p));
+    host_free(host, all, before);
+    if (p->texels) return FNL_OK;
+    *p = (struct panorama){0};
+    return FNL_ERROR_MEMORY;
+}
+
+/* ---- bright sources ---- */
+
+/* Texels above it belong to sources: so many times the mean of what is below it. */
+static float threshold_of(const struct panorama *p) {
+    enum { TIMES = 12, ROUNDS = 8 };
+    float threshold = FLT_MAX;
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        double sum = 0;
+        for (uint32_t y = 0; y < p->height; y++) {
+            double row = 0;
+            for (uint32_t x = 0; x < p->width; x++) row += (double)fminf(texel_luminance(p->texels + 3 * ((size_t)y * p->width + x)), threshold);
+            sum += row * (double)texel_angle(p, y);
+        }
+        threshold = TIMES * (float)(sum / (4 * (double)PI));
+    }
+    return threshold;
+}
+
+/* Texels that hang together: `stack` has room for all. Their light above the threshold is summed up. */
+struct region {
+    double light[3], toward[3], angle;
+};
+
+static struct region flood(const struct panorama *p, uint32_t start, float threshold, uint8_t *seen, uint32_t *stack) {
+    struct region out = {0};
+    uint32_t count = 0;
+    stack[count++] = start;
+    seen[start] = 1;
+    while (count > 0) {
+        const uint32_t at = stack[--count], x = at % p->width, y = at / p->width;
+        const float *texel = p->texels + 3 * (size_t)at;
+        const double angle = (double)texel_angle(p, y), above = 1 - (double)(threshold / texel_luminance(texel));
+        const vec3 direction = panorama_direction(p, (float)x, (float)y);
+        for (int c = 0; c < 3; c++) out.light[c] += (double)texel[c] * above * angle;
+        const double weight = (double)texel_luminance(texel) * above * angle;
+        out.toward[0] += weight * (double)direction.x;
+        out.toward[1] += weight * (double)direction.y;
+        out.toward[2] += weight * (double)direction.z;
+        out.angle += angle;
+        for (int k = 0; k < 9; k++) {
+            const int64_t row = (int64_t)y + k / 3 - 1;
+            if (row < 0 || row >= p->height) continue;
+            const uint32_t next = (uint32_t)row * p->width + (x + p->width + (uint32_t)(k % 3) - 1) % p->width;
+            if (seen[next] || !(texel_luminance(p->texels + 3 * (size_t)next) > threshold)) continue;
+            seen[next] = 1;
+            stack[count++] = next;
+        }
+    }
+    return out;
+}
+
+static float region_light(const struct region *r) {
+    const float light[3] = {(float)r->light[0], (float)r->light[1], (float)r->light[2]};
+    return texel_luminance(light);
+}
+
+/* What all of it gives to a sphere, as if it came at right angles: cd/m^2 times steradian. */
+static double whole_light(const struct panorama *p) {
+    double sum = 0;
+    for (uint32_t y = 0; y < p->height; y++) {
+        double row = 0;
+        for (uint32_t x = 0; x < p->width; x++) row += (double)texel_luminance(p->texels + 3 * ((size_t)y * p->width + x));
+        sum += row * (double)texel_angle(p, y);
+    }
+    return sum;
+}
+
+/* Lowers what hangs together with `start` to the threshold. */
+static void lower(struct panorama *p, uint32_t start, float threshold, uint8_t *seen, uint32_t *stack) {
+    uint32_t count = 0;
+    stack[count++] = start;
+    seen[start] = 0;
+    while (count > 0) {
+        const uint32_t at = stack[--count], x = at % p->width, y = at / p->width;
+        float *texel = p->texels + 3 * (size_t)at;
+        const float part = threshold / texel_luminance(texel);
+        for (int c = 0; c < 3; c++) texel[c] *= part;
+        for (int k = 0; k < 9; k++) {
+            const int64_t row = (int64_t)y + k / 3 - 1;
+            if (row < 0 || row >= p->height) continue;
+            const uint32_t next = (uint32_t)row * p->width + (x + p->width + (uint32_t)(k % 3) - 1) % p->width;
+            if (!seen[next]) continue;
+            seen[next] = 0;
+            stack[count++] = next;
+        }
+    }
+}
+
+fnl_result panorama_part(const fnl_host *host, struct panorama *p, struct panorama_source out[ENVIRONMENT_LIGHTS_MAX], uint32_t *count) {
+    const size_t texel_count = (size_t)p->width * p->height;
+    const float least = 0.02f * (float)whole_light(p), threshold = threshold_of(p), widest = 2 * PI * (1 - cosf(5 * PI / 180));
+    uint32_t starts[ENVIRONMENT_LIGHTS_MAX + 1];
+    struct region regions[ENVIRONMENT_LIGHTS_MAX + 1];
+    *count = 0;
+    uint8_t *seen = host_allocate_zero(host, texel_count);
+    uint32_t *stack = host_allocate(host, texel_count * sizeof *stack);
+    for (uint32_t i = 0; i < texel_count && seen && stack; i++) {
+        if (seen[i] || !(texel_luminance(p->texels + 3 * (size_t)i) > threshold)) continue;
+        const struct region r = flood(p, i, threshold, seen, stack);
+        if (!(region_light(&r) > least) || r.angle > (double)widest) continue;
+        uint32_t place = *count; /* the brightest come first; the last of one too many drops out */
+        for (; place > 0 && region_light(&regions[place - 1]) < region_light(&r); place--) {
+            regions[place] = regions[place - 1];
+            starts[place] = starts[place - 1];
+        }
+        regions[place] = r;
+        starts[place] = i;
+        *count = MIN(*count + 1, ENVIRONMENT_LIGHTS_MAX);
+    }
+    for (uint32_t i = 0; i < *count; i++) {
+        const struct region *r = &regions[i];
+        lower(p, starts[i], threshold, seen, stack);
+        out[i] = (struct panorama_source){
+            .illuminance = vec3_make((float)r->light[0], (float)r->light[1], (float)r->light[2]),
+            .direction = vec3_normalize(vec3_make((float)r->toward[0], (float)r->toward[1], (float)r->toward[2])),
+            .half_angle = acosf(fmaxf(1 - (float)r->angle / (2 * PI), -1))};
+    }
+    const fnl_result result = seen && stack ? FNL_OK : FNL_ERROR_MEMORY;
+    if (seen) host_free(host, seen, texel_count);
+    if (stack) host_free(host, stack, texel_count * sizeof *stack);
+    return result;
+}
+
+/* ---- made by code ---- */
+
+/* 1 inside a rectangle on the sphere, with soft edges; angles in degrees, `azimuth` anticlockwise from +X to -Z. */
+static float soft_box(vec3 d, float azimuth, float elevation, float half_width, float half_height, float edge) {
+    const float a = azimuth * (PI / 180), e = elevation * (PI / 180);
+    const vec3 out = vec3_make(cosf(e) * cosf(a), sinf(e), -cosf(e) * sinf(a)), side = vec3_make(sinf(a), 0, cosf(a)), up = vec3_cross(side, out);
+    const float along = vec3_dot(d, out);
+    if (along <= 0) return 0;
+    const float x = fabsf(vec3_dot(d, side)) / along, y = fabsf(vec3_dot(d, up)) / along;
+    const float in_x = CLAMP((tanf(half_width * (PI / 180)) - x) / edge, 0.0f, 1.0f), in_y = CLAMP((tanf(half_height * (PI / 180)) - y) / edge, 0.0f, 1.0f);
+    return in_x * in_x * (3 - 2 * in_x) * in_y * in_y * (3 - 2 * in_y);
+}
+
+/* A dark room with a large light to the left of a viewer at +Z, a fainter one to the right, one overhead and a strip behind. */
+static vec3 studio(vec3 d) {
+    const float wall = d.y > 0 ? 0.25f + 0.2f * d.y : 0.25f + 0.25f * d.y * d.y;
+    vec3 light = vec3_scale(vec3_make(1, 1.01f, 1.04f), wall);
+    light = vec3_add(light, vec3_scale(vec3_make(1, 0.97f, 0.92f), 7 * soft_box(d, 215, 35, 24, 20, 0.08f)));
+    light = vec3_add(light, vec3_scale(vec3_make(0.93f, 0.97f, 1), 2.5f * soft_box(d, -25, 20, 18, 26, 0.08f)));
+    light = vec3_add(light, vec3_scale(vec3_make(1, 1, 1), 3.5f * soft_box(d, 90, 85, 30, 30, 0.12f)));
+    return vec3_add(light, vec3_scale(vec3_make(0.95f, 0.98f, 1), 5 * soft_box(d, 90, 15, 50, 5, 0.05f)));
+}
+
+/* The standard overcast sky of the CIE (S 011), above a ground that reflects a fifth. */
+static vec3 overcast(vec3 d) {
+    const float zenith = 1.3f, sky = zenith * (1 + 2 * fmaxf(d.y, 0)) / 3;
+    const float ground = 0.2f * zenith * 7 / 9, part = CLAMP(0.5f + d.y * 25, 0.0f, 1.0f);
+    return vec3_scale(vec3_make(0.96f, 1, 1.05f), ground + (sky - ground) * part);
+}
+
+/* A clear sky of the CIE (S 011, type 12) with a sun 40 degrees high, which fills 2 degrees so that it has texels. */
+static vec3 clear_sky(vec3 d) {
+    const float height = 40 * PI / 180, azimuth = 60 * PI / 180, sun_cosine = cosf(1 * PI / 180);
+    const vec3 sun = vec3_make(cosf(height) * cosf(azimuth), sinf(height), cosf(height) * sinf(azimuth));
+    const float from_sun = acosf(CLAMP(vec3_dot(d, sun), -1.0f, 1.0f)), up = fmaxf(d.y, 0.02f), zenith_sun = PI / 2 - height;
+    const float gradation = 1 - expf(-0.32f / up), gradation_zenith = 1 - expf(-0.32f);
+    const float glow = 1 + 10 * (expf(-3 * from_sun) - expf(-3 * PI / 2)) + 0.45f * cosf(from_sun) * cosf(from_sun);
+    const float glow_zenith = 1 + 10 * (expf(-3 * zenith_sun) - expf(-3 * PI / 2)) + 0.45f * cosf(zenith_sun) * cosf(zenith_sun);
+    const float sky = 0.28f * gradation * glow / (gradation_zenith * glow_zenith), haze = expf(-3 * up);
+    const vec3 blue = vec3_make(0.55f + 0.4f * haze, 0.85f + 0.12f * haze, 1.45f - 0.35f * haze);
+    const float part = CLAMP(0.5f + d.y * 40, 0.0f, 1.0f);
+    vec3 light = vec3_lerp(vec3_make(0.14f, 0.13f, 0.11f), vec3_scale(blue, sky), part);
+    const float inside = CLAMP((vec3_dot(d, sun) - sun_cosine) / (1 - sun_cosine) * 4, 0.0f, 1.0f);
+    return vec3_add(light, vec3_scale(vec3_make(1, 0.93f, 0.82f), 2900 * inside));
+}
+
+fnl_result panorama_make(const fnl_host *host, const char *name, struct panorama *out) {
+    static const struct {
+        const char *name;
+        vec3 (*radiance)(vec3 direction);
+    } made[] = {{"studio", studio}, {"sky", clear_sky}, {"overcast", overcast}};
+    uint32_t which = 0;
+    while (which < COUNT_OF(made) && strcmp(made[which].name, name) != 0) which++;
+    if (which == COUNT_OF(made)) {
+        log_error(host, "builtin:%s: no such environment; there are builtin:studio, builtin:sky and builtin:overcast", name);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    struct panorama p = {.width = 1024, .height = 512};
+    p.texels = host_allocate(host, byte_count(&p));
+    if (!p.texels) return FNL_ERROR_MEMORY;
+    for (uint32_t y = 0; y < p.height; y++)
+        for (uint32_t x = 0; x < p.width; x++) {
+            const vec3 light = made[which].radiance(panorama_direction(&p, (float)x, (float)y));
+            memcpy(p.texels + 3 * ((size_t)y * p.width + x), &light, sizeof light);
+        }
+    *out = p;
+    return FNL_OK;
+}

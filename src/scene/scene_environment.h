@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/** The surroundings of a scene (fanal/environment.h). */
+#ifndef FNL_SCENE_ENVIRONMENT_H
+#define FNL_SCENE_ENVIRONMENT_H
+
+#include "fanal/environment.h"
+#include "base/base.h"
+#include "base/maths.h"
+
+#define ENVIRONMENT_LIGHTS_MAX 8u
+
+/** A panorama: RGB floats, finite, 0 .. 65504. */
+struct panorama {
+    uint32_t width, height;
+    float *texels;
+};
+
+/** A bright source that was parted off: what it gives at right angles, in lux, the direction to it, and half the angle that it fills. */
+struct panorama_source {
+    vec3 illuminance, direction;
+    float half_angle;
+};
+
+struct scene_environment {
+    struct panorama panorama; /* width 0: there is none; without the sources */
+    struct panorama_source sources[ENVIRONMENT_LIGHTS_MAX];
+    uint32_t source_count;
+    fnl_light_id lights[ENVIRONMENT_LIGHTS_MAX]; /* of the sources */
+    char *name;                                  /* params.source, or NULL */
+    float rotation, intensity;
+    bool background, parted;
+    uint64_t version; /* of the panorama */
+};
+
+void panorama_finish(const fnl_host *host, struct panorama *p);
+/** One of fanal/environment.h; FNL_ERROR_UNSUPPORTED where there is none of that name. */
+fnl_result panorama_make(const fnl_host *host, const char *name, struct panorama *out);
+/** The direction of a texel's centre, and which texel (fractional, from the first one's centre) a unit direction is at. */
+vec3 panorama_direction(const struct panorama *p, float x, float y);
+void panorama_place(const struct panorama *p, vec3 direction, float *x, float *y);
+/** Parts small bright sources off; returns how many. FNL_ERROR_MEMORY leaves all as it was. */
+fnl_result panorama_part(const fnl_host *host, struct panorama *p, struct panorama_source out[ENVIRONMENT_LIGHTS_MAX], uint32_t *count);
+/** Averages 2 x 2 texels while it is wider than this. After FNL_ERROR_MEMORY it is empty. */
+fnl_result panorama_shrink(const fnl_host *host, struct panorama *p, uint32_t most_width);
+
+void scene_environment_finish(fnl_scene *scene);
+
+#endif
