@@ -31,7 +31,7 @@ bool bench_scene_load(const fnl_host *host, const fnl_load_params *loading, cons
     scene_source(name, lights, source, sizeof source);
     fnl_result result = fnl_scene_load(host, source, loading, out);
     if (result == FNL_OK && lights > 0 && !loading_is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
-    if (result == FNL_OK) result = loading_add_default_light(name, *out, NULL);
+    if (result == FNL_OK) result = loading_add_default_light(name, *out, NULL, NULL);
     if (result != FNL_OK) fnl_scene_destroy(out);
     return result == FNL_OK;
 }

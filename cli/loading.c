@@ -30,18 +30,14 @@ bool loading_parse(int option, const char *value, fnl_load_params *out) {
 
 bool loading_is_builtin(const char *source) { return strncmp(source, "builtin:", 8) == 0; }
 
-fnl_result loading_add_default_light(const char *source, fnl_scene *scene, bool *added) {
+fnl_result loading_add_default_light(const char *source, fnl_scene *scene, const fnl_environment_params *params, bool *added) {
     fnl_scene_info info;
-    fnl_light_params sun = fnl_light_params_default();
-    fnl_light_id id;
+    fnl_environment_params studio = params ? *params : fnl_environment_params_default();
     if (added) *added = false;
     fnl_result result = fnl_scene_query_info(scene, &info);
     if (result != FNL_OK || info.light_count > 0 || loading_is_builtin(source)) return result;
-    sun.kind = FNL_LIGHT_DIRECTIONAL;
-    sun.direction = (fnl_vec3){-0.4f, -0.8f, -0.5f};
-    sun.intensity = 3;
-    result = fnl_scene_add_light(scene, &sun, &id);
-    if (result == FNL_OK) result = fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f});
+    studio.source = "builtin:studio";
+    result = fnl_scene_set_environment(scene, &studio);
     if (added) *added = result == FNL_OK;
     return result;
 }

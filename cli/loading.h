@@ -27,7 +27,7 @@ bool loading_parse(int option, const char *value, fnl_load_params *out);
 
 /** Whether a scene is one of the built-in ones, by its name. */
 bool loading_is_builtin(const char *source);
-/** A file without any light would be black: it gets a sun over the viewer's shoulder and a sky. `added` (or NULL) says whether it did. */
-fnl_result loading_add_default_light(const char *source, fnl_scene *scene, bool *added);
+/** A file without any light would be black: it gets the environment builtin:studio, with what else `params` (or NULL) says. `added` (or NULL) says whether it did. */
+fnl_result loading_add_default_light(const char *source, fnl_scene *scene, const fnl_environment_params *params, bool *added);
 
 #endif

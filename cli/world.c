@@ -160,10 +160,11 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
     fnl_environment_params environment = o->environment_params;
     environment.source = o->environment;
+    environment.background &= !o->has_background || o->environment;
     if (o->environment && fnl_scene_set_environment(*scene, &environment) != FNL_OK) return false;
     bool added = false;
-    if (!o->has_ambient && !o->environment && loading_add_default_light(o->scene, *scene, &added) != FNL_OK) return false;
-    if (added && !quiet) puts("The scene has no light: a sun and a sky were added (--lights, --ambient).");
+    if (!o->has_ambient && !o->environment && loading_add_default_light(o->scene, *scene, &environment, &added) != FNL_OK) return false;
+    if (added && !quiet) puts("The scene has no light: it stands in builtin:studio (--environment, --lights, --ambient).");
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;

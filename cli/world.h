@@ -66,7 +66,7 @@ enum {
 #define WORLD_EYE_HELP "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
 #define WORLD_SURROUNDINGS_HELP                                                                                             \
     "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"                                              \
-    "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light gets some, and a sun)\n"        \
+    "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light stands in builtin:studio)\n"        \
     "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:sky, builtin:overcast\n" \
     "  --environment-rotation D   turns it about the vertical axis, degrees (0)\n"                                          \
     "  --environment-intensity X  multiplies its light (1)\n"                                                               \

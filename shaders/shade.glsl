@@ -41,10 +41,18 @@ vec3 environment_lobe(vec3 f0, vec3 f90, vec2 reflectance, vec3 mirrored, vec3 a
     return light;
 }
 
+// Where most of what a surface mirrors comes from: masked and shadowed microfacets bend a wide lobe towards the normal (Lagarde and de Rousiers 2014,
+// "Moving Frostbite to Physically Based Rendering").
+vec3 lobe_direction(surface s, vec3 to_view) {
+    precise float alpha = s.roughness * s.roughness, smoothness = 1.0 - alpha;
+    precise vec3 bent = mix(s.normal, reflect(-to_view, s.normal), smoothness * (sqrt(smoothness) + alpha));
+    return bent;
+}
+
 vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
     vec3 table = environment_reflectance(v, n_v, s.roughness);
     vec2 reflectance = table.xy;
-    vec3 mirrored = environment_radiance(v, reflect(-to_view, s.normal), table.z), around = AMBIENT_DIFFUSE(v, s.normal), taken;
+    vec3 mirrored = environment_radiance(v, lobe_direction(s, to_view), table.z), around = AMBIENT_DIFFUSE(v, s.normal), taken;
     precise vec3 dielectric = environment_lobe(s.dielectric_f0, vec3(s.dielectric_f90), reflectance, mirrored, around, taken);
     precise vec3 below = s.base_color * (1.0 - max_component(taken)) * around;
     precise vec3 light = dielectric + below;

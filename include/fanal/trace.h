@@ -21,8 +21,8 @@ typedef struct fnl_trace_params {
     /** Rays per pixel, 1 .. 1048576. Ray k goes through place k of fnl_jitter(), so the first one through the pixel's centre. Default 1. */
     uint32_t samples;
     /**
-     * How often light may bounce before it meets the surface that is seen, 0 .. 1024. 0: only lights shine, and ambient light is what it is in a
-     * frame, without shadows. From 1 on ambient light comes from the sky that paths reach, and surfaces that glow are lights. Default 0.
+     * How often light may bounce before it meets the surface that is seen, 0 .. 1024. 0: only lights and the environment shine, and ambient
+     * light is what it is in a frame, without shadows. From 1 on ambient light comes from the sky that paths reach, and surfaces that glow are lights. Default 0.
      */
     uint32_t bounces;
     /** Default true. */

@@ -106,5 +106,5 @@ dvec3 ray_brdf_sample(const struct ray_surface *s, dvec3 to_view, const double r
     /* Both lobes may have given it. Visible normals have the density D max(v.h, 0) 2 / masking, mirroring divides by 4 v.h. */
     dvec3 h = dvec3_normalize(dvec3_add(v, l));
     double density = (1 - share) * l.z / DPI + share * distribution(alpha, h.z) / (2 * masking(alpha, v.z));
-    return density > 0 ? dvec3_scale(ray_brdf_cos(s, to_view, *to_light), 1 / density) : none;
+    return density > 0 ? dvec3_scale(dvec3_add_scaled(ray_brdf_cos(s, to_view, *to_light), s->again, l.z / DPI), 1 / density) : none;
 }

@@ -17,6 +17,7 @@ struct ray_surface {
     double offset; /* how far off it rays have to start so that rounding does not make them hit it, metres */
     dvec3 f0;      /* reflectance of the dielectric part along the normal */
     double f90;    /* and at grazing angles */
+    dvec3 again;   /* diffuse reflectance besides, for light of paths: ray_environment_again(); else 0 */
 };
 
 /** Reflectance along the normal for an index of refraction, before colour and strength; an index of 0 reflects everything (KHR_materials_ior). */

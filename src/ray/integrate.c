@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "ray/integrate.h"
 
+#include "ray/environment.h"
 #include "scene/scene.h"
 
 struct context {
@@ -9,7 +10,13 @@ struct context {
     struct random_state *random;
     struct ray_walk *walk;
     dvec3 sky, ground;
+    const struct ray_environment *environment;
 };
+
+/* What a ray sees that leaves the scene. */
+static dvec3 surroundings(const struct context *c, dvec3 direction) {
+    return ray_environment_is(c->environment) ? ray_environment_from(c->environment, direction) : ray_sky(direction, c->sky, c->ground);
+}
 
 static double chance(const struct context *c) { return (double)(random_bits(c->random) >> 11) * 0x1p-53; }
 
@@ -66,12 +73,14 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
 
 /* ---- paths ---- */
 
+/* Without bounces: of light from all around alone, what no surface stops. */
 static dvec3 indirect_light(const struct context *c, const struct ray_surface *from, dvec3 to_view) {
     struct ray_surface s = *from;
     dvec3 out = {0, 0, 0}, carried = {1, 1, 1};
     for (uint32_t bounce = 0;; bounce++) {
         double random[3];
         dvec3 direction;
+        ray_environment_again(c->environment, &s, to_view);
         for (int i = 0; i < 3; i++) random[i] = chance(c);
         carried = dvec3_mul(carried, ray_brdf_sample(&s, to_view, random, &direction));
         if (!(dvec3_max(carried) > 0) || !(dvec3_dot(s.geometric, direction) > 0)) return out;
@@ -84,7 +93,8 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
         dvec3 origin = dvec3_add_scaled(s.position, s.geometric, s.offset);
         c->walk->key = random_bits(c->random);
         if (!ray_find(c->scene, RAY_PATH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
-            return dvec3_add(out, dvec3_mul(carried, ray_sky(direction, c->sky, c->ground)));
+            return dvec3_add(out, dvec3_mul(carried, surroundings(c, direction)));
+        if (c->params->bounces == 0) return out;
         s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
         to_view = dvec3_scale(direction, -1);
         out = dvec3_add(out, dvec3_mul(carried, s.emissive));
@@ -96,7 +106,8 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
 
 static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum) {
     dvec3 out = dvec3_add(s->emissive, direct_light(c, s, to_view, sum));
-    return dvec3_add(out, c->params->bounces ? indirect_light(c, s, to_view) : ray_ambient(s, to_view, c->sky, c->ground));
+    return dvec3_add(out, c->params->bounces || ray_environment_is(c->environment) ? indirect_light(c, s, to_view)
+                                                                                : ray_ambient(s, to_view, c->sky, c->ground));
 }
 
 void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x,
@@ -107,6 +118,7 @@ void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params
     struct ray_neighbours neighbours;
     struct ray_hit hit;
     ray_scene_surroundings(scene, &c.sky, &c.ground, &background);
+    c.environment = ray_scene_environment(scene);
     ray_camera_ray(camera, x, y, &origin, &direction, &low, &high);
     ray_camera_ray(camera, x + 1, y, &neighbours.origin[0], &neighbours.direction[0], &unused, &unused);
     ray_camera_ray(camera, x, y + 1, &neighbours.origin[1], &neighbours.direction[1], &unused, &unused);
@@ -122,6 +134,7 @@ void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params
         struct ray_surface s = ray_surface_at(scene, &hit, origin, direction, &neighbours);
         radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, layer_count ? NULL : sum), rest);
     } else {
+        if (ray_environment_is(c.environment) && c.environment->scene->background) background = ray_environment_from(c.environment, direction);
         radiance = dvec3_add_scaled(radiance, background, rest);
     }
     sum->radiance = dvec3_add(sum->radiance, radiance);

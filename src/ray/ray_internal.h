@@ -38,6 +38,7 @@ struct ray_scene {
     RTCScene handle;
     struct ray_image *images;
     struct scene_material standard;
+    struct ray_environment environment;
     ARRAY(struct ray_part) parts;
     ARRAY(struct ray_mesh) meshes;
     ARRAY(struct ray_instance) instances;

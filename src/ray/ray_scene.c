@@ -88,6 +88,7 @@ fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ra
     if (!s) return FNL_ERROR_MEMORY;
     s->scene = scene;
     s->standard = scene_material_default();
+    ray_environment_begin(&scene->environment, &s->environment);
     fnl_result result = ray_scene_build(s, jobs);
     if (result == FNL_OK) result = ray_lights_create(s);
     if (result != FNL_OK) ray_scene_destroy(out);
@@ -118,6 +119,8 @@ void ray_scene_surroundings(const struct ray_scene *s, dvec3 *sky, dvec3 *ground
     *ground = dvec3_from(s->scene->ambient_ground);
     *background = dvec3_from(s->scene->background);
 }
+
+const struct ray_environment *ray_scene_environment(const struct ray_scene *s) { return &s->environment; }
 
 uint32_t ray_scene_unseen(const struct ray_scene *s) { return s->unseen; }
 

@@ -4,6 +4,7 @@
 #define FNL_RAY_SCENE_H
 
 #include "ray/brdf.h"
+#include "ray/environment.h"
 #include "ray/light.h"
 #include "ray/texture.h"
 
@@ -16,6 +17,8 @@ void ray_scene_destroy(struct ray_scene **scene);
 const fnl_host *ray_scene_host(const struct ray_scene *scene);
 /** Ambient light from above and below, and what is seen behind everything. */
 void ray_scene_surroundings(const struct ray_scene *scene, dvec3 *sky, dvec3 *ground, dvec3 *background);
+/** Light from all around; in place of ambient light and background where there is one. */
+const struct ray_environment *ray_scene_environment(const struct ray_scene *scene);
 /** Lines, points and decals that rays do not see. */
 uint32_t ray_scene_unseen(const struct ray_scene *scene);
 

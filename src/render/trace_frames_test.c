@@ -3,6 +3,7 @@
 #include "tests/render_harness.h"
 
 #include "fanal/trace.h"
+#include "tests/coarse_cases.h"
 
 struct view {
     const char *source;
@@ -85,10 +86,59 @@ static void test_animated_frames(void **state) {
     expect_same(&(struct view){"Fox.glb", 48, 50, false, 0.4, 60});
 }
 
+/* ---- environments ---- */
+
+/* A ball in a sky, whose sun is a light: paths choose directions by the lobe, frames read prefiltered maps. dB of the tone-mapped pictures. */
+static double ball_in_the_sky(const char *source, float metallic, float roughness) {
+    fnl_scene *scene = coarse_scene();
+    fnl_environment_params environment = fnl_environment_params_default();
+    fnl_material_params material = fnl_material_params_default();
+    fnl_material_id id;
+    environment.source = source;
+    material.metallic = metallic;
+    material.roughness = roughness;
+    material.base_color[0] = 0.9f, material.base_color[1] = 0.7f, material.base_color[2] = 0.4f;
+    assert_int_equal(fnl_scene_set_environment(scene, &environment), FNL_OK);
+    assert_int_equal(fnl_scene_add_material(scene, &material, &id), FNL_OK);
+    coarse_add_sphere(scene, id, 1);
+    struct stage s = stage_open_scene(scene);
+    s.frame.width = s.frame.height = 20;
+    s.frame.ev = 0;
+    s.frame.camera = fnl_camera_default();
+    s.frame.camera.position = (fnl_vec3){0, 0.6f, 1.5f}; /* it fills the picture: edges have other samples */
+    s.frame.camera.target = (fnl_vec3){0, 0, 0};
+    s.frame.camera.vertical_fov = 1;
+    struct shot shot = stage_shoot(&s, &s.frame);
+    fnl_trace_params p = fnl_trace_params_default();
+    p.width = s.frame.width, p.height = s.frame.height, p.camera = s.frame.camera;
+    p.exposure = s.frame.exposure, p.ev = s.frame.ev, p.tonemap = s.frame.tonemap;
+    p.samples = 700;
+    p.shadows = false;
+    fnl_trace trace;
+    fnl_image_difference difference;
+    assert_int_equal(fnl_scene_trace(s.scene, &p, &trace), FNL_OK);
+    assert_int_equal(fnl_image_compare(NULL, &trace.color, &shot.color, &difference), FNL_OK);
+    print_message("%s, metallic %.1f, roughness %.2f: %.1f dB\n", source, (double)metallic, (double)roughness, difference.psnr);
+    fnl_trace_free(&s.scene->host, &trace);
+    shot_free(&shot);
+    stage_close(&s);
+    return difference.psnr;
+}
+
+static void test_environments_against_paths_EN_8(void **state) {
+    UNUSED(state);
+    static const float roughnesses[] = {0.2f, 0.6f, 1};
+    for (uint32_t i = 0; i < COUNT_OF(roughnesses); i++) {
+        assert_true(ball_in_the_sky("builtin:sky", 1, roughnesses[i]) > 35);
+        assert_true(ball_in_the_sky("builtin:studio", 0, roughnesses[i]) > 35);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_frames_without_shadows, harness_check),
         cmocka_unit_test_teardown(test_animated_frames, harness_check),
+        cmocka_unit_test_teardown(test_environments_against_paths_EN_8, harness_check),
     };
     return cmocka_run_group_tests_name("trace_frames", tests, harness_begin, harness_end);
 }

@@ -20,7 +20,7 @@ static uint32_t mip_count(uint32_t side) {
 
 uint32_t environment_side(uint32_t picture_width) {
     uint32_t side = 128;
-    while (side < 1024 && side * 4 < picture_width) side *= 2;
+    while (side < 1024 && side * 3 < picture_width) side *= 2;
     return side;
 }
 
@@ -154,7 +154,7 @@ static void add_filter(struct graph *graph, gpu_device *device, const struct env
         struct gpu_environment_filter_push push = {.first = first_texel(maps->side, mip),
                                                    .side = side,
                                                    .sampler_index = sampler,
-                                                   .samples = CLAMP(524288u / (side * side), 32u, 1024u),
+                                                   .samples = CLAMP(1048576u / (side * side), 16u, 1024u),
                                                    .cube_side = maps->side,
                                                    .alpha = roughness * roughness};
         pass = graph_dispatch(graph, &(struct graph_dispatch){.pass = pass,

@@ -247,7 +247,9 @@ static void check_picture(const char *file) {
     double worst = 0, between = 0, error = 0, sum = 0;
     for (uint32_t mip = 1; mip <= m.last; mip++) {
         const double roughness = (double)environment_roughness(mip, m.last), before = (double)environment_roughness(mip - 1, m.last);
-        worst = fmax(worst, mirror_error(&m, roughness, 12));
+        const double off = mirror_error(&m, roughness, 12);
+        if (roughness >= 0.1) worst = fmax(worst, off);
+        print_message("  mip %u, roughness %.3f: %.2f %%\n", mip, roughness, 100 * off);
         if (mip > 1) between = fmax(between, mirror_error(&m, (roughness + before) / 2, 12));
     }
     for (uint32_t i = 0; i < 24; i++) {
