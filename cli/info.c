@@ -92,6 +92,7 @@ static void print_counts(const fnl_scene_info *info) {
                              info->decal_kind_counts[i], fnl_value_name(FNL_ENUM_DECAL_KIND, (fnl_decal_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     if (info->decal_count) print_count("decals", info->decal_count, note);
+    if (info->probe_count) print_count("probes", info->probe_count, "");
     print_count("cameras", info->camera_count, "");
     print_count("animations", info->animation_count, "");
     print_count("skins", info->skin_count, "");
@@ -254,6 +255,7 @@ static json_t *json_counts(const fnl_scene_info *info) {
     json_object_set_new(object, "images", json_count(info->image_count));
     json_object_set_new(object, "lights", json_count(info->light_count));
     json_object_set_new(object, "decals", json_count(info->decal_count));
+    json_object_set_new(object, "probes", json_count(info->probe_count));
     json_object_set_new(object, "cameras", json_count(info->camera_count));
     json_object_set_new(object, "animations", json_count(info->animation_count));
     json_object_set_new(object, "skins", json_count(info->skin_count));

@@ -22,6 +22,7 @@
 
 layout(set = 0, binding = 0) uniform texture2D textures[];
 layout(set = 0, binding = 0) uniform texture2DMS textures_multisampled[];
+layout(set = 0, binding = 0) uniform textureCube cubes[];
 layout(set = 0, binding = 0) uniform utexture2D textures_uint[];
 layout(set = 0, binding = 1) uniform sampler samplers[];
 layout(set = 0, binding = 2) uniform image2D images[];

@@ -6,7 +6,6 @@
 #include "view.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer environment_block { gpu_environment light; };
-layout(set = 0, binding = 0) uniform textureCube cubes[];
 
 // A direction in the axes of the cube map.
 vec3 environment_axes(view_block v, vec3 direction) {

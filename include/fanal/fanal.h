@@ -15,6 +15,7 @@
 #include "fanal/light.h"
 #include "fanal/lights.h"
 #include "fanal/mesh.h"
+#include "fanal/probe.h"
 #include "fanal/options.h"
 #include "fanal/renderer.h"
 #include "fanal/scene.h"

@@ -16,6 +16,7 @@
 #include "fanal/instance.h"
 #include "fanal/light.h"
 #include "fanal/mesh.h"
+#include "fanal/probe.h"
 #include "fanal/scene_ids.h"
 #include "fanal/scene_query.h"
 #include "fanal/values.h"

@@ -32,6 +32,9 @@ typedef struct fnl_light_id {
 typedef struct fnl_decal_id {
     uint32_t index, generation;
 } fnl_decal_id;
+typedef struct fnl_probe_id {
+    uint32_t index, generation;
+} fnl_probe_id;
 
 /** The kinds of things that a scene holds. */
 typedef enum fnl_entity {
@@ -43,6 +46,7 @@ typedef enum fnl_entity {
     FNL_ENTITY_IMAGE,
     FNL_ENTITY_CAMERA,
     FNL_ENTITY_ANIMATION,
+    FNL_ENTITY_PROBE,
     FNL_ENTITY_COUNT
 } fnl_entity;
 

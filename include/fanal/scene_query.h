@@ -10,6 +10,7 @@
 #include "fanal/instance.h"
 #include "fanal/light.h"
 #include "fanal/mesh.h"
+#include "fanal/probe.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -22,6 +23,7 @@ typedef struct fnl_entity_info {
         fnl_instance_id instance;
         fnl_light_id light;
         fnl_decal_id decal;
+        fnl_probe_id probe;
         fnl_mesh_id mesh;
         fnl_material_id material;
         fnl_image_id image;
@@ -48,6 +50,7 @@ typedef struct fnl_scene_info {
     uint32_t directional_count, point_count, spot_count, capsule_count, wedge_count, box_count;
     uint32_t decal_count; /**< of all kinds */
     uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
+    uint32_t probe_count;
     uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
     fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
 } fnl_scene_info;
@@ -78,6 +81,7 @@ FNL_API fnl_result fnl_scene_query_extension(const fnl_scene *scene, uint32_t in
 FNL_API const char *fnl_scene_message(const fnl_scene *scene, uint32_t index);
 FNL_API fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index, fnl_light_params *out);
 FNL_API fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out);
+FNL_API fnl_result fnl_scene_query_probe(const fnl_scene *scene, uint32_t index, fnl_probe_params *out);
 FNL_API fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out);
 
 /** A mesh and one of its primitives: a mesh of a file may have several, each with its own material. */

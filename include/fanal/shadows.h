@@ -24,6 +24,11 @@ typedef enum fnl_shadows {
      * The picture is noisy, and the mean of frames with different seeds is that of FNL_SHADOWS_RAYS. Directional lights are sent a ray always.
      */
     FNL_SHADOWS_SAMPLED,
+    /**
+     * A cube map for each probe of the scene (fanal/probe.h) says where its walls let light in, and one look-up finds the soft, coloured shadow that they
+     * cast into the room from a light outside. Rays find the shadows of what is in the room, of lights in it, and of surfaces outside all probes.
+     */
+    FNL_SHADOWS_CUBEMAP,
     FNL_SHADOWS_COUNT
 } fnl_shadows;
 
@@ -36,6 +41,21 @@ typedef enum fnl_shadow_filter {
     FNL_SHADOW_FILTER_PCSS,
     FNL_SHADOW_FILTER_COUNT
 } fnl_shadow_filter;
+
+/** FNL_SHADOWS_CUBEMAP: how soft shadows are, by the distance between a surface and the wall that its light comes through. */
+typedef enum fnl_cubemap_lod {
+    FNL_CUBEMAP_LOD_LINEAR = 0, /**< fnl_probe_params.softness levels of detail a metre, the same for all lights */
+    FNL_CUBEMAP_LOD_PHYSICAL,   /**< as wide as the radius or angle of the light makes penumbras; lights without one cast hard shadows */
+    FNL_CUBEMAP_LOD_COUNT
+} fnl_cubemap_lod;
+
+/** FNL_SHADOWS_CUBEMAP: what casts shadows in the room besides its walls. */
+typedef enum fnl_cubemap_inside {
+    FNL_CUBEMAP_INSIDE_ALL = 0, /**< everything, by a ray that ends at the wall; what has moved, by one that goes on to the light */
+    FNL_CUBEMAP_INSIDE_MOVING,  /**< what has moved since the probes were baked, and what deforms: a scene in which nothing does sends no rays */
+    FNL_CUBEMAP_INSIDE_NONE,    /**< nothing */
+    FNL_CUBEMAP_INSIDE_COUNT
+} fnl_cubemap_inside;
 
 /** What shadow rays go through. All give the same picture, but for rays that meet the very edge of a triangle. */
 typedef enum fnl_ray_backend {
@@ -80,6 +100,12 @@ typedef struct fnl_shadow_options {
      * are blurred where few frames know them. Frames take other lights each, and those of a still scene come close to FNL_SHADOWS_RAYS. Default false.
      */
     bool denoise;
+    fnl_cubemap_lod cubemap_lod;       /**< cubemap; default FNL_CUBEMAP_LOD_LINEAR */
+    fnl_cubemap_inside cubemap_inside; /**< cubemap; default FNL_CUBEMAP_INSIDE_ALL */
+    bool cubemap_tint;                 /**< cubemap: coloured glass in the walls colours the light; default true */
+    /** cubemap: looks up where the ray to the light leaves the box; false: in the direction of the light itself, which is right in one point of the
+        room alone, and is there to show it. Default true. */
+    bool cubemap_correct;
 } fnl_shadow_options;
 
 #ifdef __cplusplus

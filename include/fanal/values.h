@@ -24,6 +24,8 @@ typedef enum fnl_enum {
     FNL_ENUM_MSAA_METHOD,      /**< fnl_msaa_method */
     FNL_ENUM_SHADOWS,          /**< fnl_shadows */
     FNL_ENUM_SHADOW_FILTER,    /**< fnl_shadow_filter */
+    FNL_ENUM_CUBEMAP_LOD,      /**< fnl_cubemap_lod */
+    FNL_ENUM_CUBEMAP_INSIDE,   /**< fnl_cubemap_inside */
     FNL_ENUM_RAY_BACKEND,      /**< fnl_ray_backend */
     FNL_ENUM_TRANSPARENCY,     /**< fnl_transparency */
     FNL_ENUM_DECALS,           /**< fnl_decals */

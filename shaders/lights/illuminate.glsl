@@ -131,38 +131,82 @@ shadowed_point shadowed_point_of(light_list_block l, vec3 position, vec3 normal)
     p.position = position;
     p.normal = normal;
     p.slack = shadow_slack(l, position);
-    if (LIST_MAPS) {
+    if (LIST_MAPS || LIST_CUBEMAP) {
         view_block v = l.list.view;
         p.pixel = pixel_width(v, length(v.view.eye - position));
-        p.maps = shadow_maps_block(l.list.shadow_maps).maps;
+    }
+    if (LIST_MAPS) p.maps = shadow_maps_block(l.list.shadow_maps).maps;
+    if (LIST_CUBEMAP) {
+        p.probes = probes_block(l.list.probes).probes;
+        p.probe = probe_find(p.probes, position);
+        if (p.probe < p.probes.count) p.place = probe_place(p.probes.probes.at[p.probe], position);
     }
     return p;
 }
 
+// What the walls of the point's room let in of a light outside, `away` metres off (1: one that is parallel), and which items else may hide it: all
+// where the point is in no room or the light is in the room too.
+vec3 cubemap_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, bool endless, out ray_scope scope) {
+    scope = ray_everything();
+    if (p.probe >= p.probes.count) return vec3(1.0);
+    gpu_probe probe = p.probes.probes.at[p.probe];
+    vec3 along = probe_turn(probe, to_light);
+    if (!endless && probe_holds(probe, p.place + along * away)) return vec3(1.0);
+    float spread = 0.0;
+    if ((p.probes.flags & PROBES_PHYSICAL) != 0u) {
+        bool parallel = endless || l.list.lights.at[light].shape.kind == GPU_SHAPE_BOX;
+        spread = 2.0 * source_size(l, light, parallel) / (parallel ? 1.0 : max(away, 1e-6));
+    }
+    bool inside = (p.probes.flags & PROBES_INSIDE) != 0u;
+    float room = inside ? box_exit(p.place, along, max(probe.half_size - probe.wall, vec3(0.0))) : 0.0;
+    scope = ray_scope(RAY_SOME, room, p.probes.moving);
+    return probe_light(p.probes, probe, probe_look(probe, p.probes.flags, p.place, along, spread, p.pixel));
+}
+
+// Whether a ray is to be sent for what is left of a light.
+bool cubemap_sends_rays(shadowed_point p, ray_scope scope, vec3 open) {
+    if (scope.kind == RAY_EVERYTHING) return true;
+    return max_component(open) > 0.0 && (scope.high > 0.0 || (p.probes.flags & PROBES_MOVERS) != 0u);
+}
+
 // The part, 0 .. 1, of a light that no surface stops on its way to the point; `to_light` and `light` as illuminate() has them. 0 also for light that
-// comes from behind the surface, which reflects none of it.
-float shadow_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light) {
-    if (!LIST_SHADOWED || !light_casts(l, light)) return 1.0;
-    if (!(dot(p.normal, to_light) > 0.0)) return 0.0;
+// comes from behind the surface, which reflects none of it. Its colours differ only with LIST_CUBEMAP.
+vec3 shadow_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light) {
+    if (!LIST_SHADOWED || !light_casts(l, light)) return vec3(1.0);
+    if (!(dot(p.normal, to_light) > 0.0)) return vec3(0.0);
     if (LIST_MAPS) {
         float open = map_visibility(l, light, p);
-        if (!LIST_RAYS || open >= 0.0) return abs(open); // nothing is known of what no pixel asked for: light
+        if (!LIST_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light
     }
     float high = light_distance(l, light, p.position, to_light);
+    vec3 wall = vec3(1.0);
+    ray_scope scope = ray_everything();
+    if (LIST_CUBEMAP) {
+        wall = cubemap_visibility(l, light, p, to_light, high, false, scope);
+        if (!cubemap_sends_rays(p, scope, wall)) return wall;
+    }
     float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
-    return rays_visibility(l, light, p.position, p.normal, to_light, high, margin, p.slack);
+    float open = rays_visibility(l, scope, light, p.position, p.normal, to_light, high, margin, p.slack);
+    return LIST_CUBEMAP ? wall * open : vec3(open);
 }
 
 // The same of a directional light.
-float sun_visibility(light_list_block l, uint light, shadowed_point p) {
-    if (!light_casts(l, light)) return 1.0;
+vec3 sun_visibility(light_list_block l, uint light, shadowed_point p) {
+    if (!light_casts(l, light)) return vec3(1.0);
     vec3 to_light = -l.list.lights.at[light].shape.direction;
-    if (!(dot(p.normal, to_light) > 0.0)) return 0.0;
+    if (!(dot(p.normal, to_light) > 0.0)) return vec3(0.0);
     if (LIST_MAPS) {
         float open = sun_map_visibility(l, light, p);
-        if (!LIST_RAYS || open >= 0.0) return abs(open);
+        if (!LIST_RAYS || open >= 0.0) return vec3(abs(open));
     }
-    return rays_visibility(l, light, p.position, p.normal, to_light, 1.0, 0.0, p.slack);
+    vec3 wall = vec3(1.0);
+    ray_scope scope = ray_everything();
+    if (LIST_CUBEMAP) {
+        wall = cubemap_visibility(l, light, p, to_light, 1.0, true, scope);
+        if (!cubemap_sends_rays(p, scope, wall)) return wall;
+    }
+    float open = rays_visibility(l, scope, light, p.position, p.normal, to_light, 1.0, 0.0, p.slack);
+    return LIST_CUBEMAP ? wall * open : vec3(open);
 }
 
 // What a directional light gives, in lux.

@@ -48,8 +48,10 @@ struct gpu_light {
 #define GPU_LIST_SAMPLED 0x4000u
 /* Beside GPU_LIST_RAYS: rays go through the device's own structures, not the trees (shadows/ray_query.glsl). */
 #define GPU_LIST_RAY_QUERY 0x8000u
-/* Any of the six above. */
-#define GPU_LIST_SHADOWED 0xfc00u
+/* Beside GPU_LIST_RAYS: cube maps say where light comes into rooms (shadows/cubemap.glsl). */
+#define GPU_LIST_CUBEMAP 0x20000u
+/* Any of the seven above. */
+#define GPU_LIST_SHADOWED 0x2fc00u
 /* Beside GPU_LIST_SAMPLED: what the chosen lights give is kept apart, to be denoised (passes/shadow/denoise.h). Of passes, not of lists. */
 #define GPU_LIST_DENOISED 0x10000u
 /* Beside the kind: ambient light comes from the environment (shaders/environment.glsl). */
@@ -147,6 +149,7 @@ struct gpu_light_list {
     uint cell_limit;     /* sparse: cells that there is memory for */
     uvec2 rays;          /* address of a struct gpu_rays; of lists with GPU_LIST_RAYS */
     uvec2 shadow_maps;   /* address of a struct gpu_shadow_maps; of lists with GPU_LIST_MAPS */
+    uvec2 probes;        /* address of a struct gpu_probes; of lists with GPU_LIST_CUBEMAP */
     uint shadow_rays;    /* that a point sends; of lists with GPU_LIST_SAMPLED, as the next */
     uint shadow_seed;    /* what the choice of lights depends on, besides the pixel */
 };

@@ -5,6 +5,7 @@
 
 #include "lights/iterate.glsl"
 #include "shadows/suns.glsl"
+#include "shadows/cubemap.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer shadow_maps_block { gpu_shadow_maps maps; };
 
@@ -14,6 +15,9 @@ struct shadowed_point {
     float slack; // metres by which the position may be wrong
     float pixel; // metres across
     gpu_shadow_maps maps;
+    gpu_probes probes;
+    uint probe; // that holds it, or probes.count
+    vec3 place; // in its space
 };
 
 // How many pixels wide the face is where a point lies, if one is so many metres wide there: `along` is the w of shadow_face_clip().

@@ -53,7 +53,13 @@ uint rays_sent = 0u;
 // shadow on it.
 float ray_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
     rays_sent++;
-    return LIST_RAY_QUERY ? query_visibility(b, origin, direction, high, slack) : tree_visibility(b, origin, direction, high, slack);
+    return LIST_RAY_QUERY ? query_visibility(b, origin, direction, high, slack) : tree_visibility(b, ray_everything(), origin, direction, high, slack);
+}
+
+// The same through some items; not with LIST_RAY_QUERY.
+float ray_visibility_in(rays_block b, ray_scope scope, vec3 origin, vec3 direction, float high, float slack) {
+    rays_sent++;
+    return tree_visibility(b, scope, origin, direction, high, slack);
 }
 
 #endif

@@ -4,6 +4,8 @@
 #ifndef SHADOWS_RAYS_GLSL
 #define SHADOWS_RAYS_GLSL
 
+#extension GL_EXT_buffer_reference_uvec2 : require
+
 #include "scene.glsl"
 
 layout(buffer_reference) buffer ray_node_array;
@@ -45,29 +47,70 @@ uvec3 ray_corners(rays_block b, gpu_ray_mesh mesh, uint primitive, uint triangle
     return uvec3(b.rays.indices.at[at], b.rays.indices.at[at + 1u], b.rays.indices.at[at + 2u]) + offset;
 }
 
-// What part of the light a surface of this material takes where the ray meets it.
-float ray_coverage(rays_block b, uint material, uvec3 corners, vec3 weights) {
+// Which items a ray meets: all; what does not move only so far; or what does not move alone.
+const uint RAY_EVERYTHING = 0u, RAY_SOME = 1u, RAY_STILL = 2u;
+struct ray_scope {
+    uint kind;
+    float high;              // RAY_SOME: metres up to which it meets what does not move
+    const_uint_array moving; // a bit for each item
+};
+
+ray_scope ray_everything() { return ray_scope(RAY_EVERYTHING, 0.0, const_uint_array(uvec2(0u))); }
+
+// How far the ray may go in an item: 0 where it passes it by.
+float ray_reach(ray_scope scope, uint item, float high) {
+    if (scope.kind == RAY_EVERYTHING) return high;
+    bool moves = (scope.moving.at[item / 32u] >> (item % 32u) & 1u) != 0u;
+    if (scope.kind == RAY_STILL) return moves ? 0.0 : high;
+    return moves ? high : min(high, scope.high);
+}
+
+// The base colour of a material where the ray meets it.
+vec4 ray_color(rays_block b, uint material, uvec3 corners, vec3 weights) {
     material_array materials = b.rays.scene.scene.materials;
-    uint flags = materials.at[material].flags;
-    if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND)) == 0u) return 1.0;
-    float alpha = materials.at[material].base_color.a;
+    vec4 color = materials.at[material].base_color;
     vec4 uvs = vec4(0.0);
-    float vertex_alpha = 0.0;
+    vec4 vertex = vec4(0.0);
     for (int k = 0; k < 3; k++) {
         gpu_attributes a = b.rays.scene.scene.attributes.at[corners[k]];
         uvs += vec4(a.uv0, a.uv1) * weights[k];
-        vertex_alpha += unpackUnorm2x16(a.color.y).y * weights[k];
+        vertex += vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y)) * weights[k];
     }
     gpu_texture t = materials.at[material].textures[0]; // base colour
     if (t.image != GPU_TEXTURE_NONE) {
         vec2 uv = t.uv_set == 0u ? uvs.xy : uvs.zw;
         uv = vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2], t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5]);
-        alpha *= textureLod(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), uv, 0.0).a;
+        color *= textureLod(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), uv, 0.0);
     }
-    alpha *= vertex_alpha;
-    if ((flags & GPU_MATERIAL_MASK) != 0u) return alpha < materials.at[material].alpha_cutoff ? 0.0 : 1.0;
+    return color * vertex;
+}
+
+// What part of the light a surface of this material takes where the ray meets it.
+float ray_coverage(rays_block b, uint material, uvec3 corners, vec3 weights) {
+    uint flags = b.rays.scene.scene.materials.at[material].flags;
+    if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND)) == 0u) return 1.0;
+    float alpha = ray_color(b, material, corners, weights).a;
+    if ((flags & GPU_MATERIAL_MASK) != 0u) return alpha < b.rays.scene.scene.materials.at[material].alpha_cutoff ? 0.0 : 1.0;
     return clamp(alpha, 0.0, 1.0);
 }
+
+// What a surface leaves of the light. Tinted: its part as alpha, and as RGB the part of each colour: glass is as bright as it lets light through, and has the
+// hue of its own colour.
+#ifdef RAYS_TINTED
+#define RAY_LIGHT vec4
+vec4 ray_left(rays_block b, uint material, uvec3 corners, vec3 weights) {
+    float open = 1.0 - ray_coverage(b, material, corners, weights);
+    if (!(open > 0.0)) return vec4(0.0);
+    vec3 color = ray_color(b, material, corners, weights).rgb;
+    if ((b.rays.scene.scene.materials.at[material].flags & GPU_MATERIAL_BLEND) == 0u || !(max_component(color) > 0.0)) color = vec3(1.0);
+    return vec4(color / max_component(color), 1.0) * open;
+}
+bool ray_is_dark(vec4 open) { return open.a <= 0.0; }
+#else
+#define RAY_LIGHT float
+float ray_left(rays_block b, uint material, uvec3 corners, vec3 weights) { return 1.0 - ray_coverage(b, material, corners, weights); }
+bool ray_is_dark(float open) { return open <= 0.0; }
+#endif
 
 // Whether the ray meets the triangle between its ends, and where. Both triangles at an edge decide about it by the same products, so that no ray
 // passes between them (Davidovič et al. 2012, "3D rasterization: a bridge between rasterization and ray casting").
@@ -102,12 +145,12 @@ bool ray_begins_on(gpu_ray_item item, shadow_ray r, vec3 p, vec3 q, vec3 s, floa
 }
 
 // The part of light that comes through one item. `slack`: what holds the ray's origin within so many metres casts no shadow on it.
-float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float slack) {
+RAY_LIGHT ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float slack) {
     shadow_ray r = ray_in_item(item, world);
     gpu_ray_mesh mesh = b.rays.mesh_table.at[item.primitive];
-    if (mesh.count == 0u) return 1.0;
+    if (mesh.count == 0u) return RAY_LIGHT(1.0);
     uint end = mesh.first + mesh.count - 1u, material = b.rays.scene.scene.primitives.at[item.primitive].material;
-    float open = 1.0;
+    RAY_LIGHT open = RAY_LIGHT(1.0);
     for (uint reference = b.rays.roots.at[item.primitive]; reference != RAY_END;) {
         uint last = reference & ~RAY_LEAF;
         if ((reference & RAY_LEAF) == 0u) {
@@ -122,8 +165,8 @@ float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float 
             position_array positions = b.rays.scene.scene.positions;
             vec3 p = positions.at[corners.x], q = positions.at[corners.y], s = positions.at[corners.z], weights;
             if (ray_meets_triangle(r, p, q, s, weights)) {
-                if (!ray_begins_on(item, r, p, q, s, slack)) open *= 1.0 - ray_coverage(b, material, corners, weights);
-                if (open <= 0.0) return 0.0;
+                if (!ray_begins_on(item, r, p, q, s, slack)) open *= ray_left(b, material, corners, weights);
+                if (ray_is_dark(open)) return RAY_LIGHT(0.0);
             }
         }
         reference = last == end ? RAY_END : b.rays.meshes.next.at[last];
@@ -132,9 +175,9 @@ float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float 
 }
 
 // The part of light, 0 .. 1, that comes from `origin` + `high` metres along the unit `direction`: through the trees.
-float tree_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
+RAY_LIGHT tree_visibility(rays_block b, ray_scope scope, vec3 origin, vec3 direction, float high, float slack) {
     shadow_ray r = shadow_ray_make(origin, direction, high);
-    float open = 1.0;
+    RAY_LIGHT open = RAY_LIGHT(1.0);
     for (uint reference = b.rays.items.root; reference != RAY_END;) {
         uint last = reference & ~RAY_LEAF;
         if ((reference & RAY_LEAF) == 0u) {
@@ -145,8 +188,11 @@ float tree_visibility(rays_block b, vec3 origin, vec3 direction, float high, flo
             }
             last = node.last;
         } else {
-            open *= ray_through_item(b, b.rays.placed.at[b.rays.items.ids.at[last]], r, slack);
-            if (open <= 0.0) return 0.0;
+            uint item = b.rays.items.ids.at[last];
+            shadow_ray part = r;
+            part.high = ray_reach(scope, item, high);
+            if (scope.kind == RAY_EVERYTHING || part.high > 0.0) open *= ray_through_item(b, b.rays.placed.at[item], part, slack);
+            if (ray_is_dark(open)) return RAY_LIGHT(0.0);
         }
         reference = b.rays.items.next.at[last];
     }

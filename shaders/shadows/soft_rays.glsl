@@ -9,7 +9,8 @@
 // The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
 // `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer
 // to the source than `margin` hides nothing. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
-float rays_visibility(light_list_block l, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
+// `scope`: which items hide it, with LIST_CUBEMAP.
+float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
     uint kind = l.list.lights.at[light].shape.kind;
     bool endless = kind == GPU_SHAPE_NONE;
     float size = 0.0, turn = 0.0;
@@ -41,7 +42,9 @@ float rays_visibility(light_list_block l, uint light, vec3 position, vec3 normal
             direction = ray / high;
             if (!(dot(normal, direction) > 0.0)) continue;
         }
-        open += ray_visibility(rays_block(l.list.rays), position, direction, endless ? 1e30 : high - margin, slack);
+        float end = endless ? 1e30 : high - margin;
+        open += LIST_CUBEMAP ? ray_visibility_in(rays_block(l.list.rays), scope, position, direction, end, slack)
+                             : ray_visibility(rays_block(l.list.rays), position, direction, end, slack);
     }
     return open / float(count);
 }

@@ -196,18 +196,21 @@ void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_im
                                               to->handle, 1, &region);
 }
 
-void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t offset, const struct gpu_image *to,
-                              uint32_t mip) {
+void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t offset, const struct gpu_image *to) {
     if (!commands->handle) return;
-    VkBufferImageCopy region = {
-        .bufferOffset = offset,
-        .imageSubresource = first_mip(to),
-        .imageExtent = {MAX(to->params.width >> mip, 1u), MAX(to->params.height >> mip, 1u), 1},
-    };
-    region.imageSubresource.mipLevel = mip;
-    region.imageSubresource.layerCount = to->params.layers;
-    commands->device->vk.CmdCopyBufferToImage(commands->handle, from->handle, to->handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                                              &region);
+    const struct gpu_image_params *params = &to->params;
+    VkBufferImageCopy regions[32];
+    for (uint32_t mip = 0; mip < params->mips; mip++) {
+        const uint32_t width = MAX(params->width >> mip, 1u), height = MAX(params->height >> mip, 1u);
+        regions[mip] = (VkBufferImageCopy){
+            .bufferOffset = offset,
+            .imageSubresource = {gpu_format_aspect(params->format), mip, to->first_layer, params->layers},
+            .imageExtent = {width, height, 1},
+        };
+        offset += (uint64_t)width * height * params->layers * gpu_texel_bytes(params->format);
+    }
+    commands->device->vk.CmdCopyBufferToImage(commands->handle, from->handle, to->handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, params->mips,
+                                              regions);
 }
 
 void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer) {

@@ -343,9 +343,8 @@ void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buf
 /** Mip 0, the first layer, tightly packed rows. The image is in TRANSFER_SRC_OPTIMAL. */
 void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to,
                               uint64_t offset);
-/** Mip `mip` of all layers, one after the other, tightly packed rows; the image is in TRANSFER_DST_OPTIMAL. */
-void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t offset, const struct gpu_image *to,
-                              uint32_t mip);
+/** All mips, each with all its layers, tightly packed one after the other, from the finest on. The image is in TRANSFER_DST_OPTIMAL. */
+void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t offset, const struct gpu_image *to);
 /** The first layer to `layer`, of the same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
 void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer);
 

@@ -159,6 +159,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
         gpu_buffer_destroy(r->device, &view->draws);
         gpu_buffer_destroy(r->device, &view->counters);
     }
+    probes_finish(r);
     lists_shared_finish(&r->lists, r->device);
     virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
@@ -258,6 +259,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     TRY(graph_execute_frame(r->graph, &execute));
     device_scene_submitted(&r->scene_user);
     shading_submitted(r, frame);
+    probes_submitted(r);
     r->frame = *frame;
     r->frame.views = NULL;
     r->frame_number = gpu_frame_number(r->device);

@@ -16,6 +16,7 @@
 #include "render/counters.h"
 #include "render/device/scene.h"
 #include "render/lists.h"
+#include "render/probes.h"
 #include "render/temporal.h"
 #include "render/view.h"
 
@@ -87,6 +88,7 @@ struct renderer_tests {
     uint32_t dais_probe;          /* DAIS_SHOW_… */
     bool dais_impatient;          /* nobody locks a bucket, so that each fragment stores its triangle */
     bool show_levels;             /* virtual texturing gives levels of detail in place of radiance */
+    struct gpu_buffer *probe_tap; /* takes the texels of the cube map that is baked, cubemap_bytes(); NULL: nothing does */
     struct gpu_buffer *mobile_tap; /* takes the targets of the order mobile as they are in the end, one after the other; NULL: nothing does */
     const struct volumes_hook *volume_hook; /* of deferred-volumes with the shape stencil; NULL: none */
 };
@@ -115,6 +117,7 @@ struct fnl_renderer {
     struct virtual_atlas atlas; /* of virtual texturing */
     bool told_of_maps;         /* the log knows that rays stand in for shadow maps */
     bool told_of_trees;        /* … and trees for ray queries */
+    struct renderer_probes probes;
     uint64_t mapless_version; /* light_version of the scene + 1 at which it was asked whether it has lights without maps: shadows.c */
     bool mapless;
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */

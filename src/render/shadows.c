@@ -5,6 +5,7 @@
 #include "passes/shadow/fill.h"
 #include "passes/shadow/maps.h"
 #include "render/orders/order.h"
+#include "render/probes.h"
 #include "render/temporal.h"
 
 /* ---- what finds them ---- */
@@ -48,6 +49,7 @@ static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
 /* Whether rays go through the device's own structures. `auto` walks the trees on the CPU, where no hardware helps. */
 static bool queries(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_device_info *info = gpu_info(r->device);
+    if (frame->shadows == FNL_SHADOWS_CUBEMAP) return false; /* the trees know what moves, and what is a wall */
     if (!info->ray_query || r->device_scene->item_count > RAY_QUERY_MOST_ITEMS) return false;
     return frame->shadow.ray_backend == FNL_RAY_BACKEND_RAY_QUERY ||
            (frame->shadow.ray_backend == FNL_RAY_BACKEND_AUTO && info->type != FNL_DEVICE_CPU);
@@ -103,6 +105,7 @@ fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (use.trees && frame->shadow.ray_backend == FNL_RAY_BACKEND_RAY_QUERY) tell_of_trees(r);
     if (frame->shadows == FNL_SHADOWS_MAPS && row_count(r) > 0 && !has_maps(r, frame)) tell_of_rays(r);
     TRY(device_rays_prepare(r->device_scene, use));
+    if (frame->shadows == FNL_SHADOWS_CUBEMAP) TRY(probes_prepare(r));
     return shadows_prepare_view(r, frame, &r->views.data[0]);
 }
 
@@ -111,6 +114,7 @@ void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene)
     const struct device_rays_use use = rays_use_of(shared->r, shared->frame);
     shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, use);
     if (use.trees || use.query) scene->lights.rays = shared->rays;
+    if (shared->frame->shadows == FNL_SHADOWS_CUBEMAP) probes_add(shared, scene);
     scene->lights.soft = shared->frame->shadow.samples > 1;
     scene->lights.filtered = shared->frame->shadow.filter != FNL_SHADOW_FILTER_HARD;
 }
@@ -178,6 +182,7 @@ static void note_structures(struct frame_state *f) {
 void shadows_add(struct frame_state *f) {
     struct light_input *lights = &f->scene->lights;
     note_structures(f);
+    if (f->frame->shadows == FNL_SHADOWS_CUBEMAP) probes_note(f);
     if (f->frame->shadows == FNL_SHADOWS_SAMPLED) {
         lights->shadow_rays = f->frame->shadow.rays;
         lights->shadow_seed = f->frame->shadow.seed + MAX(f->temporal.index, f->temporal.sequence);
@@ -289,6 +294,10 @@ static const struct counter counters[] = {
     {"shadows.structures-refitted", "structures", "of meshes that deform, adapted to this frame's vertices without being built anew", NOTED},
     {"shadows.structures-compacted", "structures", "of meshes, made smaller in this frame", NOTED},
     {"shadows.structure-bytes", "bytes", "memory of all acceleration structures on the device", NOTED},
+    {"probes.count", "probes", "probes by whose cube maps shadows are found", NOTED, .needs = "shadows=cubemap"},
+    {"probes.baked", "probes", "of them, baked in this frame", NOTED, .needs = "shadows=cubemap"},
+    {"probes.bytes", "bytes", "memory of their cube maps", NOTED, .needs = "shadows=cubemap"},
+    {"probes.lights-inside", "lights", "lights in a box of a probe, whose shadows rays find", NOTED, .needs = "shadows=cubemap"},
     {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
      .find = find_waiting, .needs = "shadows=maps", .kind = FNL_COUNTER_OVERFLOW},
 };

@@ -83,6 +83,7 @@ void builtin_make_city(struct builtin *b, const uint64_t *values);
 void builtin_make_hall(struct builtin *b, const uint64_t *values);
 void builtin_make_interior(struct builtin *b, const uint64_t *values);
 void builtin_make_wall(struct builtin *b, const uint64_t *values);
+void builtin_make_room(struct builtin *b, const uint64_t *values);
 void builtin_make_spheres(struct builtin *b, const uint64_t *values);
 void builtin_make_pole(struct builtin *b, const uint64_t *values);
 void builtin_make_lamps(struct builtin *b, const uint64_t *values);

@@ -60,6 +60,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->lights);
     array_free(&host, &scene->decals);
     scene_environment_finish(scene);
+    array_free(&host, &scene->probes);
     array_free(&host, &scene->painted);
     array_free(&host, &scene->cameras);
     array_free(&host, &scene->extensions);
@@ -69,6 +70,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->free_nodes);
     array_free(&host, &scene->free_lights);
     array_free(&host, &scene->free_decals);
+    array_free(&host, &scene->free_probes);
     array_free(&host, &scene->light_slots);
     array_free(&host, &scene->free_light_slots);
     array_free(&host, &scene->suns);

@@ -197,6 +197,13 @@ struct scene_decal {
     bool removed;
 };
 
+/* A probe (probe.c). */
+struct scene_probe {
+    fnl_probe_params params;
+    uint32_t generation;
+    bool removed;
+};
+
 /* A node whose textures are painted on: what it showed before (decal_bake.c). */
 struct scene_painted {
     uint32_t node, mesh; /* the mesh that others may show too */
@@ -232,6 +239,7 @@ struct fnl_scene {
     ARRAY(struct scene_light) lights; /* removed ones stay as holes and are reused */
     ARRAY(struct scene_decal) decals; /* so too */
     ARRAY(struct scene_painted) painted;
+    ARRAY(struct scene_probe) probes; /* removed ones stay as holes and are reused */
     ARRAY(struct scene_camera) cameras;
     ARRAY(struct scene_extension) extensions;
     ARRAY(const char *) messages;
@@ -254,6 +262,7 @@ struct fnl_scene {
     ARRAY(uint32_t) changed_slots;  /* every one whose changed_version is above changed_slots_since, once */
     uint64_t changed_slots_since;
     uint64_t decal_version;     /* decals; those that move with nodes follow transform_version besides */
+    uint64_t probe_version;
     uint64_t transform_version; /* node transforms or morph weights */
     ARRAY(uint32_t) moved; /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
     uint64_t moved_since;
@@ -263,7 +272,7 @@ struct fnl_scene {
     uint32_t light_slot_end;          /* no light is in a place from here on */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
 
-    ARRAY(uint32_t) free_nodes, free_lights, free_decals; /* the holes */
+    ARRAY(uint32_t) free_nodes, free_lights, free_decals, free_probes; /* the holes */
     uint32_t lost_nodes; /* removed, and not to be used again */
 };
 
@@ -348,6 +357,8 @@ fnl_result light_hull_create(const fnl_host *host, const vec3 *points, uint32_t 
 void light_hull_free(fnl_scene *scene, struct scene_light *light);
 
 /** A checked decal; `node` as in struct scene_decal. SCENE_NONE when memory ran out or it cannot be painted (logged). */
+/** The new index, or SCENE_NONE without memory. */
+uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params);
 uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint32_t node);
 /** Whether it is there and what it is on too; whether that is shown besides. */
 bool decal_exists(const fnl_scene *scene, const struct scene_decal *decal);

@@ -274,6 +274,7 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .node_count = scene_entity_count(scene, FNL_ENTITY_INSTANCE),
         .light_count = scene->lights.count - scene->free_lights.count,
         .decal_count = scene->decals.count - scene->free_decals.count,
+        .probe_count = scene->probes.count - scene->free_probes.count,
         .camera_count = scene->cameras.count,
         .animation_count = scene->animations.count,
         .skin_count = scene->skins.count,

@@ -6,7 +6,8 @@
 static bool is_hole(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
     return (kind == FNL_ENTITY_INSTANCE && scene->nodes.data[slot].removed) ||
            (kind == FNL_ENTITY_LIGHT && scene->lights.data[slot].removed) ||
-           (kind == FNL_ENTITY_DECAL && scene->decals.data[slot].removed);
+           (kind == FNL_ENTITY_DECAL && scene->decals.data[slot].removed) ||
+           (kind == FNL_ENTITY_PROBE && scene->probes.data[slot].removed);
 }
 
 /* With holes. */
@@ -15,7 +16,8 @@ static uint32_t slot_count(const fnl_scene *scene, fnl_entity kind) {
         [FNL_ENTITY_INSTANCE] = scene->nodes.count,  [FNL_ENTITY_LIGHT] = scene->lights.count,
         [FNL_ENTITY_DECAL] = scene->decals.count,    [FNL_ENTITY_MESH] = scene->meshes.count,
         [FNL_ENTITY_MATERIAL] = scene->materials.count, [FNL_ENTITY_IMAGE] = scene->images.count,
-        [FNL_ENTITY_CAMERA] = scene->cameras.count,  [FNL_ENTITY_ANIMATION] = scene->animations.count};
+        [FNL_ENTITY_CAMERA] = scene->cameras.count,  [FNL_ENTITY_ANIMATION] = scene->animations.count,
+        [FNL_ENTITY_PROBE] = scene->probes.count};
     return counts[kind];
 }
 
@@ -23,6 +25,7 @@ uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind) {
     uint32_t holes = kind == FNL_ENTITY_INSTANCE ? scene->free_nodes.count + scene->lost_nodes
                      : kind == FNL_ENTITY_LIGHT  ? scene->free_lights.count
                      : kind == FNL_ENTITY_DECAL  ? scene->free_decals.count
+                     : kind == FNL_ENTITY_PROBE  ? scene->free_probes.count
                                                  : 0;
     return slot_count(scene, kind) - holes;
 }
@@ -34,7 +37,7 @@ uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t ind
     return slot;
 }
 
-static const char *const plurals[] = {"instances", "lights", "decals", "meshes", "materials", "images", "cameras", "animations"};
+static const char *const plurals[] = {"instances", "lights", "decals", "meshes", "materials", "images", "cameras", "animations", "probes"};
 _Static_assert(COUNT_OF(plurals) == FNL_ENTITY_COUNT, "each kind of entity has its name");
 
 static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
@@ -74,6 +77,9 @@ static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_
     case FNL_ENTITY_ANIMATION:
         info.name = scene->animations.data[slot].name;
         info.extras = scene->animations.data[slot].extras;
+        break;
+    case FNL_ENTITY_PROBE:
+        info.id.probe = (fnl_probe_id){slot, scene->probes.data[slot].generation};
         break;
     case FNL_ENTITY_COUNT:
         break;

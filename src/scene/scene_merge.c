@@ -4,7 +4,7 @@
 
 /* How much indices of the file grow. */
 struct offsets {
-    uint32_t images, samplers, materials, primitives, meshes, nodes, skins, animations, lights, cameras, decals;
+    uint32_t images, samplers, materials, primitives, meshes, nodes, skins, animations, lights, cameras, decals, probes;
 };
 
 static uint32_t moved(uint32_t index, uint32_t offset) { return index == SCENE_NONE ? SCENE_NONE : index + offset; }
@@ -17,7 +17,7 @@ static uint32_t moved(uint32_t index, uint32_t offset) { return index == SCENE_N
 static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     uint64_t nodes = (uint64_t)into->nodes.count + from->nodes.count + 1; /* the root is one more */
     bool room = ROOM(files) && ROOM(resources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
-                ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(painted) && ROOM(cameras) &&
+                ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
                 ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
     return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
@@ -132,6 +132,13 @@ static void append_decals(fnl_scene *into, const fnl_scene *from, const struct o
     if (from->decals.count) into->decal_version++;
 }
 
+/* In the world as they are: they do not move with the root. */
+static void append_probes(fnl_scene *into, const fnl_scene *from, const struct offsets *at) {
+    APPEND(probes);
+    for (uint32_t i = at->probes; i < into->probes.count; i++) into->probes.data[i].generation = scene_take_generation(into);
+    if (from->probes.count) into->probe_version++;
+}
+
 static void append_words(fnl_scene *into, const fnl_scene *from) {
     APPEND(messages);
     for (uint32_t i = 0; i < from->extensions.count; i++) {
@@ -157,7 +164,8 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     into->free_nodes.count = holes;
     const struct offsets at = {into->images.count,     into->samplers.count, into->materials.count, into->primitives.count,
                                into->meshes.count,     into->nodes.count,    into->skins.count,     into->animations.count,
-                               into->lights.count,     into->cameras.count,  into->decals.count};
+                               into->lights.count,     into->cameras.count,  into->decals.count,
+                               into->probes.count};
     APPEND(files);
     APPEND(resources);
     append_materials(into, from, &at);
@@ -168,6 +176,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     scene_update_transforms(into);
     append_lights(into, from, &at);
     append_decals(into, from, &at);
+    append_probes(into, from, &at);
     append_words(into, from);
     scene_materials_changed(into);
     arena_adopt(&into->arena, &from->arena);

@@ -84,14 +84,11 @@ fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint3
 struct copy_data {
     graph_buffer from;
     graph_image to;
-    uint32_t side, mips, texel_bytes;
 };
 
 static void execute_copy(const struct graph_context *context, const void *data) {
     const struct copy_data *d = data;
-    for (uint32_t mip = 0; mip < d->mips; mip++)
-        gpu_copy_buffer_to_image(context->commands, graph_get_buffer(context, d->from), (uint64_t)first_texel(d->side, mip) * d->texel_bytes,
-                                 graph_get_image(context, d->to), mip);
+    gpu_copy_buffer_to_image(context->commands, graph_get_buffer(context, d->from), 0, graph_get_image(context, d->to));
 }
 
 static void add_copy(struct graph *graph, const char *name, const struct copy_data *data) {
@@ -174,7 +171,7 @@ static void add_table(struct graph *graph, graph_image table, uint32_t last_mip)
                                                    .groups = {ENVIRONMENT_TABLE_SIDE / 8, ENVIRONMENT_TABLE_SIDE / 8},
                                                    GRAPH_PUSH(push),
                                                    GRAPH_ROWS(graph_writes(&push.texels, texels))});
-    add_copy(graph, "reflectance copy", &(struct copy_data){.from = texels, .to = table, .side = ENVIRONMENT_TABLE_SIDE, .mips = 1, .texel_bytes = 8});
+    add_copy(graph, "reflectance copy", &(struct copy_data){texels, table});
 }
 
 struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter) {
@@ -189,9 +186,9 @@ struct environment_light environment_add(struct graph *graph, gpu_device *device
     graph_buffer texels = graph_create_buffer(graph, "environment texels", texel_count * 8ull);
     add_levels(graph, device, maps, picture, texels);
     add_diffuse(graph, maps, texels, out.light);
-    add_copy(graph, "environment levels copy", &(struct copy_data){.from = texels, .to = levels, .side = side, .mips = mip_count(side), .texel_bytes = 8});
+    add_copy(graph, "environment levels copy", &(struct copy_data){texels, levels});
     add_filter(graph, device, maps, levels, texels);
-    add_copy(graph, "environment copy", &(struct copy_data){.from = texels, .to = out.cube, .side = side, .mips = last + 1, .texel_bytes = 8});
+    add_copy(graph, "environment copy", &(struct copy_data){texels, out.cube});
     add_table(graph, out.table, last);
     out.texels = texels;
     return out;

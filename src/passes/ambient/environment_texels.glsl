@@ -11,8 +11,6 @@ layout(buffer_reference) buffer environment_block;
 #include "passes/ambient/environment_maps_shared.h"
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer environment_block { gpu_environment light; };
 
-layout(set = 0, binding = 0) uniform textureCube cubes[];
-
 uvec2 texel_pack(vec3 color) {
     vec3 held = min(color, vec3(HALF_MAX));
     return uvec2(packHalf2x16(held.xy), packHalf2x16(vec2(held.z, 1.0)));

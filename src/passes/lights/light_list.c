@@ -15,6 +15,7 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
     environment_use(pass, &list->environment, use);
     if (list->rays.address) rays_use(pass, &list->rays, use);
     if (list->maps.address) shadow_maps_use(pass, &list->maps, use);
+    if (list->probes.address) probes_use(pass, &list->probes, use);
 }
 
 static uvec2 words_of(VkDeviceAddress address) { return (uvec2){(uint32_t)address, (uint32_t)(address >> 32)}; }
@@ -36,6 +37,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .view = input->view,
                                                                        .rays = words_of(input->rays.address),
                                                                        .shadow_maps = words_of(input->maps.address),
+                                                                       .probes = words_of(input->probes.address),
                                                                        .shadow_rays = input->shadow_rays,
                                                                        .shadow_seed = input->shadow_seed};
     return slice.data;
@@ -47,7 +49,9 @@ void light_list_cast(struct light_list *list, const struct light_input *input) {
     if (input->rays.address && input->shadow_rays > 0) list->kind |= GPU_LIST_SAMPLED;
     if (input->environment.cube.id) list->kind |= GPU_LIST_ENVIRONMENT;
     list->environment = input->environment;
+    if (input->probes.address) list->kind |= GPU_LIST_CUBEMAP;
     list->rays = input->rays;
+    list->probes = input->probes;
     list->maps = input->maps;
 }
 

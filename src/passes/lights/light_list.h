@@ -14,6 +14,7 @@
 #include "graph/graph.h"
 #include "lights/lights_shared.h"
 #include "passes/ambient/environment.h"
+#include "passes/shadow/cubemap.h"
 #include "passes/shadow/maps.h"
 #include "passes/shadow/rays.h"
 
@@ -33,6 +34,7 @@ struct light_input {
     struct rays rays;       /* that find shadows; address 0: there are none */
     struct shadow_maps maps; /* the same */
     struct environment_light environment; /* that gives ambient light; ids 0: there is none */
+    struct probes probes;    /* beside rays */
     bool soft, filtered;    /* several rays go to sources with a size; maps are filtered */
     uint32_t shadow_rays;   /* that a point sends to its lights; 0: one to each */
     uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
@@ -53,6 +55,7 @@ struct light_list {
     struct rays rays;        /* with GPU_LIST_RAYS */
     struct shadow_maps maps; /* with GPU_LIST_MAPS */
     struct environment_light environment; /* with GPU_LIST_ENVIRONMENT */
+    struct probes probes;    /* with GPU_LIST_CUBEMAP */
     uint32_t cell_count;
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Probes: boxes in which a room is seen from one point. What a probe has seen serves every surface in its box. Calls on one scene are not thread-safe.
+ */
+#ifndef FANAL_PROBE_H
+#define FANAL_PROBE_H
+
+#include "fanal/scene_ids.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct fnl_probe_params {
+    fnl_vec3 centre;    /**< of the box, world space, metres; default 0 */
+    fnl_vec3 half_size; /**< from the centre to the faces, metres, > 0; default 1. Faces lie on the walls of the room, or as near to them as can be */
+    fnl_vec4 rotation;  /**< of the box: a unit quaternion x, y, z, w; default none */
+    /** Where the room is seen from: metres from the centre along the box's axes, inside the box; default 0. */
+    fnl_vec3 capture;
+    /**
+     * What lies within so many metres of the box's faces, on either side, is the wall, metres, > 0; default 0.05. Of uneven walls: how far they are from
+     * the faces at most.
+     */
+    float wall;
+    uint32_t face_size; /**< texels on the side of each of the cube's six faces, 8 .. 2048; default 128 */
+    bool shadows;       /**< FNL_SHADOWS_CUBEMAP: lights outside shine in through it; default true */
+    /** shadow.cubemap-lod=linear: levels of detail for each metre between a surface and the wall, 0 .. 16; 0 (default): hard shadows. */
+    float softness;
+} fnl_probe_params;
+
+FNL_API fnl_probe_params fnl_probe_params_default(void);
+FNL_API fnl_result fnl_scene_add_probe(fnl_scene *scene, const fnl_probe_params *params, fnl_probe_id *out);
+FNL_API fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id probe, const fnl_probe_params *params);
+FNL_API fnl_result fnl_scene_remove_probe(fnl_scene *scene, fnl_probe_id probe);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
