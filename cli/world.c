@@ -15,6 +15,18 @@ struct world_options world_options_default(void) {
 
 bool world_has(int option) { return loading_has(option) || (option >= WORLD_CAMERA && option < WORLD_END); }
 
+static bool parse_probe(const char *value, struct world_options *o) {
+    fnl_probe_params p = fnl_probe_params_default();
+    int used = 0, more = 0;
+    if (o->probe_count == WORLD_PROBES) return argument_bad("probe", value, "given 32 times at most");
+    if (sscanf(value, "%f,%f,%f,%f,%f,%f%n", &p.centre.x, &p.centre.y, &p.centre.z, &p.half_size.x, &p.half_size.y, &p.half_size.z, &used) != 6)
+        return argument_bad("probe", value, "six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
+    if (value[used] == ',' && sscanf(value + used, ",%f%n", &p.softness, &more) == 1) used += more;
+    if (value[used]) return argument_bad("probe", value, "six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
+    o->probes[o->probe_count++] = p;
+    return true;
+}
+
 bool world_parse(int option, const char *value, struct world_options *o) {
     long long integer;
     double number;
@@ -46,6 +58,8 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         if (!argument_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
         o->scatter.seed = (uint64_t)integer;
         return true;
+    case WORLD_PROBE:
+        return parse_probe(value, o);
     case WORLD_LIGHT_SHAPES:
         return argument_light_shapes("light-shapes", value, &o->scatter);
     case WORLD_LIGHT_SCALE:
@@ -162,6 +176,10 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     environment.source = o->environment;
     environment.background &= !o->has_background || o->environment;
     if (o->environment && fnl_scene_set_environment(*scene, &environment) != FNL_OK) return false;
+    for (uint32_t i = 0; i < o->probe_count; i++) {
+        fnl_probe_id id;
+        if (fnl_scene_add_probe(*scene, &o->probes[i], &id) != FNL_OK) return false;
+    }
     bool added = false;
     if (!o->has_ambient && !o->environment && loading_add_default_light(o->scene, *scene, &environment, &added) != FNL_OK) return false;
     if (added && !quiet) puts("The scene has no light: it stands in builtin:studio (--environment, --lights, --ambient).");

@@ -5,6 +5,8 @@
 
 #include "loading.h"
 
+enum { WORLD_PROBES = 32 };
+
 struct world_options {
     const char *scene, *camera, *animation;
     bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, has_range_roughness;
@@ -17,6 +19,8 @@ struct world_options {
     uint32_t grow_metal; /* texels */
     fnl_load_params loading;
     double time; /* of the animation, seconds */
+    fnl_probe_params probes[WORLD_PROBES];
+    uint32_t probe_count;
 };
 
 /* Behind those of loading, below the commands' own. */
@@ -40,6 +44,7 @@ enum {
     WORLD_GROW_METAL,
     WORLD_TIME,
     WORLD_ANIMATION,
+    WORLD_PROBE,
     WORLD_END
 };
 
@@ -58,7 +63,7 @@ enum {
         {"light-scale", required_argument, NULL, WORLD_LIGHT_SCALE},                                                        \
         {"range-roughness", required_argument, NULL, WORLD_RANGE_ROUGHNESS},                                                \
         {"grow-metal", required_argument, NULL, WORLD_GROW_METAL}, {"time", required_argument, NULL, WORLD_TIME},           \
-        {"animation", required_argument, NULL, WORLD_ANIMATION}, LOADING_OPTIONS
+        {"animation", required_argument, NULL, WORLD_ANIMATION}, {"probe", required_argument, NULL, WORLD_PROBE}, LOADING_OPTIONS
 
 /** Lines for help texts. */
 #define WORLD_CAMERA_HELP                                                                                                   \
@@ -82,7 +87,8 @@ enum {
     "visible (1)\n"                                                                                                         \
     "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"         \
     "  --time SECONDS             time of the animation (0)\n"                                                              \
-    "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP
+    "  --animation NAME|INDEX     which animation (0)\n"                                                                  \
+    "  --probe X,Y,Z,HX,HY,HZ[,SOFTNESS]    adds a probe: the middle of a room and half its size, metres; may be repeated\n" LOADING_HELP
 
 struct world_options world_options_default(void);
 /** Whether an option that getopt_long gave is one of them. */

@@ -24,6 +24,7 @@ static struct {
     fnl_material_id material;
     fnl_instance_id instance;
     fnl_decal_id decal;
+    fnl_probe_id probe;
     const char *function; /* that is tried */
     uint32_t tried;       /* pointers of it */
     FILE *kept;           /* what stands in for stderr, where lines without a host go */
@@ -101,6 +102,8 @@ static fnl_mesh_info mesh_info;
 static fnl_pose pose;
 static fnl_light_params light;
 static fnl_decal_params decal;
+static fnl_probe_params probe;
+static fnl_probe_id probe_id;
 static fnl_camera camera;
 static fnl_frame_stats stats;
 static fnl_scene_info info;
@@ -231,6 +234,14 @@ static fnl_loaded loaded;
       NULLED("out", fnl_scene_query_animation(w.scene, 0, NULL)))                                                           \
     X(fnl_scene_query_camera, NULLED("scene", fnl_scene_query_camera(NULL, 0, &camera));                                    \
       NULLED("out", fnl_scene_query_camera(w.scene, 0, NULL)))                                                              \
+    X(fnl_scene_add_probe, NULLED("scene", fnl_scene_add_probe(NULL, &probe, &probe_id));                                   \
+      NULLED("params", fnl_scene_add_probe(w.scene, NULL, &probe_id));                                                      \
+      NULLED("out", fnl_scene_add_probe(w.scene, &probe, NULL)))                                                            \
+    X(fnl_scene_query_probe, NULLED("scene", fnl_scene_query_probe(NULL, 0, &probe));                                       \
+      NULLED("out", fnl_scene_query_probe(w.scene, 0, NULL)))                                                               \
+    X(fnl_scene_remove_probe, NULLED("scene", fnl_scene_remove_probe(NULL, w.probe)))                                       \
+    X(fnl_scene_set_probe, NULLED("scene", fnl_scene_set_probe(NULL, w.probe, &probe));                                     \
+      NULLED("params", fnl_scene_set_probe(w.scene, w.probe, NULL)))                                                        \
     X(fnl_scene_query_decal, NULLED("scene", fnl_scene_query_decal(NULL, 0, &decal));                                       \
       NULLED("out", fnl_scene_query_decal(w.scene, 0, NULL)))                                                               \
     X(fnl_scene_query_entity, NULLED("scene", fnl_scene_query_entity(NULL, FNL_ENTITY_LIGHT, 0, &entity_info));             \
@@ -693,6 +704,7 @@ static int set_up(void **state) {
     mesh = (fnl_mesh_params){.vertex_count = 3, .positions = triangle};
     light = fnl_light_params_default();
     decal = fnl_decal_params_default();
+    probe = fnl_probe_params_default();
     camera = fnl_camera_default();
     scatter = fnl_scatter_params_default();
     matrix = mat4_identity();
@@ -703,7 +715,8 @@ static int set_up(void **state) {
                 fnl_scene_add_material(w.scene, &material, &w.material) == FNL_OK &&
                 fnl_scene_add_instance(w.scene, w.mesh, &matrix, &w.instance) == FNL_OK &&
                 fnl_scene_add_light(w.scene, &light, &w.light) == FNL_OK &&
-                fnl_scene_add_decal(w.scene, &decal, &w.decal) == FNL_OK && fnl_device_create(&params, &w.device) == FNL_OK &&
+                fnl_scene_add_decal(w.scene, &decal, &w.decal) == FNL_OK && fnl_scene_add_probe(w.scene, &probe, &w.probe) == FNL_OK &&
+                fnl_device_create(&params, &w.device) == FNL_OK &&
                 fnl_renderer_create(w.device, w.scene, &w.renderer) == FNL_OK;
     return good ? 0 : -1;
 }

@@ -125,6 +125,8 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_SHADOW_ERRORS,  /**< shadow maps against rays: red where light is that should not be, blue where it is missing */
     FNL_DEBUG_SHADOW_VARIANCE, /**< shadow.denoise: standard deviation of the part of the light that is seen, before it is filtered in space; brightest: a half */
     FNL_DEBUG_SHADOW_HISTORY, /**< shadow.denoise: frames that a pixel has collected; brightest: 32 */
+    FNL_DEBUG_PROBE_LOOKUP, /**< cubemap shadows: texels of the cube map that are looked up for the light that gives most, a hue for each face; grey: none */
+    FNL_DEBUG_PROBE_LEVELS, /**< cubemap shadows: the level of that look-up, finer is brighter, with a legend */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

@@ -60,7 +60,9 @@ struct names {
     ROW("shadow-texels", "shadow maps: a texel of that page over the pixel: at most 1 green to blue, more yellow to red")       \
     ROW("shadow-errors", "shadow maps against rays: red where light is that should not be, blue where it is missing")           \
     ROW("shadow-variance", "shadow.denoise: standard deviation of the light seen, before filtering in space; brightest: 0.5")   \
-    ROW("shadow-history", "shadow.denoise: frames that a pixel has collected; brightest: 32, or exact")
+    ROW("shadow-history", "shadow.denoise: frames that a pixel has collected; brightest: 32, or exact")                          \
+    ROW("probe-lookup", "cubemap shadows: texels looked up for the light that gives most, a hue for each face; grey: none")      \
+    ROW("probe-levels", "cubemap shadows: the level of that look-up, finer is brighter, with a legend")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

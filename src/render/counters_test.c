@@ -109,6 +109,9 @@ static void test_frames_have_what_they_do(void **state) {
         frame.shadow.ray_backend = FNL_RAY_BACKEND_RAY_QUERY;
         look(&stage, &frame);
         frame.shadow.denoise = false;
+        frame.shadows = FNL_SHADOWS_CUBEMAP;
+        look(&stage, &frame);
+        frame.shadows = FNL_SHADOWS_SAMPLED;
         if (!(info.msaa_counts & 4)) continue;
         frame.msaa = 4;
         look(&stage, &frame);

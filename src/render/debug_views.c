@@ -60,8 +60,15 @@ static void add_shadows(struct frame_state *f, bool swap) {
 
 static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
-    if (frame->shadows == FNL_SHADOWS_MAPS) return FNL_OK;
+    if (frame->shadows == FNL_SHADOWS_MAPS || (frame->shadows == FNL_SHADOWS_CUBEMAP && frame->debug == FNL_DEBUG_SHADOW_ERRORS)) return FNL_OK;
     return unsupported(call, "the debug view %s needs shadows maps, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
+                       fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
+}
+
+static fnl_result check_probes(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (frame->shadows == FNL_SHADOWS_CUBEMAP) return FNL_OK;
+    return unsupported(call, "the debug view %s needs shadows cubemap, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
 }
 
@@ -102,6 +109,8 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_SHADOW_LEVELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_TEXELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_ERRORS, .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_PROBE_LOOKUP, .surfaces = true, .add = add_shadows, .check = check_probes},
+    {FNL_DEBUG_PROBE_LEVELS, .surfaces = true, .add = add_shadows, .check = check_probes},
     {FNL_DEBUG_SHADOW_VARIANCE, .add = add_denoise, .check = check_denoise},
     {FNL_DEBUG_SHADOW_HISTORY, .add = add_denoise, .check = check_denoise},
 };

@@ -92,6 +92,29 @@ bool legend(ivec2 pixel, out vec3 color) {
     return true;
 }
 
+// The look-up for a light from outside; false: there is none.
+bool look_at_wall(light_list_block l, uint light, shadowed_point p, out gpu_probe probe, out probe_lookup look) {
+    if (!LIST_CUBEMAP || p.probe >= p.probes.count) return false;
+    probe = p.probes.probes.at[p.probe];
+    bool endless = light < l.list.directional_count;
+    vec3 to_light = -l.list.lights.at[light].shape.direction;
+    if (!endless) illuminate(l, light, p.position, to_light);
+    float away = endless ? 1.0 : light_distance(l, light, p.position, to_light);
+    if (!(dot(p.normal, to_light) > 0.0) || !endless && probe_holds(probe, p.place + probe_turn(probe, to_light) * away)) return false;
+    bool parallel = endless || l.list.lights.at[light].shape.kind == GPU_SHAPE_BOX;
+    look = probe_look(probe, p.probes.flags, p.place, probe_turn(probe, to_light), 2.0 * source_size(l, light, parallel) / (parallel ? 1.0 : away), p.pixel);
+    return true;
+}
+
+vec3 lookup_color(gpu_probe probe, probe_lookup look) {
+    vec2 at;
+    uint face = cube_face(look.direction, at);
+    float side = exp2(floor(log2(float(probe.side)) - look.lod + 0.5));
+    uvec2 texel = uvec2((at * 0.5 + 0.5) * side);
+    vec3 hue = clamp(abs(fract(float(face) / 6.0 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+    return mix(vec3(1.0), hue, 0.75) * (((texel.x ^ texel.y) & 1u) == 0u ? 1.0 : 0.6);
+}
+
 // What the lights of a pixel give, in lux.
 struct tally {
     float most;           // the one that gives most
@@ -107,9 +130,13 @@ void add_light(inout tally t, light_list_block l, uint light, float lux, shadowe
         t.most = lux;
         t.brightest = light;
     }
-    if (!LIST_MAPS || !LIST_RAYS || !(lux > 0.0)) return;
+    if (!(LIST_MAPS || LIST_CUBEMAP) || !LIST_RAYS || !(lux > 0.0)) return;
     t.all += lux;
-    float map = light < l.list.directional_count ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
+    float map;
+    if (LIST_CUBEMAP)
+        map = max_component(light < l.list.directional_count ? sun_visibility(l, light, p) : shadow_visibility(l, light, p, to_light));
+    else
+        map = light < l.list.directional_count ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
     if (map < 0.0) return; // rays answer
     float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position));
     float wrong = map - ray_visibility(rays_block(l.list.rays), p.position, to_light, high - margin, p.slack);
@@ -143,6 +170,11 @@ void main() {
     if (push.mode == GPU_DEBUG_SHADOW_ERRORS) {
         if (t.extra > SHOWN * t.all) color = mix(color, vec3(1.0, 0.1, 0.05), 0.4 + 0.6 * t.extra / t.all);
         if (t.missing > SHOWN * t.all && t.missing > t.extra) color = mix(vec3(grey * 0.5), vec3(0.1, 0.35, 1.0), 0.4 + 0.6 * t.missing / t.all);
+    } else if (push.mode == GPU_DEBUG_PROBE_LOOKUP || push.mode == GPU_DEBUG_PROBE_LEVELS) {
+        gpu_probe probe;
+        probe_lookup look;
+        if (t.most > 0.0 && look_at_wall(l, t.brightest, shadowed, probe, look))
+            color = mix(vec3(grey), push.mode == GPU_DEBUG_PROBE_LOOKUP ? lookup_color(probe, look) : heat(1.0 - look.lod / float(SHADOW_LEVELS)), 0.8);
     } else if (t.most > 0.0) {
         finding f = look_up(l, t.brightest, shadowed);
         color = vec3(0.9, 0.1, 0.8);
@@ -151,6 +183,6 @@ void main() {
         if (f.found && push.mode == GPU_DEBUG_SHADOW_TEXELS) color = mix(vec3(grey), texel_color(f.texel), 0.8);
     }
     vec3 key;
-    if (push.mode == GPU_DEBUG_SHADOW_LEVELS && legend(pixel, key)) color = key;
+    if ((push.mode == GPU_DEBUG_SHADOW_LEVELS || push.mode == GPU_DEBUG_PROBE_LEVELS) && legend(pixel, key)) color = key;
     imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
 }

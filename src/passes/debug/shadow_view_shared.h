@@ -10,6 +10,8 @@
 #define GPU_DEBUG_SHADOW_LEVELS 32u
 #define GPU_DEBUG_SHADOW_TEXELS 33u
 #define GPU_DEBUG_SHADOW_ERRORS 34u
+#define GPU_DEBUG_PROBE_LOOKUP 37u
+#define GPU_DEBUG_PROBE_LEVELS 38u
 
 struct gpu_shadow_view_push {
     ADDRESS(view_block) view;
