@@ -79,4 +79,8 @@ void cubemap_bake_add(struct graph *graph, const struct rays *rays, VkDeviceAddr
     if (kept) graph_use_buffer(pass, copy.kept, GRAPH_COPY_TO);
     graph_use_buffer(pass, copy.texels, GRAPH_COPY_FROM);
     graph_use_image(pass, image, GRAPH_COPY_TO);
+    if (!kept) return;
+    pass = graph_add_pass(graph, graph_name(graph, "probe %u to host", probe), GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+    graph_keep(pass);
+    graph_use_buffer(pass, copy.kept, GRAPH_READ_HOST);
 }
