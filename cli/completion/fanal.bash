@@ -47,7 +47,7 @@ _fanal() {
     elif [[ $current == -* ]]; then
         COMPREPLY=($(compgen -W "$(_fanal_options "$program" "$command")" -- "$current"))
     elif [[ $current == builtin:* ]]; then
-        local scenes="city hall interior wall spheres pole lamps grass onetile nearplane sky glass"
+        local scenes="city hall interior wall room spheres pole lamps grass onetile nearplane sky glass"
         COMPREPLY=($(compgen -W "$scenes" -- "${current#builtin:}")) # bash parts words at ":" too
     else
         COMPREPLY=($(compgen -f -- "$current"))

@@ -452,7 +452,7 @@ static void test_lights_in_the_room_are_left_to_rays_LC_11(void **state) {
     UNUSED(state);
     struct room r = room_open(0);
     for (int i = 0; i < 12; i++) {
-        const float y = 3.6f - 0.1f * (float)i;
+        const float y = 3.6f - 0.22f * (float)i;
         set_lamp(&r, (vec3){0.2f, y, 0.1f});
         struct shot cube = stage_shoot(&r.s, &r.s.frame);
         const bool inside = y <= 3 + r.probe.wall;

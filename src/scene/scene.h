@@ -356,9 +356,9 @@ fnl_result light_hull_create(const fnl_host *host, const vec3 *points, uint32_t 
 /** Takes a light's hull away, if it has one. */
 void light_hull_free(fnl_scene *scene, struct scene_light *light);
 
-/** A checked decal; `node` as in struct scene_decal. SCENE_NONE when memory ran out or it cannot be painted (logged). */
-/** The new index, or SCENE_NONE without memory. */
+/** Of checked ones; SCENE_NONE without memory. */
 uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params);
+/** A checked decal; `node` as in struct scene_decal. SCENE_NONE when memory ran out or it cannot be painted (logged). */
 uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint32_t node);
 /** Whether it is there and what it is on too; whether that is shown besides. */
 bool decal_exists(const fnl_scene *scene, const struct scene_decal *decal);
