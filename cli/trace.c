@@ -54,8 +54,7 @@ static void print_help(void) {
          "Run\n"
          "  --threads N                threads that trace, 1 to 256 (as many as there are processors); the picture is the same\n"
          "  -q, --quiet                prints nothing but errors\n"
-         "  -h, --help                 prints this text\n"
-         "");
+         "  -h, --help                 prints this text\n");
     puts("Ctrl-C ends it early; what was traced until then is written.\n"
          "Exit status: 0 when everything was traced and written, 130 when it was interrupted, 2 on an error, after which no\n"
          "output file is left behind.\n"
