@@ -52,7 +52,7 @@ typedef enum fnl_cubemap_lod {
 /** FNL_SHADOWS_CUBEMAP: what casts shadows in the room besides its walls. */
 typedef enum fnl_cubemap_inside {
     FNL_CUBEMAP_INSIDE_ALL = 0, /**< everything, by a ray that ends at the wall; what has moved, by one that goes on to the light */
-    FNL_CUBEMAP_INSIDE_MOVING,  /**< what has moved since the probes were baked, and what deforms: a scene in which nothing does sends no rays */
+    FNL_CUBEMAP_INSIDE_MOVING,  /**< what an animation moves, what has moved since the probes were baked, and what deforms: a scene in which nothing does sends no rays */
     FNL_CUBEMAP_INSIDE_NONE,    /**< nothing */
     FNL_CUBEMAP_INSIDE_COUNT
 } fnl_cubemap_inside;

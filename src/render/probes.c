@@ -4,16 +4,26 @@
 #include "render/frame_state.h"
 #include "render/orders/order.h"
 
-/* ---- what moves: whatever has moved since it was first seen, and what deforms. It is not baked, and rays find its shadow ---- */
+/* ---- what moves: whatever has moved since it was first seen, what an animation moves, and what deforms. It is not baked, and rays find its shadow ---- */
 
-static fnl_result see_node(fnl_renderer *r, uint32_t n) {
+static void see_node(fnl_renderer *r, uint32_t n) {
     struct renderer_probes *p = &r->probes;
     const struct scene_node *node = &r->scene->nodes.data[n];
-    if (p->known_generations.data[n] != node->generation || p->mover_generations.data[n] == node->generation) return FNL_OK;
-    if (!device_node_draws(node)) return FNL_OK;
+    if (p->known_generations.data[n] != node->generation || p->mover_generations.data[n] == node->generation) return;
+    if (!device_node_draws(node)) return;
     p->mover_generations.data[n] = node->generation;
     p->mover_version++;
-    return FNL_OK;
+}
+
+static bool is_animated(const fnl_scene *scene, uint32_t node) {
+    for (uint32_t i = 0; i < scene->animations.count; i++)
+        for (uint32_t k = 0; k < scene->animations.data[i].channel_count; k++) {
+            const struct scene_channel *channel = &scene->animations.data[i].channels[k];
+            if (channel->path == SCENE_PATH_WEIGHTS) continue;
+            for (uint32_t n = node; n != SCENE_NONE; n = scene->nodes.data[n].parent)
+                if (n == channel->node) return true;
+        }
+    return false;
 }
 
 /* Nodes from `first` on are new. */
@@ -28,15 +38,18 @@ static fnl_result find_movers(fnl_renderer *r) {
         if (scene->moved_since <= p->transforms)
             for (uint32_t i = 0; i < scene->moved.count; i++) {
                 const uint32_t n = scene->moved.data[i];
-                if (scene->nodes.data[n].moved_version > p->transforms) TRY(see_node(r, n));
+                if (scene->nodes.data[n].moved_version > p->transforms) see_node(r, n);
             }
         else
             for (uint32_t n = 0; n < scene->nodes.count; n++)
-                if (scene->nodes.data[n].moved_version > p->transforms) TRY(see_node(r, n));
+                if (scene->nodes.data[n].moved_version > p->transforms) see_node(r, n);
     }
     p->transforms = scene->transform_version;
     if (!p->started || p->structure != r->device_scene->structure_version)
-        for (uint32_t n = 0; n < scene->nodes.count; n++) p->known_generations.data[n] = scene->nodes.data[n].generation;
+        for (uint32_t n = 0; n < scene->nodes.count; n++) {
+            p->known_generations.data[n] = scene->nodes.data[n].generation;
+            if (scene->nodes.data[n].mesh != SCENE_NONE && is_animated(scene, n)) see_node(r, n);
+        }
     return FNL_OK;
 }
 

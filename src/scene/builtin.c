@@ -25,7 +25,7 @@ static const struct builtin_scene scenes[] = {
     {"hall", {LIGHTS(1024), SEED, DECALS, {"overdraw", 0, 1, 0}, SUN}, builtin_make_hall},
     {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}, SUN}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
-    {"room", {LIGHTS(0), SEED, {"cave", 0, 100, 0}, {"moving", 0, 1, 0}, {"sun", 0, 200000, 20000}}, builtin_make_room},
+    {"room", {LIGHTS(3), SEED, {"cave", 0, 100, 0}, {"moving", 0, 1, 0}, SUN}, builtin_make_room},
     {"spheres", {LIGHTS(64), SEED, {"segments", 4, 1024, 48}, SUN}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
     {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * A room for lights that shine in from outside: its walls are the faces of a box, in which there are an open window, a pane of coloured and one of clear
- * glass. A sun and points of light stand outside; a table and a pillar inside; with `moving` a ball rolls to and fro. With `cave` the walls are uneven: they
+ * glass. Points of light stand outside; a table and a pillar inside; with `moving` a ball rolls to and fro. With `cave` the walls are uneven: they
  * come up to so many centimetres into the box. It has a probe whose box is that of the walls. EV100 10 suits it.
  */
 #include "scene/builtin_mesh.h"
