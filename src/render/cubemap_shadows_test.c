@@ -143,8 +143,8 @@ static void test_suns_shine_through_the_window_LC_1(void **state) {
         assert_int_equal(counter(&stats, "probes.baked"), i == 0);
     }
     /* A box that is turned, its sides the other way round, is the same box. */
-    r.probe.rotation = quat_axis_angle((vec3){0, 1, 0}, PI / 2);
-    r.probe.half_size = (vec3){half.z, half.y, half.x};
+    r.probe.rotation = quat_axis_angle((vec3){0, 0, 1}, PI / 2);
+    r.probe.half_size = (vec3){half.y, half.x, half.z};
     set_probe(&r);
     const fnl_frame_stats stats = expect_edges(&r, 1, "turned box");
     assert_int_equal(counter(&stats, "probes.baked"), 1);
@@ -412,6 +412,32 @@ static void test_what_moves_casts_too_LC_9(void **state) {
     stage_close(&r.s);
 }
 
+/* A shutter in the window, which is baked until it moves. */
+static void test_what_moves_leaves_the_wall_LC_9(void **state) {
+    UNUSED(state);
+    struct room r = room_open(0);
+    const fnl_material_params white = matt(1);
+    const fnl_instance_id shutter = add_square(r.s.scene, &white, (vec3){0.5f, 1, 1}, (vec3){0.1f, 3, 0});
+    r.s.frame.shadow.cubemap_inside = FNL_CUBEMAP_INSIDE_MOVING;
+    set_sun(&r, (vec3){0, 1, 0});
+    for (uint32_t frame = 0; frame < 4; frame++) {
+        const float x = 0.1f + 0.4f * (float)frame;
+        const mat4 place = mat4_mul(mat4_translation((vec3){x, 3, 0}), mat4_scaling((vec3){0.5f, 1, 1}));
+        if (frame) assert_int_equal(fnl_scene_set_instance_transform(r.s.scene, shutter, &place), FNL_OK);
+        const fnl_frame_stats stats = shadow_parts(&r.s, seen);
+        assert_int_equal(counter(&stats, "probes.baked"), frame < 2);
+        for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+            vec3 p;
+            const vec3 v = floor_at(i);
+            const float edge = inside_window(&r, v, 3, &p), shade = 0.5f - fabsf(v.x - x);
+            if (fabsf(edge) < 0.08f || fabsf(shade) < 0.07f) continue;
+            const float wanted = edge > 0 && shade < 0;
+            if (!(fabsf(seen[i] - wanted) < 0.02f)) fail_msg("frame %u, pixel %u: %g of the light, not %g", frame, i, (double)seen[i], (double)wanted);
+        }
+    }
+    stage_close(&r.s);
+}
+
 /* ---- walls beside the box ---- */
 
 /* The share of the light that is wrong, against rays. */
@@ -631,6 +657,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_lights_share_one_cube_map_LC_8, harness_check),
         cmocka_unit_test_teardown(test_paths_and_lists_agree_LC_8, harness_check),
         cmocka_unit_test_teardown(test_what_moves_casts_too_LC_9, harness_check),
+        cmocka_unit_test_teardown(test_what_moves_leaves_the_wall_LC_9, harness_check),
         cmocka_unit_test_teardown(test_errors_grow_with_the_distance_of_walls_LC_10, harness_check),
         cmocka_unit_test_teardown(test_lights_in_the_room_are_left_to_rays_LC_11, harness_check),
         cmocka_unit_test_teardown(test_compression_keeps_alpha_LC_12, harness_check),
