@@ -32,6 +32,19 @@ static json_t *make_picture(const struct render_options *o) {
                      number(o->world.has_anisotropy, (double)o->world.anisotropy), "aov", names(o->aovs, render_aov_name));
 }
 
+/* As --probe takes them. */
+static json_t *probes(const struct render_options *o) {
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < o->world.probe_count; i++) {
+        const fnl_probe_params *p = &o->world.probes[i];
+        const float values[] = {p->centre.x, p->centre.y, p->centre.z, p->half_size.x, p->half_size.y, p->half_size.z, p->softness};
+        json_t *probe = json_array();
+        for (size_t j = 0; j < sizeof values / sizeof *values; j++) json_array_append_new(probe, json_real((double)values[j]));
+        json_array_append_new(array, probe);
+    }
+    return array;
+}
+
 static void add_scene(json_t *json, const struct render_options *o) {
     json_t *shapes = json_object();
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
@@ -42,6 +55,7 @@ static void add_scene(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "light_shapes", shapes);
     json_object_set_new(json, "light_scale", json_real((double)o->world.scatter.radius_scale));
     uint64_t most = o->world.loading.max_memory < INT64_MAX ? o->world.loading.max_memory : INT64_MAX;
+    json_object_set_new(json, "probe", probes(o));
     json_object_set_new(json, "grow_metal", json_integer(o->world.grow_metal));
     json_object_set_new(json, "lenient", json_boolean(o->world.loading.lenient));
     json_object_set_new(json, "confine", json_boolean(o->world.loading.confine));
