@@ -39,4 +39,10 @@ vec3 environment_reflectance(view_block v, float n_v, float roughness) {
     return textureLod(sampler2D(textures[table], samplers[sampler_index]), vec2(n_v, roughness) * (63.0 / 64.0) + 0.5 / 64.0, 0.0).xyz;
 }
 
+// What white fibres (KHR_materials_sheen) reflect of the same light from everywhere.
+float environment_sheen(view_block v, float n_v, float roughness) {
+    uint table = v.view.frame.frame.environment_table, sampler_index = v.view.frame.frame.environment_sampler;
+    return textureLod(sampler2D(textures[table], samplers[sampler_index]), vec2(n_v, roughness) * (63.0 / 64.0) + 0.5 / 64.0, 0.0).w;
+}
+
 #endif

@@ -36,6 +36,20 @@ const uint HAS_TEXTURES = 1u, HAS_NORMAL_MAP = 1u;
 #define TEXTURE_EMISSIVE 4
 #define TEXTURE_SPECULAR 5
 #define TEXTURE_SPECULAR_COLOR 6
+// Of gpu_layers.
+#define TEXTURE_CLEARCOAT 0
+#define TEXTURE_CLEARCOAT_ROUGHNESS 1
+#define TEXTURE_CLEARCOAT_NORMAL 2
+#define TEXTURE_SHEEN_COLOR 3
+#define TEXTURE_SHEEN_ROUGHNESS 4
+#define TEXTURE_IRIDESCENCE 5
+#define TEXTURE_IRIDESCENCE_THICKNESS 6
+#define TEXTURE_ANISOTROPY 7
+
+// Shaders that shade layers include lights/iterate.glsl first, and say LIST_LAYERS.
+#ifndef MATERIAL_LAYERS
+#define MATERIAL_LAYERS false
+#endif
 
 // `offset` 1 for points, 0 for differences.
 vec2 texture_uv(gpu_texture t, vec4 uvs, float offset) {
@@ -48,14 +62,9 @@ vec2 texture_uv(gpu_texture t, vec4 uvs, float offset) {
 vec4 material_texel(int slot); // with it the shader samples textures by itself
 #endif
 
-// The texel, or white where the material has no such texture.
-vec4 sample_slot(material_array materials, uint material, int slot) {
-    if (HAS_TEXTURES == 0u) return vec4(1.0);
-    gpu_texture t = materials.at[material].textures[slot];
-    if (t.image == GPU_TEXTURE_NONE) return vec4(1.0);
-#if defined MATERIAL_TEXEL
-    return material_texel(slot);
-#elif defined MATERIAL_GRADIENTS
+#ifndef MATERIAL_TEXEL
+vec4 sample_texture(gpu_texture t) {
+#ifdef MATERIAL_GRADIENTS
     vec2 uv = texture_uv(t, in_uv, 1.0), along = texture_uv(t, in_uv_dx, 0.0), across = texture_uv(t, in_uv_dy, 0.0);
     float taps = 1.0;
     if (GRADIENT_TAPS > 1.0) {
@@ -76,6 +85,19 @@ vec4 sample_slot(material_array materials, uint material, int slot) {
     return texture(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), texture_uv(t, in_uv, 1.0));
 #endif
 }
+#endif
+
+// The texel, or white where the material has no such texture.
+vec4 sample_slot(material_array materials, uint material, int slot) {
+    if (HAS_TEXTURES == 0u) return vec4(1.0);
+    gpu_texture t = materials.at[material].textures[slot];
+    if (t.image == GPU_TEXTURE_NONE) return vec4(1.0);
+#ifdef MATERIAL_TEXEL
+    return material_texel(slot);
+#else
+    return sample_texture(t);
+#endif
+}
 
 vec4 material_base_color(material_array materials, uint material) {
     return materials.at[material].base_color * in_color * sample_slot(materials, material, TEXTURE_BASE_COLOR);
@@ -93,6 +115,54 @@ bool material_front_facing() { return in_front_facing != (in_ids.z == 1u); }
 bool material_culled(material_array materials, uint material) {
     return !material_front_facing() && (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u;
 }
+
+// A texel of a normal map, from the axes of the surface to the world; `otherwise` where nothing is left of it.
+vec3 bent_normal(vec3 mapped, float scale, vec3 otherwise) {
+    mapped.xy *= scale;
+    vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w;
+    vec3 bent = mapped.x * in_tangent.xyz + mapped.y * bitangent + mapped.z * in_normal;
+    float bent2 = dot(bent, bent);
+    return bent2 > 1e-20 && bent2 < 1e30 ? bent * inversesqrt(bent2) : otherwise;
+}
+
+#ifndef MATERIAL_TEXEL
+vec4 sample_layer(layers_block from, int slot) {
+    gpu_texture t = from.layers.textures[slot];
+    return t.image == GPU_TEXTURE_NONE ? vec4(1.0) : sample_texture(t);
+}
+
+// `smooth_normal`: without any normal map, on the viewer's side as `normal` is, the material's.
+surface_layers material_layers(layers_block from, vec3 smooth_normal, vec3 normal, bool turned) {
+    surface_layers l;
+    l.clearcoat = from.layers.clearcoat * sample_layer(from, TEXTURE_CLEARCOAT).r;
+    l.clearcoat_roughness = from.layers.clearcoat_roughness * sample_layer(from, TEXTURE_CLEARCOAT_ROUGHNESS).g;
+    l.clearcoat_normal = smooth_normal;
+    if (from.layers.textures[TEXTURE_CLEARCOAT_NORMAL].image != GPU_TEXTURE_NONE) {
+        vec3 bent = bent_normal(sample_layer(from, TEXTURE_CLEARCOAT_NORMAL).xyz * 2.0 - 1.0, from.layers.clearcoat_normal_scale,
+                                turned ? -smooth_normal : smooth_normal);
+        l.clearcoat_normal = turned ? -bent : bent;
+    }
+    l.sheen_color = from.layers.sheen_color * sample_layer(from, TEXTURE_SHEEN_COLOR).rgb;
+    l.sheen_roughness = from.layers.sheen_roughness * sample_layer(from, TEXTURE_SHEEN_ROUGHNESS).a;
+    l.film = from.layers.film * sample_layer(from, TEXTURE_IRIDESCENCE).r;
+    l.film_ior = from.layers.film_ior;
+    l.film_thickness = mix(from.layers.film_thinnest, from.layers.film_thickest, sample_layer(from, TEXTURE_IRIDESCENCE_THICKNESS).g);
+    l.anisotropy = from.layers.anisotropy;
+    vec2 turn = from.layers.anisotropy_turn, along = vec2(1.0, 0.0);
+    if (from.layers.textures[TEXTURE_ANISOTROPY].image != GPU_TEXTURE_NONE) {
+        vec3 texel = sample_layer(from, TEXTURE_ANISOTROPY).xyz;
+        along = texel.xy * 2.0 - 1.0;
+        l.anisotropy *= texel.z;
+    }
+    along = vec2(turn.x * along.x - turn.y * along.y, turn.y * along.x + turn.x * along.y);
+    vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w, tangent = along.x * in_tangent.xyz + along.y * bitangent;
+    tangent -= normal * dot(normal, tangent);
+    float length2 = dot(tangent, tangent);
+    if (length2 > 1e-20 && length2 < 1e30) l.tangent = tangent * inversesqrt(length2);
+    else l.anisotropy = 0.0, l.tangent = vec3(0.0);
+    return l;
+}
+#endif
 
 // Members are read where they are used: registers need not hold them while textures are sampled. `hole`: whether the cutout has one.
 surface material_surface(material_array materials, uint material, out bool hole) {
@@ -120,16 +190,13 @@ surface material_surface(material_array materials, uint material, out bool hole)
 
     // A normal that vanished (a flattened instance, opposite neighbours) leaves something that is unit all the same.
     float length2 = dot(in_normal, in_normal);
-    vec3 normal = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0);
+    vec3 normal = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0), smooth_normal = normal;
     if (HAS_NORMAL_MAP == 1u && materials.at[material].textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
         vec3 mapped = sample_slot(materials, material, TEXTURE_NORMAL).xyz * 2.0 - 1.0;
-        mapped.xy *= materials.at[material].normal_scale;
-        vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w;
-        vec3 bent = mapped.x * in_tangent.xyz + mapped.y * bitangent + mapped.z * in_normal;
-        float bent2 = dot(bent, bent);
-        if (bent2 > 1e-20 && bent2 < 1e30) normal = bent * inversesqrt(bent2);
+        normal = bent_normal(mapped, materials.at[material].normal_scale, normal);
     }
-    s.normal = front_facing || (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u ? normal : -normal;
+    bool turned = !front_facing && (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) != 0u;
+    s.normal = turned ? -normal : normal;
 
     if ((materials.at[material].flags & GPU_MATERIAL_UNLIT) != 0u) {
         s.emissive = s.base_color;
@@ -138,6 +205,14 @@ surface material_surface(material_array materials, uint material, out bool hole)
         s.dielectric_f0 = vec3(0.0);
         s.dielectric_f90 = 0.0;
     }
+    s.layered = false;
+#ifndef MATERIAL_TEXEL // whose textures have no room for more
+    if (MATERIAL_LAYERS && (materials.at[material].flags & GPU_MATERIAL_LAYERED) != 0u) {
+        s.layered = true;
+        layers_block layers = materials.at[material].layers;
+        s.layers = material_layers(layers, turned ? -smooth_normal : smooth_normal, s.normal, turned);
+    }
+#endif
     return s;
 }
 

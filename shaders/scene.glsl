@@ -17,6 +17,7 @@ layout(buffer_reference) buffer material_array;
 layout(buffer_reference) buffer item_array;
 layout(buffer_reference) buffer group_array;
 layout(buffer_reference) buffer cluster_array;
+layout(buffer_reference) buffer layers_block;
 
 #include "scene_shared.h"
 
@@ -25,6 +26,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) POSITION_ACCESS buf
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer instance_array { gpu_instance at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer primitive_array { gpu_primitive at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer material_array { gpu_material at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer layers_block { gpu_layers layers; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer item_array { gpu_item at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer group_array { gpu_group at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer cluster_array { gpu_cluster at[]; };

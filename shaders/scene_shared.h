@@ -6,13 +6,15 @@
 #include "shared.h"
 
 #define GPU_TEXTURE_NONE 0xffffffffu
-#define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot */
+#define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot, of which the rest are these */
+#define GPU_LAYER_TEXTURE_COUNT 8
 
 #define GPU_MATERIAL_UNLIT 1u
 #define GPU_MATERIAL_MASK 2u
 #define GPU_MATERIAL_BLEND 4u
 #define GPU_MATERIAL_DOUBLE_SIDED 8u
 #define GPU_MATERIAL_SHARED_OCCLUSION 16u /* occlusion is the red of the very texture that metalness and roughness have */
+#define GPU_MATERIAL_LAYERED 32u /* gpu_material.layers is there */
 #define GPU_MATERIAL_CLASS_SHIFT 8u /* GPU_CLASS_… in the bits from here on */
 
 /* What of the code of material_surface() and shade_surface() a material needs, as bits. */
@@ -20,7 +22,8 @@
 #define GPU_CLASS_METAL 2u
 #define GPU_CLASS_TEXTURES 4u
 #define GPU_CLASS_NORMAL_MAP 8u
-#define GPU_CLASSES 16u
+#define GPU_CLASS_LAYERS 16u
+#define GPU_CLASSES 32u
 
 /* Bits of the feature constant of shaders that draw the scene (gpu_graphics_params.features). */
 #define GPU_FEATURE_DECALS 1u      /* box and volume decals are looked up in a list */
@@ -43,6 +46,17 @@ struct gpu_texture {
     float transform[6];
 };
 
+/* What KHR_materials_clearcoat, _sheen, _iridescence and _anisotropy add to a material. */
+struct gpu_layers {
+    vec3 sheen_color;
+    float sheen_roughness;
+    float clearcoat, clearcoat_roughness, clearcoat_normal_scale;
+    float film, film_ior, film_thinnest, film_thickest; /* nanometres */
+    float anisotropy;
+    vec2 anisotropy_turn; /* cosine and sine */
+    STRUCT(gpu_texture) textures[GPU_LAYER_TEXTURE_COUNT];
+};
+
 struct gpu_material {
     vec4 base_color;
     vec3 emissive;          /* cd/m^2 */
@@ -55,7 +69,9 @@ struct gpu_material {
     float alpha_cutoff;
     uint flags;
     uint forward_layouts;   /* a bit for each G-buffer layout that cannot hold it */
+    ADDRESS(layers_block) layers; /* with GPU_MATERIAL_LAYERED */
     STRUCT(gpu_texture) textures[GPU_TEXTURE_COUNT];
+    uint pad;
 };
 
 /* Object to world: rows of a 3x4 matrix. */

@@ -62,9 +62,12 @@ vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
     return mixed;
 }
 
+#include "layers.glsl"
+
 // What is left when all lights are summed up: ambient light (diffuse by the normal, specular by the mirror direction, both dimmed by
 // occlusion) and the surface's own glow. Precise, so that variants of a shader that know some of its input round alike.
 vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
+    if (LIST_LAYERS && s.layered) return layers_rest(s, v, to_view, sum);
     float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
     if (LIST_ENVIRONMENT) {
         precise vec3 lit = sum + environment_light(s, v, to_view, n_v) * s.occlusion + s.emissive;
@@ -111,13 +114,13 @@ light_apart apart;
 // or LIGHT_NO_ITEM.
 vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
     vec3 to_view = to_viewer(v, s.position);
-    brdf_view b = brdf_prepare(s, to_view);
+    layers_view b = layers_prepare(s, v, to_view);
     precise vec3 sum = vec3(0.0);
 
-    shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
+    shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        sum += sun_illuminance(lights, i, shadowed) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, -lights.list.lights.at[i].shape.direction);
     }
 
     light_point point = light_point(pixel, view_depth, s.position, s.normal, item);
@@ -142,11 +145,11 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
             if (illuminance != vec3(0.0)) {
                 if (COUNT_LIGHTS == 1u && walk == 1u) useful++;
                 if (LIST_SAMPLED) {
-                    precise float weight = luminance(illuminance * brdf_cos(s, b, to_light));
+                    precise float weight = luminance(illuminance * layers_cos(s, b, to_light));
                     if (!(weight > 0.0)) continue;
                     if (walk == 0u) {
                         if (LIST_DENOISED) {
-                            apart.open += illuminance * brdf_cos(s, b, to_light);
+                            apart.open += illuminance * layers_cos(s, b, to_light);
                             apart.field += luminance(illuminance) * vec4(to_light, 1.0);
                         }
                         precise float more = weights + weight;
@@ -158,10 +161,10 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     if (share == 0.0) continue;
                     illuminance *= share;
                 }
-                if (LIST_DENOISED) apart.drawn += illuminance * brdf_cos(s, b, to_light);
+                if (LIST_DENOISED) apart.drawn += illuminance * layers_cos(s, b, to_light);
                 if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
-                if (LIST_DENOISED) apart.seen += illuminance * brdf_cos(s, b, to_light);
-                else sum += illuminance * brdf_cos(s, b, to_light);
+                if (LIST_DENOISED) apart.seen += illuminance * layers_cos(s, b, to_light);
+                else sum += illuminance * layers_cos(s, b, to_light);
                 if (LIST_SAMPLED && light_draw_done(draw)) break;
             }
         }

@@ -3,6 +3,17 @@
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 
+// What lies over the material, or changes how it mirrors; read only by shaders of lists with GPU_LIST_LAYERS (layers.glsl).
+struct surface_layers {
+    vec3 clearcoat_normal;
+    float clearcoat, clearcoat_roughness;
+    vec3 sheen_color;
+    float sheen_roughness;
+    float film, film_ior, film_thickness; // nanometres
+    vec3 tangent;                         // unit, at right angles to the normal: along it highlights are stretched
+    float anisotropy;
+};
+
 struct surface {
     vec3 position;        // world space
     vec3 normal;          // world space, unit, shading normal on the viewer's side of double-sided surfaces
@@ -14,6 +25,8 @@ struct surface {
     vec3 emissive;        // cd/m^2; an unlit surface is black with its colour here
     vec3 dielectric_f0;   // reflectance at normal incidence of the non-metal part
     float dielectric_f90; // at grazing incidence (KHR_materials_specular's strength)
+    bool layered;         // the rest holds
+    surface_layers layers;
 };
 
 #endif

@@ -8,6 +8,8 @@
 #include "fanal/image.h"
 #include "fanal/scene_ids.h"
 
+#include <string.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -20,6 +22,43 @@ FNL_API fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image,
 /* ---- materials ---- */
 
 typedef enum fnl_alpha_mode { FNL_ALPHA_OPAQUE = 0, FNL_ALPHA_MASK, FNL_ALPHA_BLEND } fnl_alpha_mode;
+
+/**
+ * A clear varnish over the material, of index of refraction 1.5 (KHR_materials_clearcoat). Textures here and below multiply their factors by the
+ * channel that is named, and an all-zero id is no texture.
+ */
+typedef struct fnl_clearcoat_params {
+    float strength;               /**< 0..1; 0: no coat */
+    float roughness;              /**< perceptual, 0..1 */
+    float normal_scale;           /**< of normal_image; 0 is taken as 1 */
+    fnl_image_id image;           /**< red: strength */
+    fnl_image_id roughness_image; /**< green */
+    fnl_image_id normal_image;    /**< the coat's own bumps; without one it is as smooth as the mesh, whatever the material's normal map */
+} fnl_clearcoat_params;
+
+/** Fibres that stand out of cloth and glow at its edges (KHR_materials_sheen). */
+typedef struct fnl_sheen_params {
+    float color[3];               /**< linear, 0..1; black: no sheen */
+    float roughness;              /**< perceptual, 0..1 */
+    fnl_image_id color_image;     /**< a colour */
+    fnl_image_id roughness_image; /**< alpha */
+} fnl_sheen_params;
+
+/** A thin film that colours what the surface mirrors, such as a soap bubble's (KHR_materials_iridescence). */
+typedef struct fnl_iridescence_params {
+    float strength;                             /**< 0..1; 0: no film */
+    float ior;                                  /**< of the film, >= 1; 0 is taken as 1.3 */
+    float thickness_minimum, thickness_maximum; /**< nanometres, >= 0: where the texture is 0 and 1; without one the maximum counts; both 0: 100, 400 */
+    fnl_image_id image;                         /**< red: strength */
+    fnl_image_id thickness_image;               /**< green */
+} fnl_iridescence_params;
+
+/** Highlights that are stretched, as those of brushed metal (KHR_materials_anisotropy). */
+typedef struct fnl_anisotropy_params {
+    float strength;     /**< 0..1; 0: round highlights */
+    float rotation;     /**< of the direction along which they are stretched, radians from the tangent, counter-clockwise */
+    fnl_image_id image; /**< red and green: the direction, as -1..1, before it is turned; blue: strength */
+} fnl_anisotropy_params;
 
 /** A glTF 2.0 metallic-roughness material. Textures multiply their factors; an all-zero id is no texture. */
 typedef struct fnl_material_params {
@@ -37,11 +76,20 @@ typedef struct fnl_material_params {
     bool double_sided;         /**< default false */
     bool unlit;                /**< the base colour is shown without lighting; default false */
     fnl_image_id base_color_image, metallic_roughness_image, normal_image, occlusion_image, emissive_image;
+    fnl_clearcoat_params clearcoat; /**< all four: all-zero (default) is off, costs nothing and leaves the picture as it is, to the bit */
+    fnl_sheen_params sheen;
+    fnl_iridescence_params iridescence;
+    fnl_anisotropy_params anisotropy;
 } fnl_material_params;
 
 static inline fnl_material_params fnl_material_params_default(void) {
-    const fnl_material_params params = {{1, 1, 1, 1}, 1,    1,     {0, 0, 0}, 1,      1,      1.5f,   1,      {1, 1, 1}, FNL_ALPHA_OPAQUE,
-                                        0.5f,         false, false, {0, 0},    {0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    fnl_material_params params;
+    memset(&params, 0, sizeof params);
+    for (int i = 0; i < 4; i++) params.base_color[i] = 1;
+    for (int i = 0; i < 3; i++) params.specular_color[i] = 1;
+    params.metallic = params.roughness = params.normal_scale = params.occlusion_strength = params.specular = 1;
+    params.ior = 1.5f;
+    params.alpha_cutoff = 0.5f;
     return params;
 }
 FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out);

@@ -56,6 +56,8 @@ struct gpu_light {
 #define GPU_LIST_DENOISED 0x10000u
 /* Beside the kind: ambient light comes from the environment (shaders/environment.glsl). */
 #define GPU_LIST_ENVIRONMENT 0x40000u
+/* Beside the kind: some surfaces have layers (shaders/layers.glsl). */
+#define GPU_LIST_LAYERS 0x80000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

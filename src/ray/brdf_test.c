@@ -61,6 +61,53 @@ static void test_samples_integrate_the_brdf(void **state) {
     }
 }
 
+/* The same with layers; and however they are stacked, what they take from below is what they send. */
+static void test_layers_are_sampled_and_keep_energy_MA_2(void **state) {
+    UNUSED(state);
+    static struct ray_albedos albedos;
+    ray_albedos_fill(&albedos);
+    for (int i = 0; i < 6; i++) {
+        enum { COUNT = 1 << 16 };
+        struct ray_surface s = surface_of(i == 4 ? 1 : 0, 0.5, 1);
+        const double z = i % 2 ? 0.4 : 0.8;
+        s.layered = true;
+        s.layers = (struct ray_layers){.clearcoat_normal = {0, 0, 1}, .tangent = {0.6, 0.8, 0}};
+        if (i == 0 || i == 5) s.layers.clearcoat = 1, s.layers.clearcoat_roughness = 0.4;
+        if (i == 1 || i == 5) s.layers.sheen_color = dvec3_make(1, 0.5, 0.2), s.layers.sheen_roughness = 0.5;
+        if (i == 2) s.layers.film = 1, s.layers.film_ior = 1.4, s.layers.film_thickness = 300;
+        if (i >= 3) s.layers.anisotropy = 0.7;
+        const dvec3 v = {sqrt(1 - z * z) * 0.6, sqrt(1 - z * z) * 0.8, z};
+        ray_layers_prepare(&albedos, &s, v);
+        const dvec3 wanted = albedo_by_grid(&s, v);
+        dvec3 sum = {0, 0, 0};
+        struct random_state random = {(uint64_t)i + 1};
+        for (int k = 0; k < COUNT; k++) {
+            const double u[3] = {(double)random_float(&random), (double)random_float(&random), (double)random_float(&random)};
+            dvec3 l;
+            sum = dvec3_add_scaled(sum, ray_brdf_sample(&s, v, u, &l), 1.0 / COUNT);
+        }
+        if (fabs(sum.x / wanted.x - 1) > 0.02 || fabs(sum.z / wanted.z - 1) > 0.03 || !(wanted.x < 1.05))
+            fail_msg("case %d: the samples' mean is %g, %g, the integral %g, %g", i, sum.x, sum.z, wanted.x, wanted.z);
+    }
+}
+
+/* Of a film: nothing is left of one without thickness. */
+static void test_thin_films_vanish_MA_1(void **state) {
+    UNUSED(state);
+    static struct ray_albedos albedos;
+    for (int metal = 0; metal < 2; metal++) {
+        struct ray_surface s = surface_of(metal, 0.5, 0.8);
+        const dvec3 v = {0, 0, 1};
+        s.layered = true;
+        s.layers = (struct ray_layers){.clearcoat_normal = {0, 0, 1}, .film = 1, .film_ior = 1.6, .film_thickness = 0};
+        ray_layers_prepare(&albedos, &s, v);
+        assert_true(fabs(s.layers.film_dielectric.x - s.f0.x) < 0.01 && fabs(s.layers.film_metal.x - s.base_color.x) < 0.01);
+        s.layers.film_thickness = 400;
+        ray_layers_prepare(&albedos, &s, v);
+        assert_true(fabs(s.layers.film_dielectric.x - s.f0.x) > 0.01 && s.layers.film_dielectric.x < 1);
+    }
+}
+
 /* In an even sky the fit of ambient light is close to the integral of what a dielectric reflects. */
 static void test_ambient_is_close_to_the_integral(void **state) {
     UNUSED(state);
@@ -125,6 +172,7 @@ static void test_meter_reads_grey(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_layers_are_sampled_and_keep_energy_MA_2), cmocka_unit_test(test_thin_films_vanish_MA_1),
         cmocka_unit_test(test_samples_integrate_the_brdf), cmocka_unit_test(test_ambient_is_close_to_the_integral),
         cmocka_unit_test(test_matt_samples_are_exact),     cmocka_unit_test(test_brdf_is_reciprocal),
         cmocka_unit_test(test_meter_reads_grey),

@@ -6,19 +6,15 @@
 #include "ray/brdf.h"
 #include "scene/scene_environment.h"
 
-enum { RAY_REFLECTANCE_SIDE = 33 };
-
 struct ray_environment {
     const struct scene_environment *scene; /* panorama.width 0: there is none */
-    float reflectance[RAY_REFLECTANCE_SIDE][RAY_REFLECTANCE_SIDE][2]; /* by roughness and n.v, at equal steps: what f0 and f90 are multiplied by */
+    const struct ray_albedos *albedos;
 };
 
-/** Borrows the scene's. */
-void ray_environment_begin(const struct scene_environment *scene, struct ray_environment *out);
 static inline bool ray_environment_is(const struct ray_environment *e) { return e->scene->panorama.width > 0; }
 /** Radiance from a direction, bilinear. */
 dvec3 ray_environment_from(const struct ray_environment *e, dvec3 direction);
-/** Gives a surface what it reflects of the environment between its microfacets: surface->again (Fdez-Aguera 2019). */
+/** Gives a surface what it reflects of the environment between its microfacets: surface->again (Fdez-Aguera 2019). Layers are prepared. */
 void ray_environment_again(const struct ray_environment *e, struct ray_surface *surface, dvec3 to_view);
 
 #endif

@@ -106,8 +106,9 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
 
 static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum) {
     dvec3 out = dvec3_add(s->emissive, direct_light(c, s, to_view, sum));
-    return dvec3_add(out, c->params->bounces || ray_environment_is(c->environment) ? indirect_light(c, s, to_view)
-                                                                                : ray_ambient(s, to_view, c->sky, c->ground));
+    if (c->params->bounces || ray_environment_is(c->environment)) return dvec3_add(out, indirect_light(c, s, to_view));
+    if (s->layered) return dvec3_add(out, ray_layers_ambient(c->environment->albedos, s, to_view, c->sky, c->ground));
+    return dvec3_add(out, ray_ambient(s, to_view, c->sky, c->ground));
 }
 
 void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x,

@@ -39,6 +39,7 @@ struct ray_scene {
     struct ray_image *images;
     struct scene_material standard;
     struct ray_environment environment;
+    struct ray_albedos albedos; /* where there is an environment, or a material with layers */
     ARRAY(struct ray_part) parts;
     ARRAY(struct ray_mesh) meshes;
     ARRAY(struct ray_instance) instances;

@@ -88,7 +88,10 @@ fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ra
     if (!s) return FNL_ERROR_MEMORY;
     s->scene = scene;
     s->standard = scene_material_default();
-    ray_environment_begin(&scene->environment, &s->environment);
+    s->environment = (struct ray_environment){&scene->environment, &s->albedos};
+    bool wants_albedos = ray_environment_is(&s->environment);
+    for (uint32_t i = 0; i < scene->materials.count; i++) wants_albedos |= scene_material_layered(&scene->materials.data[i]);
+    if (wants_albedos) ray_albedos_fill(&s->albedos);
     fnl_result result = ray_scene_build(s, jobs);
     if (result == FNL_OK) result = ray_lights_create(s);
     if (result != FNL_OK) ray_scene_destroy(out);

@@ -85,15 +85,20 @@ static dvec3 interpolate_normal(const struct ray_part *part, const struct ray_in
     return sum;
 }
 
-static dvec3 bend_normal(const struct ray_part *part, const struct ray_instance *in, const uint32_t *corners,
-                         const double weights[3], dvec3 normal, const double texel[4]) {
+/* Of unit vectors; `hand` turns the normal and it into the bitangent. */
+static dvec3 interpolate_tangent(const struct ray_part *part, const struct ray_instance *in, const uint32_t *corners,
+                                 const double weights[3], double *hand) {
     dvec3 tangent = {0, 0, 0};
     for (int k = 0; k < 3; k++) {
         vec4 t = part->tangents[corners[k]];
         dvec3 own = dvec3_normalize(carry(in->axes, dvec3_make((double)t.x, (double)t.y, (double)t.z)));
         tangent = dvec3_add_scaled(tangent, own, weights[k]);
     }
-    double hand = (double)part->tangents[corners[0]].w * in->mirror, scale = (double)part->material->normal_scale;
+    *hand = (double)part->tangents[corners[0]].w * in->mirror;
+    return tangent;
+}
+
+static dvec3 bend_normal(dvec3 tangent, double hand, dvec3 normal, double scale, const double texel[4]) {
     dvec3 mapped = {(texel[0] * 2 - 1) * scale, (texel[1] * 2 - 1) * scale, texel[2] * 2 - 1};
     return dvec3_combine(tangent, dvec3_scale(dvec3_cross(normal, tangent), hand), normal, mapped);
 }
@@ -128,6 +133,49 @@ static void shade_material(const struct ray_scene *s, const struct ray_part *par
     out->metallic = out->f90 = 0;
 }
 
+/* `normal` and `tangent` as vertices have them; the surface's own normal is known. */
+static void find_layers(const struct ray_scene *s, const struct scene_material *m, const struct ray_uv *uv, dvec3 normal, dvec3 tangent, double hand,
+                        double sign, struct ray_surface *out) {
+    struct ray_layers *l = &out->layers;
+    double texel[4];
+#define SAMPLE(slot) ray_texture_sample(s->scene, s->images, m, SCENE_TEXTURE_##slot, uv, texel)
+    SAMPLE(CLEARCOAT);
+    l->clearcoat = (double)m->clearcoat.strength * texel[0];
+    SAMPLE(CLEARCOAT_ROUGHNESS);
+    l->clearcoat_roughness = (double)m->clearcoat.roughness * texel[1];
+    l->clearcoat_normal = dvec3_scale(dvec3_normalize(normal), sign);
+    if (ray_texture_exists(s->images, m, SCENE_TEXTURE_CLEARCOAT_NORMAL)) {
+        SAMPLE(CLEARCOAT_NORMAL);
+        dvec3 bent = bend_normal(tangent, hand, normal, (double)m->clearcoat.normal_scale, texel);
+        if (dvec3_length(bent) > 1e-10) l->clearcoat_normal = dvec3_scale(dvec3_normalize(bent), sign);
+    }
+    SAMPLE(SHEEN_COLOR);
+    l->sheen_color = dvec3_mul(dvec3_make((double)m->sheen.color[0], (double)m->sheen.color[1], (double)m->sheen.color[2]), rgb(texel));
+    SAMPLE(SHEEN_ROUGHNESS);
+    l->sheen_roughness = (double)m->sheen.roughness * texel[3];
+    SAMPLE(IRIDESCENCE);
+    l->film = (double)m->iridescence.strength * texel[0];
+    l->film_ior = (double)m->iridescence.ior;
+    SAMPLE(IRIDESCENCE_THICKNESS);
+    l->film_thickness = (double)m->iridescence.thickness_minimum + (double)(m->iridescence.thickness_maximum - m->iridescence.thickness_minimum) * texel[1];
+    l->anisotropy = (double)m->anisotropy.strength;
+    double along[2] = {1, 0}, c = cos((double)m->anisotropy.rotation), turn = sin((double)m->anisotropy.rotation);
+    if (ray_texture_exists(s->images, m, SCENE_TEXTURE_ANISOTROPY)) {
+        SAMPLE(ANISOTROPY);
+        for (int i = 0; i < 2; i++) along[i] = texel[i] * 2 - 1;
+        l->anisotropy *= texel[2];
+    }
+#undef SAMPLE
+    dvec3 turned = dvec3_combine(tangent, dvec3_scale(dvec3_cross(normal, tangent), hand), normal,
+                                 dvec3_make(c * along[0] - turn * along[1], c * along[1] + turn * along[0], 0));
+    turned = dvec3_add_scaled(turned, out->normal, -dvec3_dot(out->normal, turned));
+    if (dvec3_length(turned) > 1e-10)
+        l->tangent = dvec3_normalize(turned);
+    else
+        l->anisotropy = 0;
+    out->layered = true;
+}
+
 struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hit *hit, dvec3 origin, dvec3 direction,
                                   const struct ray_neighbours *neighbours) {
     const struct ray_part *part = &s->parts.data[hit->part];
@@ -150,13 +198,21 @@ struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hi
     out.offset = ray_rounding(fmax(dvec3_reach(out.position), dvec3_reach(in->origin)));
     double sign = hit->front ? 1 : -1;
     dvec3 face = dvec3_normalize(dvec3_scale(dvec3_cross(dvec3_sub(p[1], p[0]), dvec3_sub(p[2], p[0])), in->mirror));
-    dvec3 normal = part->normals ? interpolate_normal(part, in, corners, weights) : face;
+    dvec3 normal = part->normals ? interpolate_normal(part, in, corners, weights) : face, tangent = {0, 0, 0};
+    const dvec3 smooth = normal;
+    double hand = 1;
+    if (part->normals && part->tangents) tangent = interpolate_tangent(part, in, corners, weights, &hand);
     if (part->normals && part->tangents && ray_texture_exists(s->images, m, SCENE_TEXTURE_NORMAL)) {
         ray_texture_sample(s->scene, s->images, m, SCENE_TEXTURE_NORMAL, &uv, texel);
-        dvec3 bent = bend_normal(part, in, corners, weights, normal, texel);
+        dvec3 bent = bend_normal(tangent, hand, normal, (double)m->normal_scale, texel);
         if (dvec3_length(bent) > 1e-10) normal = bent;
     }
     out.geometric = dvec3_scale(face, sign);
     out.normal = dvec3_length(normal) > 0 ? dvec3_scale(dvec3_normalize(normal), sign) : out.geometric;
+    if (scene_material_layered(m)) {
+        find_layers(s, m, &uv, dvec3_length(smooth) > 0 ? smooth : face, tangent, hand, sign, &out);
+        ray_layers_prepare(&s->albedos, &out, dvec3_scale(direction, -1));
+        out.emissive = dvec3_scale(out.emissive, out.layers.below_coat);
+    }
     return out;
 }

@@ -183,8 +183,7 @@ void ray_texture_sample(const fnl_scene *scene, const struct ray_image *images, 
     const struct scene_texture *t = &material->textures[slot];
     const struct ray_image *image = &images[t->image];
     const struct scene_sampler *s = &scene->samplers.data[t->sampler];
-    bool decodes = image->color && (slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE ||
-                                    slot == SCENE_TEXTURE_SPECULAR_COLOR);
+    const bool decodes = image->color && scene_texture_is_color(slot);
     double at[2], along[2], across[2];
     transform_uv(t, uv->at[t->uv_set], 1, at);
     transform_uv(t, uv->along[t->uv_set], 0, along);

@@ -110,10 +110,9 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
     shading_begin(f);
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->shared);
     if (!slice.data) return gpu_status(f->r->device);
-    if (scene->lights.environment.cube.id)
-        environment_tell(f->r->device, &f->shared);
+    if (scene->lights.environment.table.id) environment_tell(f->r->device, &f->shared);
     memcpy(slice.data, &f->shared, sizeof f->shared);
-    if (scene->lights.environment.cube.id) environment_put(f->graph, &scene->lights.environment, slice.data);
+    if (scene->lights.environment.table.id) environment_put(f->graph, &scene->lights.environment, slice.data);
     f->shared_address = slice.address;
     return decals_send(f);
 }

@@ -207,6 +207,23 @@ void shading_take_layer(struct frame_state *f, const struct frame_state *togethe
     if (together->visibility.depth.id) f->visibility = visibility_layer(f->graph, &together->visibility, layer);
 }
 
+bool shading_draws_layered(const struct frame_state *f) {
+    return !frame_is(f->frame, SHADING_LAYERS) && geometry_draw_count(&f->scene->geometry, GEOMETRY_NOT_IN(GEOMETRY_LAYERED)) > 0;
+}
+
+/* What the order stores or sums up has no room for layers. */
+static void add_layered(struct frame_state *f, const struct shade_input *input) {
+    if (!shading_draws_layered(f)) return;
+    graph_push_names(f->graph, "layers");
+    const struct light_list lights = order_add_fallback_lists(f); /* the order's own may be of other pixels, or none at all */
+    graph_pop_names(f->graph);
+    struct shade_input layered = *input;
+    layered.lights = &lights;
+    forward_add(f->graph, &layered, GEOMETRY_NOT_IN(GEOMETRY_LAYERED), true, f->radiance, f->depth);
+    f->forward_layouts |= 1u << GEOMETRY_LAYERED;
+    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(GEOMETRY_LAYERED));
+}
+
 void shading_add(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
@@ -217,6 +234,7 @@ void shading_add(struct frame_state *f) {
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
     f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
     order->add(f, &opaque, frame_is(f->frame, SHADING_PREPASS));
+    add_layered(f, &input);
     decals_redraw(f, &input);
     if (shading_shows_sky(f)) sky_add(f->graph, &f->scene->lights.environment, f->view_address, f->radiance, f->depth);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);

@@ -28,6 +28,7 @@ enum shading_trait {
     SHADING_DECAL_STEP = 1 << 16,  /* does so in a step that walks their list and does not know what a surface receives */
     SHADING_VIEWS = 1 << 17,       /* draws several views in one frame */
     SHADING_MULTIVIEW = 1 << 18,   /* of them what it draws before lists, the prepass included, for several views at once */
+    SHADING_LAYERS = 1 << 20,      /* shades layered materials itself; where it does not they are drawn over its picture */
     SHADING_SURFACES = 1 << 19     /* with one sample a pixel it shades just what depth shows there, whatever else it shades for nothing */
 };
 /** Whether an order has all of these traits, whatever the options of a frame; auto has none. */
@@ -39,6 +40,8 @@ bool frame_is(const fnl_frame *frame, uint32_t traits);
 bool shading_shows_volumes(const fnl_frame *frame);
 /** Whether the environment is seen behind everything. */
 bool shading_shows_sky(const struct frame_state *f);
+/** Whether layered materials are drawn over the order's picture. */
+bool shading_draws_layered(const struct frame_state *f);
 /** The format of the radiance target. */
 VkFormat shading_format(const struct frame_state *f);
 

@@ -61,6 +61,7 @@ static void expect_same(const struct view *view) {
     fnl_image_difference difference;
     assert_int_equal(fnl_image_compare(NULL, &trace.color, &shot.color, &difference), FNL_OK);
     double radiance = psnr_below_highlights(&trace.radiance, &shot.radiance);
+    print_message("%s: %.1f dB of radiance, %.1f dB of the picture\n", view->source, radiance, difference.psnr);
     if (radiance < view->radiance || difference.psnr < view->color)
         fail_msg("%s: %.1f dB of radiance, %.1f dB of the picture, must be %g and %g", view->source, radiance,
                  difference.psnr, view->radiance, view->color);
@@ -77,6 +78,18 @@ static void test_frames_without_shadows(void **state) {
         {"builtin:interior?lights=40", 38, 40, false, 0, 0}, /* all shapes of lights */
         {"builtin:glass?lights=40&crossing=1", 42, 51, false, 0, 0},
         {"builtin:hall?lights=24", 46, 58, false, 0, 0}, /* textures, normal maps, cutouts */
+    };
+    for (uint32_t i = 0; i < COUNT_OF(views); i++) expect_same(&views[i]);
+}
+
+/* Each extension's sample model: textures of layers, and normals and tangents of their own. */
+static void test_layered_materials_of_files_MA_6(void **state) {
+    UNUSED(state);
+    static const struct view views[] = {
+        {"materials/ClearCoatTest.glb", 35, 38, false, 0, 12},
+        {"materials/IridescenceSuzanne.glb", 35, 38, false, 0, 12},
+        {"materials/AnisotropyStrengthTest.glb", 35, 38, false, 0, 12},
+        {"materials/SheenChair/SheenChair.gltf", 35, 38, false, 0, 12},
     };
     for (uint32_t i = 0; i < COUNT_OF(views); i++) expect_same(&views[i]);
 }
@@ -137,6 +150,7 @@ static void test_environments_against_paths_EN_8(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_frames_without_shadows, harness_check),
+        cmocka_unit_test_teardown(test_layered_materials_of_files_MA_6, harness_check),
         cmocka_unit_test_teardown(test_animated_frames, harness_check),
         cmocka_unit_test_teardown(test_environments_against_paths_EN_8, harness_check),
     };

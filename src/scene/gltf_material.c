@@ -2,10 +2,6 @@
 /* Materials and their texture references (glTF 2.0, 3.9, and the KHR_materials_* extensions that are shown in full). */
 #include "scene/gltf.h"
 
-static bool slot_is_color(enum scene_texture_slot slot) {
-    return slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR;
-}
-
 /** The image for colour or for data: one that is used for both gets a twin that shares its bytes. */
 static uint32_t image_for(struct gltf *g, const struct at *at, uint32_t index, bool color) {
     struct scene_image *image = &g->scene->images.data[index];
@@ -64,7 +60,7 @@ static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at,
     }
     texture->uv_set = (uint32_t)uv_set;
     texture->sampler = g->textures[index].sampler;
-    texture->image = image_for(g, here, g->textures[index].image, slot_is_color(slot));
+    texture->image = image_for(g, here, g->textures[index].image, scene_texture_is_color(slot));
     return reference;
 }
 
@@ -92,6 +88,54 @@ static void load_alpha(struct gltf *g, json_t *object, const struct at *at, stru
     else if (mode && strcmp(mode, "OPAQUE") != 0)
         gltf_warn(g, AT_KEY(at, "alphaMode"), "is unknown; it is taken as OPAQUE");
     gltf_float(g, object, at, "alphaCutoff", false, 0, FLT_MAX, &material->alpha_cutoff);
+}
+
+static void load_clearcoat(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    fnl_clearcoat_params *coat = &material->clearcoat;
+    gltf_float(g, object, at, "clearcoatFactor", false, 0, 1, &coat->strength);
+    gltf_float(g, object, at, "clearcoatRoughnessFactor", false, 0, 1, &coat->roughness);
+    load_texture(g, object, at, "clearcoatTexture", SCENE_TEXTURE_CLEARCOAT, material);
+    load_texture(g, object, at, "clearcoatRoughnessTexture", SCENE_TEXTURE_CLEARCOAT_ROUGHNESS, material);
+    json_t *normal = load_texture(g, object, at, "clearcoatNormalTexture", SCENE_TEXTURE_CLEARCOAT_NORMAL, material);
+    if (normal) gltf_float(g, normal, AT_KEY(at, "clearcoatNormalTexture"), "scale", false, -FLT_MAX, FLT_MAX, &coat->normal_scale);
+}
+
+static void load_sheen(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    gltf_floats(g, object, at, "sheenColorFactor", 3, 0, 1, material->sheen.color);
+    gltf_float(g, object, at, "sheenRoughnessFactor", false, 0, 1, &material->sheen.roughness);
+    load_texture(g, object, at, "sheenColorTexture", SCENE_TEXTURE_SHEEN_COLOR, material);
+    load_texture(g, object, at, "sheenRoughnessTexture", SCENE_TEXTURE_SHEEN_ROUGHNESS, material);
+}
+
+static void load_iridescence(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    fnl_iridescence_params *film = &material->iridescence;
+    gltf_float(g, object, at, "iridescenceFactor", false, 0, 1, &film->strength);
+    gltf_float(g, object, at, "iridescenceIor", false, 1, FLT_MAX, &film->ior);
+    gltf_float(g, object, at, "iridescenceThicknessMinimum", false, 0, FLT_MAX, &film->thickness_minimum);
+    gltf_float(g, object, at, "iridescenceThicknessMaximum", false, 0, FLT_MAX, &film->thickness_maximum);
+    load_texture(g, object, at, "iridescenceTexture", SCENE_TEXTURE_IRIDESCENCE, material);
+    load_texture(g, object, at, "iridescenceThicknessTexture", SCENE_TEXTURE_IRIDESCENCE_THICKNESS, material);
+}
+
+static void load_anisotropy(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    gltf_float(g, object, at, "anisotropyStrength", false, 0, 1, &material->anisotropy.strength);
+    gltf_float(g, object, at, "anisotropyRotation", false, -FLT_MAX, FLT_MAX, &material->anisotropy.rotation);
+    load_texture(g, object, at, "anisotropyTexture", SCENE_TEXTURE_ANISOTROPY, material);
+}
+
+static void load_layers(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    static const struct {
+        const char *name;
+        void (*load)(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material);
+    } layers[] = {{"KHR_materials_clearcoat", load_clearcoat},
+                  {"KHR_materials_sheen", load_sheen},
+                  {"KHR_materials_iridescence", load_iridescence},
+                  {"KHR_materials_anisotropy", load_anisotropy}};
+    struct gltf_extension_place place;
+    for (uint32_t i = 0; i < COUNT_OF(layers); i++) {
+        json_t *extension = gltf_extension(object, at, layers[i].name, &place);
+        if (extension) layers[i].load(g, extension, &place.extension, material);
+    }
 }
 
 static void load_material_extensions(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
@@ -132,6 +176,7 @@ static void load_material(struct gltf *g, json_t *object, const struct at *at, s
     load_alpha(g, object, at, material);
     material->double_sided = gltf_bool(g, object, at, "doubleSided", false);
     load_material_extensions(g, object, at, material);
+    load_layers(g, object, at, material);
 }
 
 void gltf_load_materials(struct gltf *g) {

@@ -49,8 +49,23 @@ enum scene_texture_slot {
     SCENE_TEXTURE_EMISSIVE,
     SCENE_TEXTURE_SPECULAR,
     SCENE_TEXTURE_SPECULAR_COLOR,
+    SCENE_TEXTURE_CORE_COUNT, /* those before belong to all materials, those from here on to layers */
+    SCENE_TEXTURE_CLEARCOAT = SCENE_TEXTURE_CORE_COUNT,
+    SCENE_TEXTURE_CLEARCOAT_ROUGHNESS,
+    SCENE_TEXTURE_CLEARCOAT_NORMAL,
+    SCENE_TEXTURE_SHEEN_COLOR,
+    SCENE_TEXTURE_SHEEN_ROUGHNESS,
+    SCENE_TEXTURE_IRIDESCENCE,
+    SCENE_TEXTURE_IRIDESCENCE_THICKNESS,
+    SCENE_TEXTURE_ANISOTROPY,
     SCENE_TEXTURE_SLOT_COUNT,
 };
+
+/** Whether a texture holds colours, not numbers: it is stored by the transfer function of sRGB. */
+static inline bool scene_texture_is_color(enum scene_texture_slot slot) {
+    return slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR ||
+           slot == SCENE_TEXTURE_SHEEN_COLOR;
+}
 
 /** uv' = (u, v, 1) through the 2x3 matrix of KHR_texture_transform. */
 struct scene_texture {
@@ -70,6 +85,11 @@ struct scene_material {
     fnl_alpha_mode alpha_mode;
     float alpha_cutoff;
     bool double_sided, unlit;
+    /* Layers: off where their strength, or the sheen's colour, is 0. Images of the public structs are in `textures`. */
+    fnl_clearcoat_params clearcoat;
+    fnl_sheen_params sheen;
+    fnl_iridescence_params iridescence;
+    fnl_anisotropy_params anisotropy;
     struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
 };
 
@@ -280,6 +300,8 @@ struct fnl_scene {
 
 fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **out);
 struct scene_material scene_material_default(void);
+/** Whether it has more than glTF's core material with KHR_materials_ior and _specular. */
+bool scene_material_layered(const struct scene_material *material);
 uint32_t scene_take_generation(fnl_scene *scene);
 struct scene_texture scene_texture_none(void);
 /** Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena. */

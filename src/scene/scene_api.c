@@ -57,7 +57,23 @@ static struct scene_material material_of(const fnl_material_params *p) {
     material.alpha_cutoff = p->alpha_cutoff;
     material.double_sided = p->double_sided;
     material.unlit = p->unlit;
+    material.clearcoat = p->clearcoat;
+    material.sheen = p->sheen;
+    material.iridescence = p->iridescence;
+    material.anisotropy = p->anisotropy;
+    if (material.clearcoat.normal_scale == 0) material.clearcoat.normal_scale = 1;
+    if (material.iridescence.ior == 0) material.iridescence.ior = 1.3f;
+    if (material.iridescence.thickness_minimum == 0 && material.iridescence.thickness_maximum == 0) {
+        material.iridescence.thickness_minimum = 100;
+        material.iridescence.thickness_maximum = 400;
+    }
     return material;
+}
+
+bool scene_material_layered(const struct scene_material *m) {
+    const float *sheen = m->sheen.color;
+    return !m->unlit && (m->clearcoat.strength > 0 || sheen[0] > 0 || sheen[1] > 0 || sheen[2] > 0 || m->iridescence.strength > 0 ||
+                         m->anisotropy.strength > 0);
 }
 
 struct scene_material scene_material_default(void) {
@@ -69,6 +85,48 @@ static fnl_result check_image(const struct call *call, const fnl_scene *scene, c
     bool none = id.index == 0 && id.generation == 0;
     return check_id(call, name, none || (id.generation == FIXED_GENERATION && id.index < scene->images.count), id.index,
                     id.generation, "an image");
+}
+
+static fnl_result check_layers(const struct call *call, const fnl_material_params *p) {
+    const double infinite = (double)FLT_MAX;
+    TRY(check_range(call, "clearcoat.strength", (double)p->clearcoat.strength, 0, 1, ""));
+    TRY(check_range(call, "clearcoat.roughness", (double)p->clearcoat.roughness, 0, 1, ""));
+    TRY(check_range(call, "clearcoat.normal_scale", (double)p->clearcoat.normal_scale, -infinite, infinite, ""));
+    TRY(check_floats(call, "sheen.color", p->sheen.color, 3, 0, 1, ""));
+    TRY(check_range(call, "sheen.roughness", (double)p->sheen.roughness, 0, 1, ""));
+    TRY(check_range(call, "iridescence.strength", (double)p->iridescence.strength, 0, 1, ""));
+    if (p->iridescence.ior != 0) TRY(check_range(call, "iridescence.ior", (double)p->iridescence.ior, 1, infinite, ""));
+    TRY(check_range(call, "iridescence.thickness_minimum", (double)p->iridescence.thickness_minimum, 0, infinite, " nm"));
+    TRY(check_range(call, "iridescence.thickness_maximum", (double)p->iridescence.thickness_maximum, 0, infinite, " nm"));
+    TRY(check_range(call, "anisotropy.strength", (double)p->anisotropy.strength, 0, 1, ""));
+    return check_range(call, "anisotropy.rotation", (double)p->anisotropy.rotation, -infinite, infinite, " radians");
+}
+
+/* The images of a material, by their slots. */
+static const struct image_row {
+    enum scene_texture_slot slot;
+    const char *name;
+    size_t offset;
+} image_rows[] = {
+#define ROW(slot, member) {SCENE_TEXTURE_##slot, #member, offsetof(fnl_material_params, member)}
+    ROW(BASE_COLOR, base_color_image),
+    ROW(METALLIC_ROUGHNESS, metallic_roughness_image),
+    ROW(NORMAL, normal_image),
+    ROW(OCCLUSION, occlusion_image),
+    ROW(EMISSIVE, emissive_image),
+    ROW(CLEARCOAT, clearcoat.image),
+    ROW(CLEARCOAT_ROUGHNESS, clearcoat.roughness_image),
+    ROW(CLEARCOAT_NORMAL, clearcoat.normal_image),
+    ROW(SHEEN_COLOR, sheen.color_image),
+    ROW(SHEEN_ROUGHNESS, sheen.roughness_image),
+    ROW(IRIDESCENCE, iridescence.image),
+    ROW(IRIDESCENCE_THICKNESS, iridescence.thickness_image),
+    ROW(ANISOTROPY, anisotropy.image),
+#undef ROW
+};
+
+static fnl_image_id image_of_row(const fnl_material_params *p, const struct image_row *row) {
+    return *(const fnl_image_id *)(const void *)((const char *)p + row->offset);
 }
 
 static fnl_result check_material(const struct call *call, const fnl_scene *scene, const fnl_material_params *p) {
@@ -85,15 +143,16 @@ static fnl_result check_material(const struct call *call, const fnl_scene *scene
     TRY(check_floats(call, "specular_color", p->specular_color, 3, 0, infinite, ""));
     TRY(check_enum(call, "alpha_mode", (int)p->alpha_mode, FNL_ALPHA_BLEND + 1, "fnl_alpha_mode"));
     TRY(check_range(call, "alpha_cutoff", (double)p->alpha_cutoff, 0, infinite, ""));
-    TRY(check_image(call, scene, "base_color_image", p->base_color_image));
-    TRY(check_image(call, scene, "metallic_roughness_image", p->metallic_roughness_image));
-    TRY(check_image(call, scene, "normal_image", p->normal_image));
-    TRY(check_image(call, scene, "occlusion_image", p->occlusion_image));
-    return check_image(call, scene, "emissive_image", p->emissive_image);
+    for (size_t i = 0; i < COUNT_OF(image_rows); i++) TRY(check_image(call, scene, image_rows[i].name, image_of_row(p, &image_rows[i])));
+    return check_layers(call, p);
 }
 
-static void set_image(struct scene_material *material, enum scene_texture_slot slot, fnl_image_id id) {
-    if (id.generation) material->textures[slot].image = id.index;
+/* The texture of another image starts anew; of the same one its coordinates and filters stay. */
+static void change_image(struct scene_texture *texture, fnl_image_id id) {
+    uint32_t image = id.generation ? id.index : SCENE_NONE;
+    if (texture->image == image) return;
+    *texture = scene_texture_none();
+    texture->image = image;
 }
 
 fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out) {
@@ -106,23 +165,11 @@ fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *p
     TRY(check_material(call, scene, p));
     struct scene_material material = material_of(p);
     material.name = "";
-    set_image(&material, SCENE_TEXTURE_BASE_COLOR, p->base_color_image);
-    set_image(&material, SCENE_TEXTURE_METALLIC_ROUGHNESS, p->metallic_roughness_image);
-    set_image(&material, SCENE_TEXTURE_NORMAL, p->normal_image);
-    set_image(&material, SCENE_TEXTURE_OCCLUSION, p->occlusion_image);
-    set_image(&material, SCENE_TEXTURE_EMISSIVE, p->emissive_image);
+    for (size_t i = 0; i < COUNT_OF(image_rows); i++) change_image(&material.textures[image_rows[i].slot], image_of_row(p, &image_rows[i]));
     uint32_t index = scene_add_material(scene, &material);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_material_id){index, FIXED_GENERATION};
     return FNL_OK;
-}
-
-/* The texture of another image starts anew; of the same one its coordinates and filters stay. */
-static void change_image(struct scene_texture *texture, fnl_image_id id) {
-    uint32_t image = id.generation ? id.index : SCENE_NONE;
-    if (texture->image == image) return;
-    *texture = scene_texture_none();
-    texture->image = image;
 }
 
 /* Copies of a material that baked decals are painted on follow it, but for the painted textures. */
@@ -158,11 +205,7 @@ fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fn
     changed.name = before.name;
     changed.extras = before.extras;
     memcpy(changed.textures, before.textures, sizeof changed.textures);
-    change_image(&changed.textures[SCENE_TEXTURE_BASE_COLOR], p->base_color_image);
-    change_image(&changed.textures[SCENE_TEXTURE_METALLIC_ROUGHNESS], p->metallic_roughness_image);
-    change_image(&changed.textures[SCENE_TEXTURE_NORMAL], p->normal_image);
-    change_image(&changed.textures[SCENE_TEXTURE_OCCLUSION], p->occlusion_image);
-    change_image(&changed.textures[SCENE_TEXTURE_EMISSIVE], p->emissive_image);
+    for (size_t i = 0; i < COUNT_OF(image_rows); i++) change_image(&changed.textures[image_rows[i].slot], image_of_row(p, &image_rows[i]));
     scene->materials.data[id.index] = changed;
     scene_materials_changed(scene);
     return repaint(scene, id.index, &before);
@@ -191,11 +234,12 @@ fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_
                                  .alpha_cutoff = m->alpha_cutoff,
                                  .double_sided = m->double_sided,
                                  .unlit = m->unlit,
-                                 .base_color_image = image_of(m, SCENE_TEXTURE_BASE_COLOR),
-                                 .metallic_roughness_image = image_of(m, SCENE_TEXTURE_METALLIC_ROUGHNESS),
-                                 .normal_image = image_of(m, SCENE_TEXTURE_NORMAL),
-                                 .occlusion_image = image_of(m, SCENE_TEXTURE_OCCLUSION),
-                                 .emissive_image = image_of(m, SCENE_TEXTURE_EMISSIVE)};
+                                 .clearcoat = m->clearcoat,
+                                 .sheen = m->sheen,
+                                 .iridescence = m->iridescence,
+                                 .anisotropy = m->anisotropy};
+    for (size_t i = 0; i < COUNT_OF(image_rows); i++)
+        *(fnl_image_id *)(void *)((char *)out + image_rows[i].offset) = image_of(m, image_rows[i].slot);
     return FNL_OK;
 }
 

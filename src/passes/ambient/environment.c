@@ -60,6 +60,11 @@ void environment_finish_maps(gpu_device *device, struct environment_maps *maps) 
     *maps = (struct environment_maps){0};
 }
 
+fnl_result environment_prepare_table(gpu_device *device, struct environment_maps *maps) {
+    const struct gpu_image_params table = image_params("reflectance", VK_FORMAT_R16G16B16A16_SFLOAT, ENVIRONMENT_TABLE_SIDE, ENVIRONMENT_TABLE_SIDE);
+    return maps->table.handle ? FNL_OK : gpu_image_create(device, &table, &maps->table);
+}
+
 fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, struct environment_maps *maps) {
     const uint32_t side = environment_side(width);
     environment_release(device, maps);
@@ -69,11 +74,8 @@ fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint3
         TRY(create_cube(device, "environment", side, environment_last_mip(side) + 1, &maps->cube));
     }
     TRY(create_cube(device, "environment levels", side, mip_count(side), &maps->levels));
-    if (!maps->table.handle) {
-        const struct gpu_image_params table = image_params("reflectance", VK_FORMAT_R16G16B16A16_SFLOAT, ENVIRONMENT_TABLE_SIDE, ENVIRONMENT_TABLE_SIDE);
-        TRY(gpu_image_create(device, &table, &maps->table));
-        TRY(gpu_buffer_create(device, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
-    }
+    TRY(environment_prepare_table(device, maps));
+    if (!maps->light.handle) TRY(gpu_buffer_create(device, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
     const struct gpu_image_params picture = image_params("environment picture", VK_FORMAT_R16G16B16A16_SFLOAT, width, height);
     TRY(gpu_image_create(device, &picture, &maps->picture));
     return gpu_upload_image(device, &maps->picture, pixels, (uint64_t)width * height * 8, false, false);
@@ -194,11 +196,18 @@ struct environment_light environment_add(struct graph *graph, gpu_device *device
     return out;
 }
 
+struct environment_light environment_add_table(struct graph *graph, struct environment_maps *maps, bool fill) {
+    const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+    struct environment_light out = {.table = graph_import_image(graph, &maps->table, fill ? VK_IMAGE_LAYOUT_UNDEFINED : sampled, sampled)};
+    if (fill) add_table(graph, out.table, 1);
+    return out;
+}
+
 void environment_use(struct graph_pass *pass, const struct environment_light *light, enum graph_use use) {
-    if (!light->cube.id) return;
     const enum graph_use sample = use == GRAPH_READ_COMPUTE ? GRAPH_SAMPLE_COMPUTE : GRAPH_SAMPLE_FRAGMENT;
+    if (light->table.id) graph_use_image(pass, light->table, sample);
+    if (!light->cube.id) return;
     graph_use_image(pass, light->cube, sample);
-    graph_use_image(pass, light->table, sample);
     graph_use_buffer(pass, light->light, use);
 }
 
@@ -207,7 +216,8 @@ void environment_tell(gpu_device *device, struct gpu_frame *out) {
 }
 
 void environment_put(struct graph *graph, const struct environment_light *light, struct gpu_frame *out) {
+    graph_put_sampled(graph, &out->environment_table, light->table);
+    if (!light->cube.id) return;
     graph_put_address(graph, &out->environment, light->light);
     graph_put_sampled(graph, &out->environment_cube, light->cube);
-    graph_put_sampled(graph, &out->environment_table, light->table);
 }

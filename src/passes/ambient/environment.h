@@ -16,14 +16,14 @@
 /** On the device. */
 struct environment_maps {
     struct gpu_image cube;  /* RGBA16F; the last mip has 8 texels a side */
-    struct gpu_image table; /* RGBA16F: reflectance, and which mip of the cube */
+    struct gpu_image table; /* RGBA16F: reflectance, which mip of the cube, and the reflectance of fibres */
     struct gpu_image levels; /* RGBA16F: the picture as a cube map with all mips; only until frames that filter it are over */
     struct gpu_image picture; /* RGBA16F; so too */
     struct gpu_buffer light; /* struct gpu_environment */
     uint32_t side;
 };
 
-/** For passes that shade: environment_use(). ids 0: there is none. */
+/** For passes that shade: environment_use(). ids 0: there is none; `table` may be alone. */
 struct environment_light {
     graph_image cube, table;
     graph_buffer light;
@@ -42,12 +42,16 @@ static inline uint32_t environment_last_mip(uint32_t side) { return (uint32_t)lo
 
 /** Outside of frames: makes the images, and sends the picture: halves, RGBA, `width` times `height`. What was there goes when its frames are over. */
 fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, struct environment_maps *maps);
+/** The table alone, for layered materials where there is no environment. */
+fnl_result environment_prepare_table(gpu_device *device, struct environment_maps *maps);
 void environment_finish_maps(gpu_device *device, struct environment_maps *maps);
 /** What only filtering needs. Frames that are under way may still use it. */
 void environment_release(gpu_device *device, struct environment_maps *maps);
 
 /** Declares what a frame shades with; `filter`: the maps are made in this frame. */
 struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter);
+/** Of the table alone; `fill`: it is made in this frame. */
+struct environment_light environment_add_table(struct graph *graph, struct environment_maps *maps, bool fill);
 /** Declares that a pass shades in compute or fragment shaders (GRAPH_READ_COMPUTE, GRAPH_READ_FRAGMENT). */
 void environment_use(struct graph_pass *pass, const struct environment_light *light, enum graph_use use);
 struct gpu_frame;

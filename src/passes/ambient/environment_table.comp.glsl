@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
 // What the specular lobe of brdf.glsl reflects of light that is the same all around, in two parts, which f0 and f90 are multiplied by
-// (Karis 2013, "Real Shading in Unreal Engine 4").
+// (Karis 2013, "Real Shading in Unreal Engine 4"); which mip of the environment it is aimed at; and what white fibres (sheen.glsl) reflect.
 #include "passes/ambient/environment_texels.glsl"
 #include "brdf.glsl"
+#include "sheen.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_environment_table_push push; };
@@ -29,6 +30,18 @@ float mip_of(float roughness) {
     return mip + clamp((lobe_width(roughness) - low) / (high - low), 0.0, 1.0);
 }
 
+// Directions all over the hemisphere count alike.
+float sheen_albedo(vec3 to_view, float roughness) {
+    float sum = 0.0;
+    for (uint i = 0u; i < ENVIRONMENT_TABLE_SAMPLES; i++) {
+        vec2 point = even_point(i, ENVIRONMENT_TABLE_SAMPLES);
+        float n_l = point.x, away = sqrt(1.0 - n_l * n_l), angle = 2.0 * PI * point.y;
+        vec3 half_vector = normalize(to_view + vec3(away * cos(angle), away * sin(angle), n_l));
+        sum += sheen_lobe(roughness, n_l, to_view.z, half_vector.z) * n_l;
+    }
+    return min(sum * 2.0 * PI / float(ENVIRONMENT_TABLE_SAMPLES), 1.0);
+}
+
 void main() {
     uvec2 at = gl_GlobalInvocationID.xy;
     vec2 place = vec2(at) / float(ENVIRONMENT_TABLE_SIDE - 1u);
@@ -51,5 +64,5 @@ void main() {
         sum += arrives * vec2(1.0 - m5, m5);
     }
     push.texels.at[at.y * ENVIRONMENT_TABLE_SIDE + at.x] =
-        uvec2(packHalf2x16(sum / float(ENVIRONMENT_TABLE_SAMPLES)), packHalf2x16(vec2(mip_of(place.y), 0.0)));
+        uvec2(packHalf2x16(sum / float(ENVIRONMENT_TABLE_SAMPLES)), packHalf2x16(vec2(mip_of(place.y), sheen_albedo(to_view, place.y))));
 }

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Shades each triangle that a pixel refers to, once. Where pixels show several, the threads of a tile share what there is to do. In a frame
 // whose pools overflowed it shades nothing: which references found room is a race, and the forward pass draws all of the frame.
+#define MATERIAL_LAYERS LIST_LAYERS
 #include "passes/dais/dais_surface.glsl"
 #include "passes/dais/dais_pixel.glsl"
 #include "passes/dais/log_luv.glsl"

@@ -35,6 +35,7 @@ uint record_bits(gpu_primitive primitive, uint number) {
     for (uint i = 0u; i < GPU_TEXTURE_COUNT; i++)
         if (m.textures[i].image != GPU_TEXTURE_NONE) bits |= m.textures[i].uv_set == 0u ? DAIS_UV0 : DAIS_UV1;
     if (m.textures[2].image != GPU_TEXTURE_NONE) bits |= DAIS_TANGENT;
+    if ((m.flags & GPU_MATERIAL_LAYERED) != 0u) bits |= DAIS_UV0 | DAIS_UV1 | DAIS_TANGENT;
     if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) bits |= DAIS_BIND;
     if (COLORS == 0u) return bits;
     for (uint i = 0u; i < 3u; i++) {

@@ -40,6 +40,7 @@ void main() {
     if (color.a <= 0.0) discard;
 
     surface s;
+    s.layered = false;
     s.position = in_position;
     s.normal = decal_normal(decals, in_decal, sampler_index, place, p, p.facing);
     s.base_color = color.rgb / color.a;

@@ -3,6 +3,7 @@
 
 #include "constants_shared.h"
 #include "passes/geometry/clusters_shared.h"
+#include "passes/lights/light_list.h"
 #include "shaders.h"
 
 _Static_assert(FEATURES_ID == GPU_FEATURES_ID, "src/gpu gives the features this id");
@@ -11,6 +12,9 @@ static bool bucket_in_set(const struct geometry_bucket *bucket, enum geometry_se
     bool wanted = set < GEOMETRY_NOT_IN_FIRST || bucket->forward_layouts >> ((int)set - GEOMETRY_NOT_IN_FIRST) & 1;
     return wanted && bucket->blend == (set == GEOMETRY_BLEND);
 }
+
+/* Materials without layers are shaded by pipelines that know of none. */
+static bool bucket_is_layered(const struct geometry_bucket *bucket) { return bucket->blend || bucket->forward_layouts >> GEOMETRY_LAYERED & 1; }
 
 static bool bucket_is_sorted(const struct geometry_bucket *bucket) {
     return bucket->blend && bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
@@ -106,6 +110,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
                                            : VK_CULL_MODE_BACK_BIT;
         params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
+        params.constants[LISTS_ID] = state->constants[LISTS_ID] & ~(bucket_is_layered(bucket) ? 0 : GPU_LIST_LAYERS);
         bool clustered = geometry_bucket_clustered(bucket), compacted = draws->item_draws.id && clustered;
         params.features = (state->features | scene->features) | (compacted ? GPU_FEATURE_COMPACTED : 0);
         bool meshes = draws->mesh_draws.id && clustered;
@@ -129,6 +134,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
     if (set == GEOMETRY_BLEND && scene->blend_item_count) {
         /* One order over all states: the fragment shader culls back faces itself. */
         params.features = state->features | scene->features;
+        memcpy(params.constants, state->constants, sizeof params.constants);
         params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         params.cull = VK_CULL_MODE_NONE;
         params.fragment = state->fragment;

@@ -14,6 +14,10 @@
 /* Bits of geometry_scene.attributes: what surfaces look at besides the first set of texture coordinates. */
 enum { GEOMETRY_UV1 = 1, GEOMETRY_COLORS = 2 };
 
+/* Bits of gpu_material.forward_layouts and geometry_bucket.forward_layouts behind those of the G-buffer layouts and VIRTUAL_FORWARD: the materials
+ * have layers. */
+enum { GEOMETRY_LAYERED = 9 };
+
 struct geometry_bucket {
     VkPrimitiveTopology topology;
     bool mask, blend, double_sided, mirrored;

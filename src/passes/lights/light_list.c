@@ -48,6 +48,7 @@ void light_list_cast(struct light_list *list, const struct light_input *input) {
     if (input->maps.address) list->kind |= GPU_LIST_MAPS | (input->filtered ? GPU_LIST_FILTERED : 0);
     if (input->rays.address && input->shadow_rays > 0) list->kind |= GPU_LIST_SAMPLED;
     if (input->environment.cube.id) list->kind |= GPU_LIST_ENVIRONMENT;
+    if (input->layered) list->kind |= GPU_LIST_LAYERS;
     list->environment = input->environment;
     if (input->probes.address) list->kind |= GPU_LIST_CUBEMAP;
     list->rays = input->rays;

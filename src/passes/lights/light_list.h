@@ -35,6 +35,7 @@ struct light_input {
     struct shadow_maps maps; /* the same */
     struct environment_light environment; /* that gives ambient light; ids 0: there is none */
     struct probes probes;    /* beside rays */
+    bool layered;            /* some material has layers: shaders get GPU_LIST_LAYERS, and the environment's table is there */
     bool soft, filtered;    /* several rays go to sources with a size; maps are filtered */
     uint32_t shadow_rays;   /* that a point sends to its lights; 0: one to each */
     uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */

@@ -22,7 +22,7 @@ static void execute_forward(const struct graph_context *context, const void *dat
 void forward_add(struct graph *graph, const struct shade_input *input, enum geometry_set set, bool prepass,
                  graph_image radiance, graph_image depth) {
     struct graph_image_params target = graph_image_info(graph, radiance);
-    bool blends = set == GEOMETRY_BLEND;
+    const bool blends = set == GEOMETRY_BLEND, over = set != GEOMETRY_OPAQUE;
     struct forward_data data = {.scene = input->scene,
                                 .draws = *input->draws,
                                 .view = input->view,
@@ -48,12 +48,12 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
                                                       : prepass ? VK_COMPARE_OP_EQUAL
                                                                 : VK_COMPARE_OP_GREATER_OR_EQUAL,
                                      .samples = MAX(target.samples, 1u)};
-    struct graph_pass *pass = graph_add_pass(graph, blends ? "forward blend" : "forward", GRAPH_QUEUE_GRAPHICS,
+    struct graph_pass *pass = graph_add_pass(graph, blends ? "forward blend" : over ? "forward layers" : "forward", GRAPH_QUEUE_GRAPHICS,
                                              execute_forward, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, set);
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, radiance, blends ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
+    graph_color(pass, radiance, over ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
                 (float[4]){input->background[0], input->background[1], input->background[2], 1});
     if (blends || prepass)
         graph_depth_read_only(pass, depth);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Forward shading, opaque and transparent: what all entry points that shade as they draw share.
 #include "common.glsl"
+#include "lights/iterate.glsl"
+#define MATERIAL_LAYERS LIST_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"

@@ -3,6 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Lights what the G-buffer's mask marks from its material, where it is nearest. Hidden fragments are not shaded, and so not counted.
 #include "common.glsl"
+#include "lights/iterate.glsl"
+#define MATERIAL_LAYERS LIST_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"

@@ -23,19 +23,19 @@ void main() {
         out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
         return;
     }
-    brdf_view b = brdf_prepare(s, to_view);
+    layers_view b = layers_prepare(s, v, to_view);
     precise vec3 sum = vec3(0.0);
-    shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
+    shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
     if (STEP == MULTIPASS_DIRECTIONAL) {
         uint count = lights.list.directional_count;
         for (uint i = 0u; i < count; i++)
-            sum += sun_illuminance(lights, i, shadowed) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
+            sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, -lights.list.lights.at[i].shape.direction);
     } else {
         vec3 to_light;
         vec3 illuminance = illuminate(lights, push.light, s.position, to_light);
         bool reaches = illuminance != vec3(0.0);
         if (LIST_SHADOWED && reaches) illuminance *= shadow_visibility(lights, push.light, shadowed, to_light);
-        if (reaches) sum = illuminance * brdf_cos(s, b, to_light);
+        if (reaches) sum = illuminance * layers_cos(s, b, to_light);
         if (COUNT_LIGHTS == 1u) {
             uint at = (uint(gl_FragCoord.y) * v.view.size.x + uint(gl_FragCoord.x)) * 2u;
             atomicAdd(push.geometry.counters.at[at], 1u);

@@ -2,6 +2,8 @@
 // What the fragment shaders of batches and of multipass share. Of surfaces at equal depth the last one drawn wins in every order; as these
 // draw in an order of their own, a pass before has noted which triangle of which item each pixel shows.
 #include "common.glsl"
+#include "lights/iterate.glsl"
+#define MATERIAL_LAYERS LIST_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"

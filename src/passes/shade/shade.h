@@ -33,7 +33,7 @@ struct shade_input {
 /**
  * Forward shading of a set into `radiance` (cd/m^2) with `depth`, both single- or multisampled. The opaque set either clears and
  * fills depth itself, or with `prepass` tests for equality against a depth that is complete. The blended set is drawn over
- * what is there, premultiplied, without writing depth. Cost: all fragments that pass the depth test are shaded.
+ * what is there, premultiplied, without writing depth; so are, with a prepass, parts of the opaque set (GEOMETRY_NOT_IN). Cost: all fragments that pass the depth test are shaded.
  */
 void forward_add(struct graph *graph, const struct shade_input *input, enum geometry_set set, bool prepass,
                  graph_image radiance, graph_image depth);

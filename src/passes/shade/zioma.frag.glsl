@@ -3,6 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Forward shading by the lights that the layers hold. Where all are taken, those that come after the last are looked for one by one.
 #include "common.glsl"
+#include "lights/iterate.glsl"
+#define MATERIAL_LAYERS LIST_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"
@@ -24,17 +26,17 @@ void main() {
     light_list_block l = push.geometry.lights;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 to_view = to_viewer(v, s.position);
-    brdf_view b = brdf_prepare(s, to_view);
+    layers_view b = layers_prepare(s, v, to_view);
     precise vec3 sum = vec3(0.0);
-    shadowed_point shadowed = shadowed_point_of(l, s.position, s.normal);
+    shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
     for (uint i = 0u; i < l.list.directional_count; i++)
-        sum += sun_illuminance(l, i, shadowed) * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(l, i, shadowed) * layers_cos(s, b, -l.list.lights.at[i].shape.direction);
     uint stored = 0u, visited = 0u, useful = 0u;
     for (; stored < push.layers; stored++) {
         vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);
         if (ray.w == 0.0) break;
         vec3 color = texelFetch(textures[push.colors[stored]], pixel, 0).rgb;
-        sum += color * ray.w * brdf_cos(s, b, ray.xyz);
+        sum += color * ray.w * layers_cos(s, b, ray.xyz);
     }
     useful = stored;
     if (stored == push.layers) {
@@ -46,7 +48,7 @@ void main() {
             visited++;
             if (illuminance == vec3(0.0)) continue;
             if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
-            sum += illuminance * brdf_cos(s, b, to_light);
+            sum += illuminance * layers_cos(s, b, to_light);
             useful++;
         }
     }

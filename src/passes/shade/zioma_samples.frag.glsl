@@ -5,6 +5,8 @@
 // layers are taken, or no sample is near the point, the others are looked for one by one.
 layout(early_fragment_tests) in;
 #include "common.glsl"
+#include "lights/iterate.glsl"
+#define MATERIAL_LAYERS LIST_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"
@@ -26,11 +28,11 @@ void main() {
     vec3 view_position = (v.view.world_to_view * vec4(s.position, 1.0)).xyz;
     ivec2 pixel = ivec2(pixel_of(v, view_position));
     vec3 to_view = to_viewer(v, s.position);
-    brdf_view b = brdf_prepare(s, to_view);
+    layers_view b = layers_prepare(s, v, to_view);
     precise vec3 sum = vec3(0.0);
-    shadowed_point shadowed = shadowed_point_of(l, s.position, s.normal);
+    shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
     for (uint i = 0u; i < l.list.directional_count; i++)
-        sum += sun_illuminance(l, i, shadowed) * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(l, i, shadowed) * layers_cos(s, b, -l.list.lights.at[i].shape.direction);
     bool known = sample_bounds_hold(texelFetch(textures[push.ranges], pixel, 0), -view_position.z);
     uint next = 0u, end = l.list.local_count, stored = 0u, visited = 0u, useful = 0u;
     for (;;) {
@@ -48,7 +50,7 @@ void main() {
         visited++;
         if (illuminance == vec3(0.0)) continue;
         if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
-        sum += illuminance * brdf_cos(s, b, to_light);
+        sum += illuminance * layers_cos(s, b, to_light);
         useful++;
     }
     atomicAdd(push.totals.at[1], useful);

@@ -6,6 +6,7 @@
 #define MATERIAL_GRADIENTS
 #include "common.glsl"
 #include "shade.glsl"
+#define MATERIAL_LAYERS LIST_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "passes/visibility/triangle.glsl"

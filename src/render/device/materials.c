@@ -49,7 +49,9 @@ static struct gbuffer_material gbuffer_material(const struct device_scene *d, co
 uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *m, uint32_t id) {
     struct gbuffer_material material = gbuffer_material(d, m, id);
     uint32_t bits = 0;
-    for (uint32_t i = 0; i < FNL_GBUFFER_COUNT; i++) bits |= (uint32_t)!gbuffer_holds((fnl_gbuffer)i, &material) << i;
+    const bool layered = scene_material_layered(m);
+    for (uint32_t i = 0; i < FNL_GBUFFER_COUNT; i++) bits |= (uint32_t)(layered || !gbuffer_holds((fnl_gbuffer)i, &material)) << i;
+    if (layered) bits |= 1u << GEOMETRY_LAYERED;
     if (!device_virtual_holds(d, m)) bits |= 1u << VIRTUAL_FORWARD;
     return bits;
 }
@@ -59,6 +61,7 @@ static uint32_t material_class(const struct device_scene *d, const struct scene_
     uint32_t bits = m->unlit ? 0 : GPU_CLASS_LIT | (m->metallic > 0 ? GPU_CLASS_METAL : 0);
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++)
         if (device_has_texture(d, m, (enum scene_texture_slot)slot)) bits |= GPU_CLASS_TEXTURES;
+    if (scene_material_layered(m)) bits |= GPU_CLASS_LAYERS | GPU_CLASS_METAL;
     return bits | (device_has_texture(d, m, SCENE_TEXTURE_NORMAL) ? GPU_CLASS_NORMAL_MAP : 0);
 }
 
@@ -67,6 +70,40 @@ static bool same_texture(const struct gpu_texture *a, const struct gpu_texture *
     return a->image == b->image && a->sampler_index == b->sampler_index && a->uv_set == b->uv_set &&
            memcmp(a->transform, b->transform, sizeof a->transform) == 0;
 }
+
+/* Until its image has come the material shows its factors. */
+static struct gpu_texture device_texture(struct device_scene *d, const struct scene_material *m, enum scene_texture_slot slot) {
+    const struct scene_texture *t = &m->textures[slot];
+    struct gpu_texture out = {.image = GPU_TEXTURE_NONE};
+    if (!device_has_texture(d, m, slot)) return out;
+    const struct gpu_image *image = &d->images.data[t->image].gpu;
+    if (image->handle) out.image = scene_texture_is_color(slot) && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
+    out.sampler_index = sampler_index(d, t->sampler);
+    out.uv_set = t->uv_set;
+    if (t->uv_set) d->texture_bits |= GEOMETRY_UV1;
+    memcpy(out.transform, t->transform, sizeof out.transform);
+    return out;
+}
+
+static struct gpu_layers device_layers(struct device_scene *d, const struct scene_material *m) {
+    struct gpu_layers g = {.sheen_color = vec3_make(m->sheen.color[0], m->sheen.color[1], m->sheen.color[2]),
+                           .sheen_roughness = m->sheen.roughness,
+                           .clearcoat = m->clearcoat.strength,
+                           .clearcoat_roughness = m->clearcoat.roughness,
+                           .clearcoat_normal_scale = m->clearcoat.normal_scale,
+                           .film = m->iridescence.strength,
+                           .film_ior = m->iridescence.ior,
+                           .film_thinnest = m->iridescence.thickness_minimum,
+                           .film_thickest = m->iridescence.thickness_maximum,
+                           .anisotropy = m->anisotropy.strength,
+                           .anisotropy_turn = {cosf(m->anisotropy.rotation), sinf(m->anisotropy.rotation)}};
+    for (int i = 0; i < GPU_LAYER_TEXTURE_COUNT; i++) g.textures[i] = device_texture(d, m, (enum scene_texture_slot)(SCENE_TEXTURE_CORE_COUNT + i));
+    return g;
+}
+
+_Static_assert((int)SCENE_TEXTURE_CORE_COUNT == GPU_TEXTURE_COUNT &&
+                   (int)SCENE_TEXTURE_SLOT_COUNT == GPU_TEXTURE_COUNT + GPU_LAYER_TEXTURE_COUNT,
+               "scene_shared.h has the slots of scene.h");
 
 static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m, uint32_t id) {
     struct gpu_material g = {.base_color = m->base_color,
@@ -82,25 +119,12 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
                                       (m->alpha_mode == FNL_ALPHA_MASK ? GPU_MATERIAL_MASK : 0) |
                                       (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) |
                                       (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0) |
+                                      (scene_material_layered(m) ? GPU_MATERIAL_LAYERED : 0) |
                                       material_class(d, m) << GPU_MATERIAL_CLASS_SHIFT,
                              .forward_layouts = device_material_forward_layouts(d, m, id)};
-    for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
-        const struct scene_texture *t = &m->textures[slot];
-        struct gpu_texture *out = &g.textures[slot];
-        out->image = GPU_TEXTURE_NONE;
-        if (!device_has_texture(d, m, (enum scene_texture_slot)slot)) continue;
-        bool color =
-            slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR;
-        const struct gpu_image *image = &d->images.data[t->image].gpu;
-        if (image->handle) /* until it has come the material shows its factors */
-            out->image = color && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
-        else if (slot == SCENE_TEXTURE_EMISSIVE)
-            g.emissive = (vec3){0, 0, 0}; /* most of such a picture is black: its factor would make everything glow */
-        out->sampler_index = sampler_index(d, t->sampler);
-        out->uv_set = t->uv_set;
-        if (t->uv_set) d->texture_bits |= GEOMETRY_UV1;
-        memcpy(out->transform, t->transform, sizeof out->transform);
-    }
+    for (int slot = 0; slot < SCENE_TEXTURE_CORE_COUNT; slot++) g.textures[slot] = device_texture(d, m, (enum scene_texture_slot)slot);
+    /* Until it has come: most of such a picture is black, its factor would make everything glow. */
+    if (device_has_texture(d, m, SCENE_TEXTURE_EMISSIVE) && g.textures[SCENE_TEXTURE_EMISSIVE].image == GPU_TEXTURE_NONE) g.emissive = (vec3){0, 0, 0};
     if (same_texture(&g.textures[SCENE_TEXTURE_OCCLUSION], &g.textures[SCENE_TEXTURE_METALLIC_ROUGHNESS]))
         g.flags |= GPU_MATERIAL_SHARED_OCCLUSION;
     return g;
@@ -113,6 +137,24 @@ static bool moves_buckets(const struct device_scene *d, const struct gpu_materia
     for (uint32_t i = 0; i < count; i++)
         if (before[i].forward_layouts != materials[i].forward_layouts) return true;
     return false;
+}
+
+bool device_has_layers(const struct device_scene *d) { return d->layers.sent.count > 0; }
+
+/* What layered materials have besides, and where each finds it. */
+static fnl_result upload_layers(struct device_scene *d, struct gpu_material *materials) {
+    ARRAY(struct gpu_layers) layers = {0};
+    fnl_result result = FNL_OK;
+    for (uint32_t i = 0; i < d->scene->materials.count && result == FNL_OK; i++) {
+        const struct scene_material *m = &d->scene->materials.data[i];
+        if (scene_material_layered(m) && !array_push(&d->host, &layers, device_layers(d, m))) result = FNL_ERROR_MEMORY;
+    }
+    if (result == FNL_OK && (layers.count > 0 || device_has_layers(d)))
+        result = device_array_set(d, "layers", &d->layers, layers.data, layers.count, sizeof *layers.data);
+    for (uint32_t i = 0, at = 0; i < d->scene->materials.count && result == FNL_OK; i++)
+        if (materials[i].flags & GPU_MATERIAL_LAYERED) materials[i].layers = d->layers.buffer.address + sizeof *layers.data * at++;
+    array_free(&d->host, &layers);
+    return result;
 }
 
 fnl_result device_materials_upload(struct device_scene *d, bool *out_regroup) {
@@ -130,6 +172,7 @@ fnl_result device_materials_upload(struct device_scene *d, bool *out_regroup) {
         struct gbuffer_material held = gbuffer_material(d, m, i);
         entries[i] = gbuffer_entry(&held);
     }
+    if (result == FNL_OK) result = upload_layers(d, materials);
     *out_regroup = result == FNL_OK && moves_buckets(d, materials, count);
     if (result == FNL_OK) result = device_array_set(d, "materials", &d->materials, materials, count, sizeof *materials);
     if (result == FNL_OK)

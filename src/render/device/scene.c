@@ -64,7 +64,7 @@ static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices,  &d->influences,   &d->morphs,
                                     &d->instances, &d->clusters,   &d->cluster_words};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
-    struct device_array *arrays[] = {&d->primitives, &d->materials, &d->material_entries, &d->items,
+    struct device_array *arrays[] = {&d->primitives, &d->materials, &d->layers, &d->material_entries, &d->items,
                                      &d->groups,     &d->table,     &d->deforms};
     for (uint32_t i = 0; i < COUNT_OF(arrays); i++) {
         gpu_buffer_destroy(d->device, &arrays[i]->buffer);
@@ -316,5 +316,6 @@ fnl_result device_scene_add(struct device_scene_user *user, struct graph *graph,
                                             .pool_triangles = user->pool_triangles};
     out->lights = device_lights_input(d, lights);
     out->lights.environment = device_environment_add(d, graph);
+    out->lights.layered = device_has_layers(d);
     return FNL_OK;
 }

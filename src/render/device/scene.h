@@ -168,7 +168,7 @@ struct device_scene {
     struct gpu_buffer positions, attributes; /* of primitives, and of deforming nodes */
     struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles, which culling fills in each frame */
     struct gpu_buffer influences, morphs, clusters, cluster_words, instances;
-    struct device_array primitives, materials, material_entries, items, groups, table, deforms;
+    struct device_array primitives, materials, layers, material_entries, items, groups, table, deforms;
     struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken;
     ARRAY(struct device_primitive) primitive_places;
     ARRAY(struct device_node) nodes;
@@ -210,6 +210,7 @@ struct device_scene {
     struct device_structures structures; /* for ray queries, once some frame has asked for them */
 
     struct environment_maps environment;
+    bool has_table;               /* its table is filled */
     uint64_t environment_version; /* of the scene, when its picture was sent; UINT64_MAX: never */
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
@@ -413,7 +414,9 @@ bool device_has_texture(const struct device_scene *d, const struct scene_materia
  */
 fnl_result device_virtual_prepare(struct device_scene *d, uint32_t side, struct virtual_atlas *atlas);
 bool device_virtual_holds(const struct device_scene *d, const struct scene_material *material);
-/** A bit for each G-buffer layout that cannot hold a material, and VIRTUAL_FORWARD; `id` is its index. */
+/** Whether a material has layers, as of the last upload. */
+bool device_has_layers(const struct device_scene *d);
+/** A bit for each G-buffer layout that cannot hold a material, VIRTUAL_FORWARD and GEOMETRY_LAYERED; `id` is its index. */
 uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *material, uint32_t id);
 
 /** What has come of vertices, indices, clusters and what deforms; then everything below (geometry.c). */

@@ -13,6 +13,7 @@ static bool is_smooth(const struct scene_sampler *s) {
 }
 
 bool device_virtual_holds(const struct device_scene *d, const struct scene_material *m) {
+    if (scene_material_layered(m)) return false;
     const struct scene_texture *first = NULL;
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
         if (!device_has_texture(d, m, (enum scene_texture_slot)slot)) continue;

@@ -78,7 +78,7 @@ static const struct counter counters[] = {
      .needs = "count-lights"},
 };
 
-const struct order order_dais = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW |
+const struct order order_dais = {.traits = SHADING_LAYERS | SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW |
                                            SHADING_SAMPLES | SHADING_APPROXIMATE,
                                  .check = check,
                                  .add = add,

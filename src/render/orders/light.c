@@ -174,6 +174,6 @@ const struct order order_low_res = {
 const struct order order_inferred = {
     .traits = STORES | SHADING_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_inferred, COUNTERS};
 
-enum { WRITES_IDS = SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES };
+enum { WRITES_IDS = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES };
 const struct order order_light_indexed = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_light_indexed};
 const struct order order_zioma = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_zioma, COUNTERS};

@@ -84,7 +84,7 @@ static const struct counter virtual_counters[] = {
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_APPROXIMATE | SHADING_SAMPLES };
 const struct order order_texturing = {.traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add};
 /* One view: a frame brings the pages of one camera into the atlas. */
-const struct order order_virtual_texturing = {.traits = TRAITS,
+const struct order order_virtual_texturing = {.traits = TRAITS | SHADING_LAYERS,
                                               .check = check,
                                               .prepare = prepare_virtual,
                                               .add = add_virtual,

@@ -66,7 +66,7 @@ static const struct counter counters[] = {
 };
 
 /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
-const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE |
+const struct order order_visibility = {.traits = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE |
                                                  SHADING_SAMPLES | SHADING_SURFACES | SHADING_VIEWS | SHADING_MULTIVIEW,
                                        .adjust = adjust,
                                        .check = check,

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// Materials with layers: over the metallic-roughness base of brdf.glsl, whose highlights may be stretched (KHR_materials_anisotropy) and coloured
+// by a thin film (_iridescence), fibres (_sheen) and over all of it a varnish (_clearcoat). What a layer reflects of light from all around, its
+// albedo, does not get below it. The albedos are those of the table that environments use (environment.glsl), so that a white material in an even
+// light reflects all of it, whatever its layers.
+#ifndef LAYERS_GLSL
+#define LAYERS_GLSL
+
+#include "brdf.glsl"
+#include "environment.glsl"
+#include "sheen.glsl"
+
+const vec3 COAT_F0 = vec3(0.04); // of an index of refraction of 1.5
+
+// What does not change from light to light; only `base` where the surface has no layers.
+struct layers_view {
+    brdf_view base, coat;
+    vec3 bitangent;
+    vec2 alpha_along;   // of anisotropic highlights: along the tangent and the bitangent
+    float below_coat, below_sheen; // the parts of the light that get there
+    float n_v;
+    vec3 film_dielectric, film_metal; // reflectance with the film
+};
+
+// The normal that says which light comes from behind: with a coat its own, which is nearer to the triangle's.
+vec3 facing_normal(surface s) { return LIST_LAYERS && s.layered && s.layers.clearcoat > 0.0 ? s.layers.clearcoat_normal : s.normal; }
+
+// ---- film (Belcour and Barla 2017, "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence") ----
+
+// The eye's answer to light whose parts are shifted by a path of `path` metres and by `shift`: three Gaussians and one more, in the frequency.
+vec3 film_sensitivity(float path, vec3 shift) {
+    float phase = 2.0 * PI * path;
+    const vec3 value = vec3(5.4856e-13, 4.4201e-13, 5.2481e-13), at = vec3(1.6810e6, 1.7953e6, 2.2084e6), spread = vec3(4.3278e9, 9.3046e9, 6.6121e9);
+    vec3 xyz = value * sqrt(2.0 * PI * spread) * cos(at * phase + shift) * exp(-spread * phase * phase);
+    xyz.x += 9.7470e-14 * sqrt(2.0 * PI * 4.5282e9) * cos(2.2399e6 * phase + shift.x) * exp(-4.5282e9 * phase * phase);
+    xyz /= 1.0685e-7;
+    const mat3 to_rgb = mat3(3.2404542, -0.9692660, 0.0556434, -1.5371385, 1.8760108, -0.2040259, -0.4985314, 0.0415560, 1.0572252);
+    return to_rgb * xyz;
+}
+
+vec3 schlick(vec3 f0, float cosine) {
+    float m = clamp(1.0 - cosine, 0.0, 1.0), m2 = m * m;
+    return f0 + (1.0 - f0) * (m2 * m2 * m);
+}
+
+// Reflectance of a film over something that reflects base_f0 along the normal.
+vec3 film_reflectance(float cosine, float film_ior, float thickness, vec3 base_f0) {
+    float ior = mix(1.0, film_ior, smoothstep(0.0, 0.03e-9, thickness * 1e-9)); // no film where it is too thin
+    float sine2 = (1.0 - cosine * cosine) / (ior * ior);
+    if (sine2 >= 1.0) return vec3(1.0);
+    float inner = sqrt(1.0 - sine2), outer_f0 = (ior - 1.0) / (ior + 1.0);
+    float outside = schlick(vec3(outer_f0 * outer_f0), cosine).x, through = 1.0 - outside;
+    vec3 root = sqrt(clamp(base_f0 + 1e-4, vec3(0.0), vec3(0.9999))), base_ior = (1.0 + root) / (1.0 - root);
+    vec3 inside_f0 = (base_ior - ior) / (base_ior + ior), inside = schlick(inside_f0 * inside_f0, inner);
+    vec3 shift = vec3(ior < 1.0 ? 0.0 : PI) + mix(vec3(0.0), vec3(PI), lessThan(base_ior, vec3(ior)));
+    vec3 both = clamp(outside * inside, vec3(1e-5), vec3(0.9999)), amplitude = sqrt(both);
+    vec3 steady = through * through * inside / (1.0 - both), sum = outside + steady, part = steady - through;
+    float path = 2.0 * ior * thickness * 1e-9 * inner;
+    for (float m = 1.0; m <= 2.0; m += 1.0) {
+        part *= amplitude;
+        sum += part * 2.0 * film_sensitivity(m * path, m * shift);
+    }
+    return max(sum, vec3(0.0));
+}
+
+// ---- lights ----
+
+brdf_view coat_view(surface s, vec3 to_view) {
+    surface coat;
+    coat.normal = s.layers.clearcoat_normal;
+    coat.roughness = s.layers.clearcoat_roughness;
+    return brdf_prepare(coat, to_view);
+}
+
+layers_view layers_prepare(surface s, view_block v, vec3 to_view) {
+    layers_view b;
+    b.base = brdf_prepare(s, to_view);
+    if (!LIST_LAYERS || !s.layered) return b;
+    b.n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
+    b.coat = coat_view(s, to_view);
+    vec3 coat = environment_reflectance(v, clamp(dot(s.layers.clearcoat_normal, to_view), 0.0, 1.0), s.layers.clearcoat_roughness).xyz;
+    b.below_coat = 1.0 - s.layers.clearcoat * (COAT_F0.x * coat.x + coat.y);
+    b.below_sheen = 1.0 - max_component(s.layers.sheen_color) * environment_sheen(v, b.n_v, s.layers.sheen_roughness);
+    b.film_dielectric = b.film_metal = vec3(0.0);
+    if (s.layers.film > 0.0) {
+        vec3 f0 = s.dielectric_f0 / max(s.dielectric_f90, 1e-6);
+        b.film_dielectric = film_reflectance(b.n_v, s.layers.film_ior, s.layers.film_thickness, f0) * s.dielectric_f90;
+        b.film_metal = film_reflectance(b.n_v, s.layers.film_ior, s.layers.film_thickness, s.base_color);
+    }
+    float alpha = alpha_of(s.roughness);
+    b.alpha_along = vec2(mix(alpha, 1.0, s.layers.anisotropy * s.layers.anisotropy), alpha);
+    b.bitangent = cross(s.normal, s.layers.tangent);
+    if (s.layers.anisotropy > 0.0) {
+        vec2 across = b.alpha_along * vec2(dot(s.layers.tangent, to_view), dot(b.bitangent, to_view));
+        float n_v = abs(dot(s.normal, to_view));
+        b.base.masking = PI * (n_v + sqrt(dot(across, across) + n_v * n_v));
+    }
+    return b;
+}
+
+// The specular lobe of brdf_lobes_of() with two roughnesses (Burley 2012, "Physically-Based Shading at Disney").
+float stretched_lobe(surface s, layers_view b, vec3 to_light, float n_l) {
+    vec3 half_vector = normalize(to_light + b.base.to_view);
+    float n_h = dot(s.normal, half_vector);
+    vec2 h = vec2(dot(s.layers.tangent, half_vector), dot(b.bitangent, half_vector)) / b.alpha_along;
+    vec2 l = vec2(dot(s.layers.tangent, to_light), dot(b.bitangent, to_light)) * b.alpha_along;
+    float d = dot(h, h) + n_h * n_h, shadowing = n_l + sqrt(dot(l, l) + n_l * n_l);
+    return n_h > 0.0 ? 1.0 / (b.alpha_along.x * b.alpha_along.y * d * d * shadowing * b.base.masking) : 0.0;
+}
+
+vec3 layered_base(surface s, layers_view b, vec3 to_light) {
+    brdf_lobes lobes;
+    if (!brdf_lobes_of(s.normal, b.base, to_light, lobes)) return vec3(0.0);
+    if (s.layers.anisotropy > 0.0) lobes.specular = stretched_lobe(s, b, to_light, lobes.n_l);
+    vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5, b.film_dielectric, s.layers.film);
+    vec3 metal = mix(s.base_color + (1.0 - s.base_color) * lobes.m5, b.film_metal, s.layers.film) * lobes.specular;
+    vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * lobes.specular;
+    vec3 base = mix(dielectric, metal, s.metallic) * b.below_sheen;
+    if (max_component(s.layers.sheen_color) > 0.0) {
+        float n_h = clamp(dot(s.normal, normalize(to_light + b.base.to_view)), 0.0, 1.0);
+        base += s.layers.sheen_color * sheen_lobe(s.layers.sheen_roughness, lobes.n_l, b.n_v, n_h);
+    }
+    return base * lobes.n_l;
+}
+
+// f(l, v) times the cosine, as brdf_cos().
+vec3 layers_cos(surface s, layers_view b, vec3 to_light) {
+    if (!LIST_LAYERS || !s.layered) return brdf_cos(s, b.base, to_light);
+    vec3 sum = layered_base(s, b, to_light) * b.below_coat;
+    brdf_lobes coat;
+    if (s.layers.clearcoat > 0.0 && brdf_lobes_of(s.layers.clearcoat_normal, b.coat, to_light, coat))
+        sum += s.layers.clearcoat * (COAT_F0 + (1.0 - COAT_F0) * coat.m5) * (coat.specular * coat.n_l);
+    return sum;
+}
+
+// ---- light from all around ----
+
+vec3 radiance_from(view_block v, vec3 direction, float lod) {
+    return LIST_ENVIRONMENT ? environment_radiance(v, direction, lod) : ambient_radiance(v, normalize(direction));
+}
+
+// The normal by which highlights that are stretched along the tangent mirror: microfacets lean that way, so those nearest to the viewer count (Revie 2011, "Implementing Fur Using Deferred Shading", GPU Pro 2).
+vec3 stretched_normal(surface s, layers_view b) {
+    vec3 along = b.base.to_view - b.bitangent * dot(b.bitangent, b.base.to_view);
+    float bend = s.layers.anisotropy * clamp(1.0 - s.roughness, 0.0, 1.0), rest = (1.0 - bend) * (1.0 - bend);
+    return normalize(mix(normalize(along), s.normal, rest * rest));
+}
+
+vec3 layers_environment(surface s, layers_view b, view_block v) {
+    vec3 table = environment_reflectance(v, b.n_v, s.roughness), around = AMBIENT_DIFFUSE(v, s.normal), taken;
+    surface bent = s;
+    if (s.layers.anisotropy > 0.0) bent.normal = stretched_normal(s, b);
+    vec3 mirrored = radiance_from(v, lobe_direction(bent, b.base.to_view), table.z);
+    // The film's reflectance holds for the whole lobe: as f0 and f90 in one.
+    vec3 f0 = mix(s.dielectric_f0, b.film_dielectric, s.layers.film), f90 = mix(vec3(s.dielectric_f90), b.film_dielectric, s.layers.film);
+    vec3 light = environment_lobe(f0, f90, table.xy, mirrored, around, taken);
+    light += s.base_color * (1.0 - max_component(taken)) * around;
+    f0 = mix(s.base_color, b.film_metal, s.layers.film), f90 = mix(vec3(1.0), b.film_metal, s.layers.film);
+    light = mix(light, environment_lobe(f0, f90, table.xy, mirrored, around, taken), s.metallic) * b.below_sheen;
+    light += s.layers.sheen_color * environment_sheen(v, b.n_v, s.layers.sheen_roughness) * around;
+    if (s.layers.clearcoat <= 0.0) return light;
+    surface coat = s;
+    coat.normal = s.layers.clearcoat_normal;
+    coat.roughness = s.layers.clearcoat_roughness;
+    table = environment_reflectance(v, clamp(dot(coat.normal, b.base.to_view), 0.0, 1.0), coat.roughness);
+    return light * b.below_coat + s.layers.clearcoat * (COAT_F0 * table.x + table.y) * radiance_from(v, lobe_direction(coat, b.base.to_view), table.z);
+}
+
+vec3 layers_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
+    layers_view b = layers_prepare(s, v, to_view);
+    return sum + layers_environment(s, b, v) * s.occlusion + s.emissive * b.below_coat;
+}
+
+#endif
