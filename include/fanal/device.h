@@ -53,6 +53,7 @@ typedef struct fnl_device_info {
     bool post_depth_coverage; /**< fragment shaders know which samples pass the depth test */
     bool clip_distances;      /**< vertex shaders can cut triangles off along planes */
     bool quad_operations;     /**< fragment shaders can share values within 2x2 squares of pixels */
+    bool texture_compression; /**< samples pictures that are compressed in blocks (BC1 to BC7) */
     uint32_t subgroup_size;
     uint32_t max_views; /**< how many views one draw call can go to: 6 or more with multiview, else 1 */
 } fnl_device_info;

@@ -181,7 +181,7 @@ void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buf
 static VkImageSubresourceLayers first_mip(const struct gpu_image *image) {
     VkImageAspectFlags aspect = gpu_format_aspect(image->params.format);
     if (aspect & VK_IMAGE_ASPECT_DEPTH_BIT) aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
-    return (VkImageSubresourceLayers){aspect, 0, image->first_layer, 1};
+    return (VkImageSubresourceLayers){aspect, image->first_mip, image->first_layer, 1};
 }
 
 void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to,
@@ -198,19 +198,17 @@ void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_im
 
 void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t offset, const struct gpu_image *to) {
     if (!commands->handle) return;
-    const struct gpu_image_params *params = &to->params;
-    VkBufferImageCopy regions[32];
-    for (uint32_t mip = 0; mip < params->mips; mip++) {
-        const uint32_t width = MAX(params->width >> mip, 1u), height = MAX(params->height >> mip, 1u);
-        regions[mip] = (VkBufferImageCopy){
+    for (uint32_t mip = 0; mip < to->params.mips; mip++) {
+        uint32_t width = MAX(to->params.width >> mip, 1u), height = MAX(to->params.height >> mip, 1u);
+        VkBufferImageCopy region = {
             .bufferOffset = offset,
-            .imageSubresource = {gpu_format_aspect(params->format), mip, to->first_layer, params->layers},
+            .imageSubresource = {gpu_format_aspect(to->params.format), to->first_mip + mip, to->first_layer, to->params.layers},
             .imageExtent = {width, height, 1},
         };
-        offset += (uint64_t)width * height * params->layers * gpu_texel_bytes(params->format);
+        commands->device->vk.CmdCopyBufferToImage(commands->handle, from->handle, to->handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                                                  &region);
+        offset += gpu_texels_bytes(to->params.format, width, height) * to->params.layers;
     }
-    commands->device->vk.CmdCopyBufferToImage(commands->handle, from->handle, to->handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, params->mips,
-                                              regions);
 }
 
 void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer) {

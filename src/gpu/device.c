@@ -267,6 +267,7 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     VkPhysicalDeviceFeatures *enabled = &features.features.features;
     enabled->geometryShader = supported->geometryShader; /* fragment shaders get gl_PrimitiveID with it */
     enabled->shaderClipDistance = supported->shaderClipDistance;
+    enabled->textureCompressionBC = supported->textureCompressionBC;
     enabled->imageCubeArray = supported->imageCubeArray;
     enabled->sampleRateShading = supported->sampleRateShading;
     features.features_11.multiview = physical->supported.features_11.multiview;

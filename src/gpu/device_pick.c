@@ -211,6 +211,7 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     info->mesh_shader = info->mesh_shader && meshes.meshShader;
     info->ray_query = info->ray_query && queries.rayQuery && structures.accelerationStructure;
     gpu_features_missing(&out->supported, info->missing, sizeof info->missing);
+    info->texture_compression = out->supported.features.features.textureCompressionBC;
     info->multiview = out->supported.features_11.multiview;
     info->max_views = info->multiview ? views.maxMultiviewViewCount : 1;
     info->primitive_ids = out->supported.features.features.geometryShader;

@@ -142,7 +142,9 @@ struct gpu_image_params {
     uint32_t width, height, layers, mips, samples; /* each at least 1 */
     bool cube;                                     /* layers = 6: also seen as a cube map */
     bool srgb_view;                                /* 8-bit UNORM: also seen as sRGB (image.srgb_index) */
-    VkImageUsageFlags usage;                       /* SAMPLED and STORAGE get bindless indices */
+    /* SAMPLED and STORAGE get bindless indices. STORAGE of a compressed format: shaders store whole blocks to its parts (gpu_image_part), where
+       gpu_block_stores_supported() */
+    VkImageUsageFlags usage;
 };
 
 struct gpu_image {
@@ -151,7 +153,7 @@ struct gpu_image {
     VkImageView attachment_view; /* mip 0, layer 0..layers-1 */
     VkImageView srgb_view;       /* with params.srgb_view */
     struct gpu_image_params params;
-    uint32_t first_layer; /* of the Vulkan image: 0 but for gpu_image_layer */
+    uint32_t first_layer, first_mip; /* of the Vulkan image: 0 but for gpu_image_layer and gpu_image_part */
     uint32_t sampled_index, storage_index, srgb_index; /* in the bindless set, GPU_NO_INDEX when not of that usage */
     struct gpu_allocation allocation;
     bool owns_memory, imported;
@@ -166,6 +168,15 @@ fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu
 
 /** One layer of an image, seen as an image of its own that owns no memory; destroyed before the frame in which `image` is, or in the same one. */
 fnl_result gpu_image_layer(gpu_device *device, const struct gpu_image *image, uint32_t layer, struct gpu_image *out);
+
+/**
+ * One mip of one layer, seen as an image of its own; as gpu_image_layer. With `as_blocks`, of an image of a compressed format with
+ * usage STORAGE: one of R32G32B32A32_UINT to store to, of which a texel is a block of 4 x 4.
+ */
+fnl_result gpu_image_part(gpu_device *device, const struct gpu_image *image, uint32_t layer, uint32_t mip, bool as_blocks,
+                          struct gpu_image *out);
+/** Whether images of this compressed format can have usage STORAGE. */
+bool gpu_block_stores_supported(gpu_device *device, VkFormat format);
 
 /** Size and alignment that an image or a buffer would take, without making one that stays. */
 struct gpu_requirements {
@@ -186,8 +197,10 @@ fnl_result gpu_heap_create(gpu_device *device, const char *name, uint64_t size, 
 void gpu_heap_destroy(gpu_device *device, struct gpu_heap *heap);
 /** Bytes that stand behind the heap: of a lazy one, what the driver could not keep on the chip. */
 uint64_t gpu_heap_committed(gpu_device *device, const struct gpu_heap *heap);
-/** Of one texel; 0 for formats that Fanal does not use. */
+/** Of one texel; 0 for compressed formats, and formats that Fanal does not use. */
 uint32_t gpu_texel_bytes(VkFormat format);
+/** Of so many texels, tightly packed; compressed formats too. */
+uint64_t gpu_texels_bytes(VkFormat format, uint32_t width, uint32_t height);
 fnl_result gpu_image_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset,
                                const struct gpu_image_params *params, struct gpu_image *out);
 fnl_result gpu_buffer_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const char *name,

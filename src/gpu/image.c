@@ -70,6 +70,18 @@ uint32_t gpu_texel_bytes(VkFormat format) {
     }
 }
 
+static bool is_compressed(VkFormat format) { return format >= VK_FORMAT_BC1_RGB_UNORM_BLOCK && format <= VK_FORMAT_BC7_SRGB_BLOCK; }
+
+uint64_t gpu_texels_bytes(VkFormat format, uint32_t width, uint32_t height) {
+    if (format == VK_FORMAT_BC6H_UFLOAT_BLOCK || format == VK_FORMAT_BC6H_SFLOAT_BLOCK)
+        return (uint64_t)DIVIDE_UP(width, 4u) * DIVIDE_UP(height, 4u) * 16;
+    return (uint64_t)width * height * gpu_texel_bytes(format);
+}
+
+static bool stores_blocks(const struct gpu_image_params *params) {
+    return is_compressed(params->format) && params->usage & VK_IMAGE_USAGE_STORAGE_BIT;
+}
+
 static VkFormat srgb_format(VkFormat format) {
     switch (format) {
     case VK_FORMAT_R8G8B8A8_UNORM:
@@ -107,6 +119,8 @@ static void describe_image(const gpu_device *device, const struct gpu_image_para
             },
     };
     gpu_sharing(device, &out->info.sharingMode, &out->info.queueFamilyIndexCount, out->families);
+    if (stores_blocks(params))
+        out->info.flags |= VK_IMAGE_CREATE_BLOCK_TEXEL_VIEW_COMPATIBLE_BIT | VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT;
     if (params->srgb_view) {
         /* The image itself is sRGB, so that blits between its mips average linear light. */
         out->formats[0] = srgb_format(params->format);
@@ -205,7 +219,7 @@ static fnl_result create_view(gpu_device *device, const struct gpu_image *image,
         .subresourceRange = {view->usage & VK_IMAGE_USAGE_SAMPLED_BIT && aspect & VK_IMAGE_ASPECT_DEPTH_BIT
                                  ? VK_IMAGE_ASPECT_DEPTH_BIT
                                  : aspect,
-                             0, view->mips, image->first_layer, image->params.layers},
+                             image->first_mip, view->mips, image->first_layer, image->params.layers},
     };
     VkResult result = device->vk.CreateImageView(device->handle, &info, NULL, out);
     TRY(gpu_check(device, result, "'%s': vkCreateImageView", image->params.name));
@@ -224,6 +238,7 @@ static fnl_result create_views(gpu_device *device, struct gpu_image *image, VkIm
     const struct gpu_image_params *params = &image->params;
     const VkImageUsageFlags attachment = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
     VkImageUsageFlags viewable = gpu_view_usage(params->usage);
+    if (stores_blocks(params)) viewable &= ~(VkImageUsageFlags)VK_IMAGE_USAGE_STORAGE_BIT; /* views of its parts have it */
     if (!viewable) return FNL_OK; /* only copied */
 
     VkImageViewType flat = params->layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
@@ -233,7 +248,7 @@ static fnl_result create_views(gpu_device *device, struct gpu_image *image, VkIm
     bool shared = params->mips == 1 && !params->cube;
     if (shared || whole.usage) TRY(create_view(device, image, &whole, &views[0]));
     image->view = image->attachment_view = views[0];
-    if (!shared && (params->usage & (attachment | VK_IMAGE_USAGE_STORAGE_BIT))) {
+    if (!shared && (viewable & (attachment | VK_IMAGE_USAGE_STORAGE_BIT))) {
         struct view_params first = {flat, params->format, 1, viewable};
         TRY(create_view(device, image, &first, &views[1]));
         image->attachment_view = views[1];
@@ -249,7 +264,7 @@ static fnl_result create_views(gpu_device *device, struct gpu_image *image, VkIm
             TRY(gpu_bindless_add(device, GPU_BINDING_SAMPLED, views[2], layout, &image->srgb_index));
         }
     }
-    if (params->usage & VK_IMAGE_USAGE_STORAGE_BIT)
+    if (viewable & VK_IMAGE_USAGE_STORAGE_BIT)
         TRY(gpu_bindless_add(device, GPU_BINDING_STORAGE, image->attachment_view, VK_IMAGE_LAYOUT_GENERAL,
                              &image->storage_index));
     return FNL_OK;
@@ -300,7 +315,7 @@ static fnl_result make_image(gpu_device *device, const struct gpu_heap *heap, ui
     return result;
 }
 
-static fnl_result start_image(gpu_device *device, VkImage handle, uint32_t first_layer, const struct gpu_heap *heap,
+static fnl_result start_image(gpu_device *device, VkImage handle, uint32_t first_layer, uint32_t first_mip, const struct gpu_heap *heap,
                               uint64_t offset, const struct gpu_image_params *params, struct gpu_image *out) {
     *out = empty_image();
     TRY(check_params(device, params));
@@ -308,6 +323,7 @@ static fnl_result start_image(gpu_device *device, VkImage handle, uint32_t first
     out->params = *params;
     out->handle = handle;
     out->first_layer = first_layer;
+    out->first_mip = first_mip;
     out->imported = handle != VK_NULL_HANDLE;
     fnl_result result = make_image(device, heap, offset, out);
     if (result != FNL_OK) {
@@ -320,12 +336,12 @@ static fnl_result start_image(gpu_device *device, VkImage handle, uint32_t first
 }
 
 fnl_result gpu_image_create(gpu_device *device, const struct gpu_image_params *params, struct gpu_image *out) {
-    return start_image(device, VK_NULL_HANDLE, 0, NULL, 0, params, out);
+    return start_image(device, VK_NULL_HANDLE, 0, 0, NULL, 0, params, out);
 }
 
 fnl_result gpu_image_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset,
                                const struct gpu_image_params *params, struct gpu_image *out) {
-    return start_image(device, VK_NULL_HANDLE, 0, heap, offset, params, out);
+    return start_image(device, VK_NULL_HANDLE, 0, 0, heap, offset, params, out);
 }
 
 fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu_image_params *params,
@@ -333,7 +349,7 @@ fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu
     *out = empty_image();
     REQUIRE(&device->host, handle != VK_NULL_HANDLE);
     REQUIRE(&device->host, !params->srgb_view);
-    return start_image(device, handle, 0, NULL, 0, params, out);
+    return start_image(device, handle, 0, 0, NULL, 0, params, out);
 }
 
 fnl_result gpu_image_layer(gpu_device *device, const struct gpu_image *image, uint32_t layer, struct gpu_image *out) {
@@ -342,7 +358,47 @@ fnl_result gpu_image_layer(gpu_device *device, const struct gpu_image *image, ui
     struct gpu_image_params params = image->params;
     params.layers = 1;
     params.cube = false;
-    return start_image(device, image->handle, image->first_layer + layer, NULL, 0, &params, out);
+    return start_image(device, image->handle, image->first_layer + layer, image->first_mip, NULL, 0, &params, out);
+}
+
+fnl_result gpu_image_part(gpu_device *device, const struct gpu_image *image, uint32_t layer, uint32_t mip, bool as_blocks,
+                          struct gpu_image *out) {
+    *out = empty_image();
+    REQUIRE(&device->host, layer < image->params.layers && mip < image->params.mips && !image->params.srgb_view);
+    REQUIRE(&device->host, !as_blocks || stores_blocks(&image->params));
+    struct gpu_image_params params = image->params;
+    params.layers = params.mips = 1;
+    params.width = MAX(params.width >> mip, 1u);
+    params.height = MAX(params.height >> mip, 1u);
+    params.cube = false;
+    if (as_blocks) {
+        params.format = VK_FORMAT_R32G32B32A32_UINT;
+        params.width = DIVIDE_UP(params.width, 4u);
+        params.height = DIVIDE_UP(params.height, 4u);
+        params.usage = VK_IMAGE_USAGE_STORAGE_BIT;
+    }
+    return start_image(device, image->handle, image->first_layer + layer, image->first_mip + mip, NULL, 0, &params, out);
+}
+
+bool gpu_block_stores_supported(gpu_device *device, VkFormat format) {
+    struct gpu_image_params params = {.format = format,
+                                      .width = 4,
+                                      .height = 4,
+                                      .layers = 6,
+                                      .mips = 1,
+                                      .samples = 1,
+                                      .cube = true,
+                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+    struct image_info info;
+    describe_image(device, &params, &info);
+    VkPhysicalDeviceImageFormatInfo2 query = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_FORMAT_INFO_2,
+                                              .format = format,
+                                              .type = VK_IMAGE_TYPE_2D,
+                                              .usage = params.usage,
+                                              .flags = info.info.flags};
+    VkImageFormatProperties2 properties = {.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_PROPERTIES_2};
+    return device->info.texture_compression &&
+           device->instance.vk.GetPhysicalDeviceImageFormatProperties2(device->physical, &query, &properties) == VK_SUCCESS;
 }
 
 void gpu_image_destroy(gpu_device *device, struct gpu_image *image) {
