@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "image/image.h"
+#include "image/texture.h"
 
 /** Most pixels of one picture; 4 GiB as RGBA32F. */
 #define IMAGE_PIXELS_MAX (1u << 28)
@@ -52,6 +53,37 @@ fnl_result image_hdr_peek(const struct image_source *source, struct image_file_i
 fnl_result image_hdr_decode(const struct image_source *source, fnl_image *out);
 /** RGBA32F; alpha is dropped, what RGBE cannot hold (negative, NaN, tiny, huge) goes to the nearest it can. */
 fnl_result image_hdr_write(struct file_writer *writer, const fnl_image *image);
+
+/** Where the parts of a texture lie in its file. All of them lie inside of it. */
+struct texture_layout {
+    struct texture texture; /* without bytes */
+    size_t offsets[TEXTURE_MIPS_MAX][6];
+};
+bool image_is_dds(const void *bytes, size_t size);
+fnl_result image_dds_find(const struct image_source *source, struct texture_layout *out);
+void image_dds_write(struct file_writer *writer, const struct texture *texture);
+bool image_is_ktx2(const void *bytes, size_t size);
+fnl_result image_ktx2_find(const struct image_source *source, struct texture_layout *out);
+void image_ktx2_write(struct file_writer *writer, const struct texture *texture);
+/** Checks what both kinds of file say of sides, faces and mips. */
+fnl_result texture_check(const struct image_source *source, const struct texture *texture);
+fnl_result texture_fail_cut_off(const struct image_source *source, uint32_t mip, uint32_t face);
+
+/** The greatest mip of either kind of file as a picture; the faces of a cube map stand one below the other. */
+fnl_result image_texture_peek(const struct image_source *source, struct image_file_info *out);
+fnl_result image_texture_decode(const struct image_source *source, fnl_image *out);
+
+static inline uint32_t little32(const unsigned char *bytes) {
+    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+static inline uint64_t little64(const unsigned char *bytes) { return little32(bytes) | (uint64_t)little32(bytes + 4) << 32; }
+static inline void put_little32(FILE *stream, uint32_t value) {
+    for (int i = 0; i < 4; i++) putc((int)(value >> 8 * i & 255), stream);
+}
+static inline void put_little64(FILE *stream, uint64_t value) {
+    put_little32(stream, (uint32_t)value);
+    put_little32(stream, (uint32_t)(value >> 32));
+}
 
 fnl_result image_exr_peek(const struct image_source *source, struct image_file_info *out);
 fnl_result image_exr_decode(const struct image_source *source, fnl_image *out);

@@ -56,12 +56,13 @@ static enum image_file_kind recognise(const unsigned char *bytes, size_t size) {
     if (size >= 12 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0) return IMAGE_FILE_WEBP;
     if (size >= 4 && memcmp(bytes, "\x76\x2f\x31\x01", 4) == 0) return IMAGE_FILE_EXR;
     if (image_is_hdr(bytes, size)) return IMAGE_FILE_HDR;
+    if (image_is_dds(bytes, size) || image_is_ktx2(bytes, size)) return IMAGE_FILE_TEXTURE;
     return IMAGE_FILE_UNKNOWN;
 }
 
 static fnl_result fail_unknown(const struct image_source *source) {
     if (source->size == 0) return image_fail(source, FNL_ERROR_FORMAT, "is empty, not a picture");
-    return image_fail(source, FNL_ERROR_FORMAT, "is not a picture of a known kind (PNG, JPEG, WebP, Radiance HDR, OpenEXR)");
+    return image_fail(source, FNL_ERROR_FORMAT, "is not a picture of a known kind (PNG, JPEG, WebP, Radiance HDR, OpenEXR, DDS, KTX2)");
 }
 
 fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, const char *name, struct image_file_info *out) {
@@ -78,6 +79,8 @@ fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, cons
         return image_hdr_peek(&source, out);
     case IMAGE_FILE_EXR:
         return image_exr_peek(&source, out);
+    case IMAGE_FILE_TEXTURE:
+        return image_texture_peek(&source, out);
     case IMAGE_FILE_UNKNOWN:
         break;
     }
@@ -89,7 +92,7 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
     *out = (fnl_image){0};
     struct image_source source = {host, bytes, size, name};
     enum image_file_kind kind = recognise(bytes, size);
-    if (force_rgba8 && (kind == IMAGE_FILE_HDR || kind == IMAGE_FILE_EXR))
+    if (force_rgba8 && (kind == IMAGE_FILE_HDR || kind == IMAGE_FILE_EXR || kind == IMAGE_FILE_TEXTURE))
         return image_fail(&source, FNL_ERROR_UNSUPPORTED,
                           "floating-point pictures cannot be used here, only PNG, JPEG and WebP");
     switch (kind) {
@@ -103,6 +106,8 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
         return image_hdr_decode(&source, out);
     case IMAGE_FILE_EXR:
         return image_exr_decode(&source, out);
+    case IMAGE_FILE_TEXTURE:
+        return image_texture_decode(&source, out);
     case IMAGE_FILE_UNKNOWN:
         break;
     }

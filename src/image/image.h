@@ -14,6 +14,7 @@ enum image_file_kind {
     IMAGE_FILE_WEBP,
     IMAGE_FILE_HDR,
     IMAGE_FILE_EXR,
+    IMAGE_FILE_TEXTURE, /* DDS or KTX2 */
 };
 
 struct image_file_info {

@@ -19,6 +19,7 @@ static const char *kind_name(enum image_file_kind kind) {
         return "webp";
     case IMAGE_FILE_HDR:
     case IMAGE_FILE_EXR:
+    case IMAGE_FILE_TEXTURE:
     case IMAGE_FILE_UNKNOWN:
         break;
     }

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/** Pictures and cube maps with mips, as GPUs hold them: in memory, and as DDS and KTX2 files. */
+#ifndef FNL_IMAGE_TEXTURE_H
+#define FNL_IMAGE_TEXTURE_H
+
+#include "base/base.h"
+
+enum texture_format { TEXTURE_BC6H, TEXTURE_BC6H_SIGNED, TEXTURE_RGBA16F, TEXTURE_RGBA32F, TEXTURE_FORMATS };
+
+enum { TEXTURE_MIPS_MAX = 16 };
+
+/** `bytes` holds mip after mip, in each of them face after face (+X -X +Y -Y +Z -Z), tightly packed; the host's memory. */
+struct texture {
+    enum texture_format format;
+    uint32_t width, height, faces, mips; /* faces: 1, or 6 of a cube map */
+    unsigned char *bytes;
+};
+
+/** Texels of a side of a mip. */
+static inline uint32_t texture_side(uint32_t side, uint32_t mip) { return MAX(side >> mip, 1u); }
+/** How many mips there can be. */
+uint32_t texture_mips(uint32_t width, uint32_t height);
+/** Of one face of a mip. */
+size_t texture_face_bytes(const struct texture *texture, uint32_t mip);
+/** Where a face begins in `bytes`; mip `mips`, face 0: the size of all. */
+size_t texture_offset(const struct texture *texture, uint32_t mip, uint32_t face);
+
+/** Zeroed bytes for what the other members say. */
+fnl_result texture_allocate(const fnl_host *host, struct texture *texture);
+void texture_free(const fnl_host *host, struct texture *texture);
+
+/** Logs what is wrong with a file, with its name. `name` stands for the file in messages. */
+fnl_result texture_read(const fnl_host *host, const void *bytes, size_t size, const char *name, struct texture *out);
+fnl_result texture_load(const fnl_host *host, const char *path, struct texture *out);
+/** The extension picks the format: .dds or .ktx2. BC6H alone. The file appears complete or not at all. */
+fnl_result texture_save(const fnl_host *host, const char *path, const struct texture *texture);
+
+#endif
