@@ -17,6 +17,10 @@ typedef fnl_vec4 quat;
 
 #define PI 3.14159265358979323846f
 
+/** IEC 61966-2-1, 0 .. 1. */
+static inline float decode_srgb(float x) { return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f); }
+static inline float encode_srgb(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f; }
+
 static inline vec2 vec2_make(float x, float y) { return (vec2){x, y}; }
 static inline vec3 vec3_make(float x, float y, float z) { return (vec3){x, y, z}; }
 static inline vec4 vec4_make(float x, float y, float z, float w) { return (vec4){x, y, z, w}; }

@@ -34,9 +34,6 @@ static void close_picture(const fnl_scene *scene, struct picture *picture) {
     if (picture->decoded.pixels) fnl_image_free(&scene->host, &picture->decoded);
 }
 
-/* IEC 61966-2-1. */
-static float decode_srgb(float x) { return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f); }
-static float encode_srgb(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f; }
 static uint8_t to_byte(float x) { return (uint8_t)(CLAMP(x, 0.0f, 1.0f) * 255 + 0.5f); }
 
 /* Linear, premultiplied if asked; bilinear, clamped at the edge. `none`: what there is without a picture. */

@@ -9,14 +9,12 @@ fnl_environment_params fnl_environment_params_default(void) {
     return (fnl_environment_params){.intensity = 1, .background = true, .lights = true};
 }
 
-static float srgb_decode(float value) { return value <= 0.04045f ? value / 12.92f : powf((value + 0.055f) / 1.055f, 2.4f); }
-
 static float channel(const fnl_image *image, size_t index) {
     switch (image->format) {
     case FNL_PIXEL_FORMAT_RGBA8:
-        return srgb_decode((float)((const uint8_t *)image->pixels)[index] / 255);
+        return decode_srgb((float)((const uint8_t *)image->pixels)[index] / 255);
     case FNL_PIXEL_FORMAT_RGBA16:
-        return srgb_decode((float)((const uint16_t *)image->pixels)[index] / 65535);
+        return decode_srgb((float)((const uint16_t *)image->pixels)[index] / 65535);
     case FNL_PIXEL_FORMAT_RGBA32F:
         break;
     }

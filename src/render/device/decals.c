@@ -6,9 +6,6 @@
 
 /* ---- pictures ---- */
 
-static float decode_srgb(float x) { return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f); }
-static float encode_srgb(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f; }
-
 /* Colours times alpha, in linear light: what filtering mixes in from clear texels is then nothing (ES-35b). */
 static void premultiply(uint8_t *pixels, uint64_t count) {
     float linear[256];
