@@ -6,6 +6,7 @@
 
 int command_bench(int argc, char **argv);
 int command_compare(int argc, char **argv);
+int command_compress(int argc, char **argv);
 int command_devices(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_render(int argc, char **argv);

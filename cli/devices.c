@@ -46,7 +46,7 @@ static const struct {
     FEATURE(ray_query, "shadow.ray-backend=ray-query: the device's own ray tracing"),
     FEATURE(sample_locations, "not used; visibility.grid uses the standard locations"),
     FEATURE(fragment_shading_rate, "not used; coarse shading works without it"),
-    FEATURE(texture_compression, "light from all around compressed as BC6H"),
+    FEATURE(texture_compression, "not used by frames; fanal compress works without it"),
     FEATURE(multiview, "--set multiview=on draws several views at once"),
 #undef FEATURE
 };

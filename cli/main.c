@@ -17,6 +17,7 @@ static const struct {
     {"info", "print what a scene consists of", command_info},
     {"devices", "list the Vulkan devices and what each offers", command_devices},
     {"compare", "measure how far two pictures are apart", command_compare},
+    {"compress", "compress pictures of high dynamic range as BC6H, and decode them", command_compress},
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };

@@ -93,6 +93,8 @@ static fnl_trace traced;
 #define TRACES_BY_DEFAULT w.tried++
 #endif
 static fnl_image_difference difference;
+static fnl_compress_params compress; /* zero: fast */
+static fnl_compress_stats compressed;
 static fnl_exr_channel channel;
 static fnl_device_info device_info;
 static fnl_vulkan_import handles;
@@ -159,6 +161,11 @@ static fnl_loaded loaded;
     X(fnl_value_find, GIVES("name", false, fnl_value_find(FNL_ENUM_LISTS, NULL, &number));                                  \
       SILENT(fnl_value_find(FNL_ENUM_LISTS, "tiled", NULL)))                                                                \
     X(fnl_gbuffer_query_info, NULLED("out", fnl_gbuffer_query_info(FNL_GBUFFER_DEFAULT, NULL)))                             \
+    X(fnl_image_compress, NULLED("image", fnl_image_compress(NULL, "a.dds", NULL, NULL, NULL));                             \
+      NULLED("image", fnl_image_compress(&host, "a.dds", NULL, NULL, NULL));                                                \
+      SILENT(fnl_image_compress(&host, NULL, &picture, &compress, &compressed));                                            \
+      SILENT(fnl_image_compress(&host, NULL, &picture, NULL, &compressed));                                                 \
+      SILENT(fnl_image_compress(&host, NULL, &picture, &compress, NULL)))                                                   \
     X(fnl_image_compare, NULLED("a", fnl_image_compare(NULL, NULL, &other, &difference));                                   \
       NULLED("a", fnl_image_compare(&host, NULL, &other, &difference));                                                     \
       NULLED("b", fnl_image_compare(&host, &picture, NULL, &difference));                                                   \

@@ -15,6 +15,6 @@ cat <<END
 fanal \\- renders scenes with thousands of lights, compares the ways to do it and finds the fastest
 END
 "$1" --help | section DESCRIPTION
-for command in render trace bench info devices compare; do "$1" "$command" --help | section "fanal $command"; done
+for command in render trace bench info devices compare compress; do "$1" "$command" --help | section "fanal $command"; done
 "$1" render --options | section "OPTIONS OF A FRAME"
 "$1" render --counters | section "COUNTERS"

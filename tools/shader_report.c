@@ -640,6 +640,19 @@ static void print_rows(bool all) {
     }
 }
 
+/* What no frame has. */
+static void compress(fnl_device *device) {
+    float pixel[4] = {1, 1, 1, 1};
+    const fnl_image image = {1, 1, FNL_PIXEL_FORMAT_RGBA32F, pixel};
+    for (int i = 0; i < 4; i++) {
+        fnl_compress_params params = fnl_compress_params_default();
+        params.device = device;
+        params.quality = i & 1 ? FNL_COMPRESS_QUALITY : FNL_COMPRESS_FAST;
+        params.is_signed = i & 2;
+        if (fnl_image_compress(NULL, NULL, &image, &params, NULL) != FNL_OK) fail("fnl_image_compress");
+    }
+}
+
 int main(int argc, char **argv) {
     bool all = false;
     for (int i = 1; i < argc; i++) {
@@ -653,6 +666,7 @@ int main(int argc, char **argv) {
     warm_scene(device, "builtin:glass?lights=10", false, false);
     warm_scene(device, "builtin:glass?lights=10", false, true);
     warm_scene(device, "builtin:grass?lights=10", true, true);
+    compress(device);
     fnl_device_destroy(&device);
     unsigned long long inputs = 0;
     for (uint32_t i = 0; i < report.input_count; i++) inputs += report.inputs[i];

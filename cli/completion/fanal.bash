@@ -30,7 +30,7 @@ _fanal() {
     previous=${previous##* }
     COMPREPLY=()
     if [ "$COMP_CWORD" -le 1 ]; then
-        COMPREPLY=($(compgen -W "render trace bench info devices compare --help --version" -- "$current"))
+        COMPREPLY=($(compgen -W "render trace bench info devices compare compress --help --version" -- "$current"))
         return
     fi
     key=$(_fanal_key_of "$previous")

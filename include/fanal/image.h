@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/** Pictures in memory: reading, writing and comparing them. */
+/** Pictures in memory: reading, writing, comparing and compressing them. */
 #ifndef FANAL_IMAGE_H
 #define FANAL_IMAGE_H
 
-#include "fanal/base.h"
+#include "fanal/device.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -38,6 +38,7 @@ static inline size_t fnl_pixel_size(fnl_pixel_format format) {
 /**
  * Reads a PNG (8 or 16 bits), JPEG, WebP, Radiance HDR or OpenEXR file, recognised by its contents. PNG of more than 8
  * bits gives RGBA16; HDR and EXR give RGBA32F (of an EXR the channels R, G, B, A; a lone Y is spread; missing alpha is 1).
+ * DDS and KTX2 files of BC6H or RGBA floats give the greatest mip as RGBA32F; the six faces of a cube map stand one below the other.
  * The pixels come from the host's allocator; free them with fnl_image_free.
  */
 FNL_API fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out);
@@ -90,6 +91,46 @@ FNL_API fnl_result fnl_image_compare(const fnl_host *host, const fnl_image *a, c
  */
 FNL_API fnl_result fnl_image_difference_picture(const fnl_host *host, const fnl_image *a, const fnl_image *b, float gain,
                                                 fnl_image *out);
+
+typedef enum fnl_compress_quality {
+    FNL_COMPRESS_FAST = 0, /**< one of the format's modes; for what is compressed anew in each frame */
+    FNL_COMPRESS_QUALITY,  /**< seven modes; for what a device compresses once */
+    FNL_COMPRESS_BEST,     /**< a search through all modes, on the CPU alone, thousands of times slower */
+} fnl_compress_quality;
+
+typedef struct fnl_compress_params {
+    fnl_compress_quality quality; /**< default FNL_COMPRESS_QUALITY */
+    bool is_signed;               /**< keeps negative values, at half the precision; default false: they become 0 */
+    bool mips;                    /**< all smaller levels too, each the mean of the one before; default false */
+    /**
+     * The picture is a panorama as an environment's (fanal/environment.h): twice as wide as high, +Y at the top, +X in the middle, +Z a quarter of the
+     * width to the right. Of it a cube map with faces of so many pixels is made, 1 .. 4096, in the order +X -X +Y -Y +Z -Z; 0 (default): it is taken as
+     * it is.
+     */
+    uint32_t cube_size;
+    fnl_device *device; /**< compresses; NULL (default): the CPU */
+} fnl_compress_params;
+
+static inline fnl_compress_params fnl_compress_params_default(void) {
+    fnl_compress_params params = {FNL_COMPRESS_QUALITY, false, false, 0, 0};
+    return params;
+}
+
+typedef struct fnl_compress_stats {
+    double rmse;         /**< root of the mean squared difference to the source over R, G, B, of the greatest mip; the source limited to halves */
+    double rmsle;        /**< the same of log(value + 1) */
+    double seconds;      /**< of compressing alone; on a device without timers 0 */
+    uint64_t pixels;     /**< of all faces and mips */
+    uint64_t blocks[15]; /**< by mode, 1 .. 14 */
+    uint32_t width, height, faces, mips;
+} fnl_compress_stats;
+
+/**
+ * Compresses a picture as BC6H: 16 bytes for 4 x 4 pixels of high dynamic range, without alpha, up to 65504. Integer pixels are taken as sRGB. Writes
+ * it to `path`, .dds or .ktx2 (NULL: nowhere, for the numbers). `params` NULL: defaults; `stats` may be NULL.
+ */
+FNL_API fnl_result fnl_image_compress(const fnl_host *host, const char *path, const fnl_image *image, const fnl_compress_params *params,
+                                      fnl_compress_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /** The maps of an environment against sums in double precision on the CPU. */
 #include "passes/ambient/environment.h"
+#include "fanal/image.h"
 #include "scene/scene_environment.h"
 #include "tests/render_harness.h"
+
+#include <unistd.h>
 
 enum { MOST_MIPS = 12 };
 
@@ -297,6 +300,36 @@ static void test_a_constant_picture_stays_constant_MP_12(void **state) {
     free(p.texels);
 }
 
+/* A cube map that fnl_image_compress makes of the panorama has the same faces. */
+static void compare_compressed(const struct panorama *p, const struct maps *m) {
+    const size_t count = (size_t)p->width * p->height, texels = 6 * (size_t)m->side * m->side;
+    char path[] = "/tmp/fanal-environment-XXXXXX.dds";
+    float *pixels = malloc(count * 16);
+    fnl_image image = {p->width, p->height, FNL_PIXEL_FORMAT_RGBA32F, pixels}, cube;
+    fnl_compress_params params = fnl_compress_params_default();
+    const int file = mkstemps(path, 4);
+    double sum = 0;
+    assert_non_null(pixels);
+    assert_true(file >= 0);
+    close(file);
+    for (size_t i = 0; i < 4 * count; i++) pixels[i] = i % 4 == 3 ? 1 : p->texels[i / 4 * 3 + i % 4];
+    params.quality = FNL_COMPRESS_FAST;
+    params.cube_size = m->side;
+    assert_int_equal(fnl_image_compress(NULL, path, &image, &params, NULL), FNL_OK);
+    assert_int_equal(fnl_image_load(NULL, path, &cube), FNL_OK);
+    unlink(path);
+    assert_true(cube.width == m->side && cube.height == 6 * m->side);
+    for (size_t i = 0; i < 3 * texels; i++) {
+        const float got = ((const float *)cube.pixels)[i / 3 * 4 + i % 3], off = fabsf(got - m->mips[0][i]);
+        if (off > 0.05f) fail_msg("face %zu, texel %zu: %g, not %g", i / 3 / (texels / 6), i / 3 % (texels / 6), (double)got, (double)m->mips[0][i]);
+        sum += (double)off;
+    }
+    print_message("compressed faces: %.5f off on average\n", sum / (double)(3 * texels));
+    assert_true(sum / (double)(3 * texels) < 0.01);
+    fnl_image_free(NULL, &cube);
+    free(pixels);
+}
+
 /* Faces look where Vulkan's cube maps do: six coloured axes. */
 static void test_faces_look_along_their_axes_MP_11(void **state) {
     UNUSED(state);
@@ -309,6 +342,7 @@ static void test_faces_look_along_their_axes_MP_11(void **state) {
             texel[0] = d.x + 1, texel[1] = d.y + 1, texel[2] = d.z + 1;
         }
     struct maps m = filter(&p);
+    compare_compressed(&p, &m);
     for (uint32_t i = 0; i < 40; i++) {
         const struct dvec d = place_of(i);
         double got[3], mirrored[3];
