@@ -36,7 +36,7 @@ struct bench_settings {
     uint32_t checks;          /* points of the camera's path that are compared with the reference; 0: none */
     fnl_light_lists reference;
     const char *camera_path; /* NULL: the camera stands still; "orbit", "turntable", each with ":N" or not; or a file */
-    const char *device, *output;
+    const char *device, *output, *variant;
     bool resume, overwrite, validate, no_cache, quiet;
     bool all; /* a suite measures what takes long as well */
     fnl_load_params loading;
@@ -135,7 +135,7 @@ void bench_path_destroy(struct bench_path *path);
 /* ---- scenes (bench_scene.c) ---- */
 
 /** The scene with the lights that a case asks for (-1: as it is). False with a message of the log. */
-bool bench_scene_load(const fnl_host *host, const fnl_load_params *loading, const char *name, int64_t lights, fnl_scene **out);
+bool bench_scene_load(const fnl_host *host, const struct bench_settings *settings, const char *name, int64_t lights, fnl_scene **out);
 /** The settings' path through it, or a camera that stands still; `camera` may be NULL. False with a message. */
 bool bench_scene_path(const fnl_scene *scene, const struct bench_settings *settings, const char *camera, float aspect, struct bench_path *out);
 /** Whether a scene, the camera and the path can be had at all, before anything is measured; its own lights, directional ones left out. */

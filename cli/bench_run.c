@@ -97,7 +97,7 @@ static bool prepare_scene(struct bench_run *run, const struct bench_case *c) {
     fnl_scene_destroy(&run->scene);
     run->scene_name = c->scene;
     run->scene_lights = c->lights;
-    return bench_scene_load(&run->host, &run->settings->loading, c->scene, c->lights, &run->scene);
+    return bench_scene_load(&run->host, run->settings, c->scene, c->lights, &run->scene);
 }
 
 static bool prepare_path(struct bench_run *run, const struct bench_case *c) {
@@ -495,9 +495,9 @@ static json_t *describe_device(const fnl_device_info *info) {
 static json_t *describe_settings(const struct bench_run *run) {
     const struct bench_settings *s = run->settings;
     const char *camera = run->plan->case_count && run->plan->cases[0].camera ? run->plan->cases[0].camera : "";
-    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
+    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
                      "checks", (json_int_t)s->checks, "reference", fnl_value_name(FNL_ENUM_LISTS, s->reference), "camera", camera,
-                     "camera_path", s->camera_path ? s->camera_path : "");
+                     "camera_path", s->camera_path ? s->camera_path : "", "variant", s->variant ? s->variant : "");
 }
 
 /* Numbers of different devices or settings must not stand side by side. */

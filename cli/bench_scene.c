@@ -26,10 +26,11 @@ static void scene_source(const char *scene, int64_t lights, char *text, size_t c
     snprintf(text, capacity, "%.*s?lights=%lld%s", name, scene, (long long)lights, rest);
 }
 
-bool bench_scene_load(const fnl_host *host, const fnl_load_params *loading, const char *name, int64_t lights, fnl_scene **out) {
+bool bench_scene_load(const fnl_host *host, const struct bench_settings *settings, const char *name, int64_t lights, fnl_scene **out) {
     char source[2048];
     scene_source(name, lights, source, sizeof source);
-    fnl_result result = fnl_scene_load(host, source, loading, out);
+    fnl_result result = fnl_scene_load(host, source, &settings->loading, out);
+    if (result == FNL_OK && !loading_select_variant(*out, settings->variant, NULL)) result = FNL_ERROR_INVALID;
     if (result == FNL_OK && lights > 0 && !loading_is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
     if (result == FNL_OK) result = loading_add_default_light(name, *out, NULL, NULL);
     if (result != FNL_OK) fnl_scene_destroy(out);
@@ -54,7 +55,7 @@ bool bench_scene_check(const struct bench_settings *settings, const char *name, 
     fnl_scene_info info = {0};
     struct bench_path path = {0};
     fnl_host host = fnl_host_default();
-    bool good = bench_scene_load(&host, &settings->loading, name, -1, &scene) && bench_scene_path(scene, settings, camera, 1, &path) &&
+    bool good = bench_scene_load(&host, settings, name, -1, &scene) && bench_scene_path(scene, settings, camera, 1, &path) &&
                 fnl_scene_query_info(scene, &info) == FNL_OK;
     *lights = info.light_count - info.directional_count;
     bench_path_destroy(&path);

@@ -222,7 +222,7 @@ static bool run_case(fnl_device *device, const struct bench_settings *settings, 
     const fnl_host host = fnl_host_default();
     struct bench_path path = {0};
     fnl_scene *scene = NULL;
-    bool good = subjects && bench_scene_load(&host, &settings->loading, where->scene, where->lights, &scene) &&
+    bool good = subjects && bench_scene_load(&host, settings, where->scene, where->lights, &scene) &&
                 bench_scene_path(scene, settings, NULL, (float)where->width / (float)where->height, &path) &&
                 open_lanes(device, scene, settings, where, &path.points[0].camera, subjects, count) &&
                 measure(settings, part, subjects, count) && add_rows(settings, where, scene, subjects, count, data);

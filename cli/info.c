@@ -22,11 +22,11 @@ static void print_help(void) {
     puts("Usage: fanal info [OPTIONS] SCENE\n"
          "       fanal info --gbuffers [--size WxH] [--samples N] [--fps N]\n"
          "\n"
-         "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, the names of nodes, meshes and\n"
-         "materials, the extensions it uses and how each is treated, and what is wrong with it. SCENE is a .gltf or .glb file\n"
+         "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, variants of materials, the names of\n"
+         "nodes, meshes and materials, the extensions it uses and how each is treated, and what is wrong with it. SCENE is a .gltf or .glb file\n"
          "or builtin:NAME?key=value&...\n"
          "\n"
-         "  --json                     prints JSON\n" LOADING_HELP
+         "  --json                     prints JSON\n" LOADING_VARIANT_HELP LOADING_HELP
          "  --gbuffers                 prints the layouts of the G-buffer instead: fields, bits, bytes, bandwidth\n"
          "  --size WxH                 at this size (1920x1080)\n"
          "  --samples N                with so many samples a pixel: 1 to 64 (1)\n"
@@ -218,13 +218,21 @@ static void print_animations(const fnl_scene *scene, uint32_t count) {
     print_rest(count);
 }
 
-static void print_text(const fnl_scene *scene, const char *source, const fnl_scene_info *info) {
+static void print_variants(const fnl_scene *scene, uint32_t count, uint32_t shown) {
+    if (count) puts("\nVariants");
+    for (uint32_t i = 0; i < count && i < LIST_MAX; i++)
+        printf("  %3u  %s%s\n", i, name_of(scene, FNL_ENTITY_VARIANT, i), i == shown ? "  (shown)" : "");
+    print_rest(count);
+}
+
+static void print_text(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
     puts(source);
     print_counts(info);
     print_images(scene, info->image_count);
     print_lights(scene, info->light_count);
     print_cameras(scene, info->camera_count);
     print_animations(scene, info->animation_count);
+    print_variants(scene, info->variant_count, variant);
     print_names(scene);
     if (info->extension_count) puts("\nExtensions");
     for (uint32_t i = 0; i < info->extension_count; i++) {
@@ -304,9 +312,9 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
     return object;
 }
 
-static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info) {
+static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
     json_t *root = json_object(), *images = json_array(), *lights = json_array(), *cameras = json_array(),
-           *animations = json_array(), *extensions = json_array(), *warnings = json_array();
+           *animations = json_array(), *variants = json_array(), *extensions = json_array(), *warnings = json_array();
     for (uint32_t i = 0; i < info->image_count; i++) {
         fnl_image_info image;
         fnl_scene_query_image(scene, i, &image);
@@ -325,6 +333,7 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
         json_array_append_new(animations, json_pack("{s:s,s:f,s:I}", "name", animation.name, "duration", animation.duration,
                                                     "channels", (json_int_t)animation.channel_count));
     }
+    for (uint32_t i = 0; i < info->variant_count; i++) json_array_append_new(variants, json_string(name_of(scene, FNL_ENTITY_VARIANT, i)));
     for (uint32_t i = 0; i < info->extension_count; i++) {
         fnl_extension_info extension;
         fnl_scene_query_extension(scene, i, &extension);
@@ -344,6 +353,8 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     json_object_set_new(root, "lights", lights);
     json_object_set_new(root, "cameras", cameras);
     json_object_set_new(root, "animations", animations);
+    json_object_set_new(root, "variants", variants);
+    json_object_set_new(root, "variant", variant == FNL_NO_VARIANT ? json_null() : json_count(variant));
     for (int k = 0; k < NAMED_COUNT; k++) {
         json_t *names = json_array();
         uint32_t count = fnl_scene_count(scene, named[k].kind);
@@ -355,8 +366,8 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     return root;
 }
 
-static int print_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info) {
-    json_t *root = make_json(scene, source, info);
+static int print_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
+    json_t *root = make_json(scene, source, info, variant);
     int failed = json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     putchar('\n');
     json_decref(root);
@@ -370,10 +381,13 @@ int command_info(int argc, char **argv) {
                                             {"size", required_argument, NULL, 's'},
                                             {"samples", required_argument, NULL, 'n'},
                                             {"fps", required_argument, NULL, 'f'},
+                                            {"variant", required_argument, NULL, 'v'},
                                             {"help", no_argument, NULL, 'h'},
                                             LOADING_OPTIONS,
                                             {NULL, 0, NULL, 0}};
     bool json = false, gbuffers = false;
+    const char *wanted_variant = NULL;
+    uint32_t variant;
     struct gbuffer_question question = {1920, 1080, 1, 30};
     fnl_load_params loading = fnl_load_params_default();
     long long integer;
@@ -399,6 +413,9 @@ int command_info(int argc, char **argv) {
                 argument_bad("fps", optarg, "a number above 0");
                 return EXIT_ERROR;
             }
+            break;
+        case 'v':
+            wanted_variant = optarg;
             break;
         case 'h':
             print_help();
@@ -431,12 +448,13 @@ int command_info(int argc, char **argv) {
     fnl_scene *scene = NULL;
     fnl_scene_info info;
     int status = EXIT_ERROR;
-    if (fnl_scene_load(&host, source, &loading, &scene) == FNL_OK && fnl_scene_query_info(scene, &info) == FNL_OK) {
+    if (fnl_scene_load(&host, source, &loading, &scene) == FNL_OK && loading_select_variant(scene, wanted_variant, &variant) &&
+        fnl_scene_query_info(scene, &info) == FNL_OK) {
         status = EXIT_GOOD;
         if (json)
-            status = print_json(scene, source, &info);
+            status = print_json(scene, source, &info, variant);
         else
-            print_text(scene, source, &info);
+            print_text(scene, source, &info, variant);
     }
     fnl_scene_destroy(&scene);
     return status;

@@ -52,6 +52,39 @@ static void test_text(void **state) {
         if (!strstr(out, expected[i])) fail_msg("no '%s' in:\n%s", expected[i], out);
 }
 
+static void test_variants(void **state) {
+    UNUSED(state);
+    save("shoe.gltf", "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_materials_variants\"],\"extensions\":{"
+                      "\"KHR_materials_variants\":{\"variants\":[{\"name\":\"street\"},{\"name\":\"beach\"},{\"name\":\"0\"}]}}}");
+    assert_int_equal(run("shoe.gltf"), 0);
+    assert_non_null(strstr(out, "\nVariants\n    0  street\n    1  beach\n    2  0\n"));
+    static const struct {
+        const char *name;
+        int index;
+    } cases[] = {{"beach", 1}, {"1", 1}, {"0", 2}}; /* names come first */
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        char line[64];
+        snprintf(line, sizeof line, "shoe.gltf --json --variant %s", cases[i].name);
+        assert_int_equal(run(line), 0);
+        json_t *root = json_loads(out, 0, NULL);
+        assert_int_equal(json_array_size(json_object_get(root, "variants")), 3);
+        assert_int_equal(json_integer_value(json_object_get(root, "variant")), cases[i].index);
+        json_decref(root);
+    }
+    assert_int_equal(run("shoe.gltf --variant beach"), 0);
+    assert_non_null(strstr(out, "    1  beach  (shown)\n    2  0\n"));
+    static const char *const wrong[] = {"office", "3", "-1", "1x"};
+    for (uint32_t i = 0; i < COUNT_OF(wrong); i++) {
+        char line[64], expected[160];
+        snprintf(line, sizeof line, "shoe.gltf --variant %s", wrong[i]);
+        snprintf(expected, sizeof expected, "--variant: the scene has no variant '%s'; it has 0 'street', 1 'beach', 2 '0'\n", wrong[i]);
+        assert_int_equal(run(line), 2);
+        if (!strstr(err, expected)) fail_msg("no '%s' in: %s", expected, err);
+    }
+    assert_int_equal(run("builtin:spheres --variant a"), 2);
+    assert_non_null(strstr(err, "the scene has no variant 'a'; it has none\n"));
+}
+
 static void test_json(void **state) {
     UNUSED(state);
     save("lights.gltf", lights);
@@ -124,7 +157,7 @@ static int remove_folder(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_json),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_json), cmocka_unit_test(test_variants),
                                        cmocka_unit_test(test_errors), cmocka_unit_test(test_gbuffers_MP_20_MP_24)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

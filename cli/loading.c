@@ -4,6 +4,7 @@
 #include "arguments.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,36 @@ bool loading_parse(int option, const char *value, fnl_load_params *out) {
     if (option == LOADING_LENIENT) out->lenient = true;
     if (option == LOADING_CONFINE) out->confine = true;
     return option != LOADING_MAX_MEMORY || parse_bytes(value, &out->max_memory);
+}
+
+static bool find_variant(const fnl_scene *scene, uint32_t count, const char *wanted, uint32_t *out) {
+    for (*out = 0; *out < count; ++*out) {
+        fnl_entity_info info;
+        if (fnl_scene_query_entity(scene, FNL_ENTITY_VARIANT, *out, &info) == FNL_OK && strcmp(info.name, wanted) == 0) return true;
+    }
+    char *end;
+    const unsigned long index = strtoul(wanted, &end, 10);
+    *out = (uint32_t)index;
+    return *wanted >= '0' && *wanted <= '9' && !*end && index < count;
+}
+
+bool loading_select_variant(fnl_scene *scene, const char *variant, uint32_t *out) {
+    if (out) *out = FNL_NO_VARIANT;
+    if (!variant) return true;
+    const uint32_t count = fnl_scene_count(scene, FNL_ENTITY_VARIANT);
+    uint32_t index;
+    if (find_variant(scene, count, variant, &index)) {
+        if (out) *out = index;
+        return fnl_scene_select_variant(scene, index) == FNL_OK;
+    }
+    fprintf(stderr, "fanal: error: --variant: the scene has no variant '%s'; it has %s", variant, count ? "" : "none");
+    for (uint32_t i = 0; i < count; i++) {
+        fnl_entity_info info = {.name = ""};
+        (void)fnl_scene_query_entity(scene, FNL_ENTITY_VARIANT, i, &info);
+        fprintf(stderr, "%s%u '%s'", i ? ", " : "", i, info.name);
+    }
+    fputc('\n', stderr);
+    return false;
 }
 
 bool loading_is_builtin(const char *source) { return strncmp(source, "builtin:", 8) == 0; }

@@ -13,6 +13,8 @@ enum { LOADING_LENIENT = 1, LOADING_CONFINE, LOADING_MAX_MEMORY, LOADING_END };
     {"lenient", no_argument, NULL, LOADING_LENIENT}, {"confine", no_argument, NULL, LOADING_CONFINE},                       \
         {"max-memory", required_argument, NULL, LOADING_MAX_MEMORY}
 
+#define LOADING_VARIANT_HELP                                                                                                \
+    "  --variant NAME|INDEX       shows the file's meshes with this variant of their materials ('fanal info' lists them)\n"
 /** Lines for a help text. */
 #define LOADING_HELP                                                                                                        \
     "  --lenient                  loads what it can of a file that is refused otherwise: one that requires an extension\n"  \
@@ -27,6 +29,9 @@ bool loading_parse(int option, const char *value, fnl_load_params *out);
 
 /** Whether a scene is one of the built-in ones, by its name. */
 bool loading_is_builtin(const char *source);
+/** Shows the variant of materials with this name or number; NULL: none. False with a message that lists what there is. `out` (or NULL)
+ * gets its number, FNL_NO_VARIANT for none. */
+bool loading_select_variant(fnl_scene *scene, const char *variant, uint32_t *out);
 /** A file without any light would be black: it gets the environment builtin:studio, with what else `params` (or NULL) says. `added` (or NULL) says whether it did. */
 fnl_result loading_add_default_light(const char *source, fnl_scene *scene, const fnl_environment_params *params, bool *added);
 

@@ -63,6 +63,7 @@ static void add_scene(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "range_roughness", number(o->world.has_range_roughness, (double)o->world.range_roughness));
     json_object_set_new(json, "time", json_real(o->world.time));
     json_object_set_new(json, "animation", text(o->world.animation));
+    json_object_set_new(json, "variant", text(o->world.variant));
 }
 
 static void add_run(json_t *json, const struct render_options *o) {

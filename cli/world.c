@@ -105,6 +105,9 @@ bool world_parse(int option, const char *value, struct world_options *o) {
     case WORLD_ANIMATION:
         o->animation = value;
         return true;
+    case WORLD_VARIANT:
+        o->variant = value;
+        return true;
     default:
         return false;
     }
@@ -166,7 +169,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     uint32_t animation;
     fnl_load_params loading = o->loading;
     loading.progress = show_loading;
-    if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK) return false;
+    if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK || !loading_select_variant(*scene, o->variant, NULL)) return false;
     if (!world_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
         return false;
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;

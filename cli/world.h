@@ -8,7 +8,7 @@
 enum { WORLD_PROBES = 32 };
 
 struct world_options {
-    const char *scene, *camera, *animation;
+    const char *scene, *camera, *animation, *variant;
     bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, has_range_roughness;
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy, range_roughness;
@@ -45,6 +45,7 @@ enum {
     WORLD_TIME,
     WORLD_ANIMATION,
     WORLD_PROBE,
+    WORLD_VARIANT,
     WORLD_END
 };
 
@@ -63,7 +64,8 @@ enum {
         {"light-scale", required_argument, NULL, WORLD_LIGHT_SCALE},                                                        \
         {"range-roughness", required_argument, NULL, WORLD_RANGE_ROUGHNESS},                                                \
         {"grow-metal", required_argument, NULL, WORLD_GROW_METAL}, {"time", required_argument, NULL, WORLD_TIME},           \
-        {"animation", required_argument, NULL, WORLD_ANIMATION}, {"probe", required_argument, NULL, WORLD_PROBE}, LOADING_OPTIONS
+        {"animation", required_argument, NULL, WORLD_ANIMATION}, {"probe", required_argument, NULL, WORLD_PROBE}, \
+        {"variant", required_argument, NULL, WORLD_VARIANT}, LOADING_OPTIONS
 
 /** Lines for help texts. */
 #define WORLD_CAMERA_HELP                                                                                                   \
@@ -88,7 +90,7 @@ enum {
     "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"         \
     "  --time SECONDS             time of the animation (0)\n"                                                              \
     "  --animation NAME|INDEX     which animation (0)\n"                                                                  \
-    "  --probe X,Y,Z,HX,HY,HZ[,SOFTNESS]    adds a probe: the middle of a room and half its size, metres; may be repeated\n" LOADING_HELP
+    "  --probe X,Y,Z,HX,HY,HZ[,SOFTNESS]    adds a probe: the middle of a room and half its size, metres; may be repeated\n" LOADING_VARIANT_HELP LOADING_HELP
 
 struct world_options world_options_default(void);
 /** Whether an option that getopt_long gave is one of them. */

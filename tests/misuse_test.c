@@ -257,6 +257,7 @@ static fnl_loaded loaded;
       NULLED("out", fnl_scene_query_instance(w.scene, 0, NULL)))                                                            \
     X(fnl_scene_query_material, NULLED("scene", fnl_scene_query_material(NULL, 0, &material));                              \
       NULLED("out", fnl_scene_query_material(w.scene, 0, NULL)))                                                            \
+    X(fnl_scene_select_variant, NULLED("scene", fnl_scene_select_variant(NULL, FNL_NO_VARIANT)))                           \
     X(fnl_scene_set_instance_visible, NULLED("scene", fnl_scene_set_instance_visible(NULL, w.instance, true)))              \
     X(fnl_scene_set_material, NULLED("scene", fnl_scene_set_material(NULL, w.material, &material));                         \
       NULLED("params", fnl_scene_set_material(w.scene, w.material, NULL)))                                                  \
@@ -533,6 +534,7 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
     SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));
     SAYS("fnl_scene_set_time", "animation is 1, but there are no animations", fnl_scene_set_time(w.scene, 1, 0));
+    SAYS("fnl_scene_select_variant", "variant is 0, but there are no variants", fnl_scene_select_variant(w.scene, 0));
     SAYS("fnl_scene_grow_metal", "texels is 65, must be 0 .. 64", fnl_scene_grow_metal(w.scene, 65));
     scatter.radius_scale = 0;
     SAYS("fnl_scene_scatter_light_shapes", "radius_scale is 0, must be above 0 and finite",

@@ -141,6 +141,18 @@ FNL_API fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *p
  */
 FNL_API fnl_result fnl_scene_set_mesh(fnl_scene *scene, fnl_mesh_id mesh, uint32_t primitive, const fnl_mesh_params *params);
 
+/* ---- variants of materials ---- */
+
+#define FNL_NO_VARIANT UINT32_MAX
+/**
+ * Shows the meshes of a file as one of its variants says (KHR_materials_variants): an index below fnl_scene_count of FNL_ENTITY_VARIANT, which
+ * fnl_scene_find finds by name. Primitives for which the variant names no material get the one that they have without variants. FNL_NO_VARIANT: all
+ * primitives of all files do. Where several files were loaded into a scene, a variant concerns the meshes of its own file, and those of the others
+ * stay as they are. The scene is then as if the file said so without variants, and what fnl_scene_set_mesh said of the material is lost; primitives
+ * that no variant names stay as they are. Renderers upload no geometry, but sort all instances again.
+ */
+FNL_API fnl_result fnl_scene_select_variant(fnl_scene *scene, uint32_t variant);
+
 #ifdef __cplusplus
 }
 #endif

@@ -47,6 +47,7 @@ typedef enum fnl_entity {
     FNL_ENTITY_CAMERA,
     FNL_ENTITY_ANIMATION,
     FNL_ENTITY_PROBE,
+    FNL_ENTITY_VARIANT, /**< of the materials of a file (fnl_scene_select_variant) */
     FNL_ENTITY_COUNT
 } fnl_entity;
 

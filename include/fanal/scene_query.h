@@ -27,7 +27,7 @@ typedef struct fnl_entity_info {
         fnl_mesh_id mesh;
         fnl_material_id material;
         fnl_image_id image;
-    } id; /**< for the calls that change it; cameras and animations have no id, only an index */
+    } id; /**< for the calls that change it; cameras, animations and variants have no id, only an index */
 } fnl_entity_info;
 
 /**
@@ -52,6 +52,7 @@ typedef struct fnl_scene_info {
     uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
     uint32_t probe_count;
     uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
+    uint32_t variant_count; /**< of materials */
     fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
 } fnl_scene_info;
 

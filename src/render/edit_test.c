@@ -10,6 +10,7 @@
 struct file {
     float group[3], tip[3], color[3], intensity;
     const char *extra, *arm, *panel; /* "": left out; else as node list elements */
+    uint32_t board_material;
 };
 
 static const struct file plain = {.color = {0.8f, 0.1f, 0.1f}, .intensity = 30, .extra = ",6", .arm = ",3", .panel = "1,"};
@@ -29,9 +30,7 @@ static unsigned char *make_glb(const struct file *f, size_t *size) {
     for (int i = 0; i < 32; i++) binary.inverse_bind[i] = i % 16 % 5 == 0;
     char json[6000];
     snprintf(json, sizeof json,
-             "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\"],"
-             "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"name\":\"bulb\",\"type\":\"point\",\"intensity\":%g,"
-             "\"extras\":{\"watts\":60}}]}},"
+             "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_materials_variants\"],"
              "\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":144,\"byteStride\":12},"
              "{\"buffer\":0,\"byteOffset\":144,\"byteLength\":24,\"byteStride\":4},{\"buffer\":0,\"byteOffset\":168,\"byteLength\":96,"
              "\"byteStride\":16},{\"buffer\":0,\"byteOffset\":264,\"byteLength\":128},{\"buffer\":0,\"byteOffset\":392,\"byteLength\":32}],"
@@ -47,8 +46,10 @@ static unsigned char *make_glb(const struct file *f, size_t *size) {
              "\"materials\":[{\"name\":\"paint\",\"extras\":\"gloss\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[%g,%g,%g,1],"
              "\"metallicFactor\":0,\"roughnessFactor\":0.5}},"
              "{\"name\":\"cloth\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.7,0.2,1],\"metallicFactor\":0}}],"
-             "\"meshes\":[{\"name\":\"board\",\"primitives\":[{\"material\":0,\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
-             "\"TEXCOORD_0\":7}}]},"
+             "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"draped\"}]},\"KHR_lights_punctual\":{\"lights\":["
+             "{\"name\":\"bulb\",\"type\":\"point\",\"intensity\":%g,\"extras\":{\"watts\":60}}]}},"
+             "\"meshes\":[{\"name\":\"board\",\"primitives\":[{\"material\":%u,\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
+             "\"TEXCOORD_0\":7},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0]}]}}}]},"
              "{\"name\":\"flag\",\"extras\":[1,2],\"primitives\":[{\"material\":1,\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
              "\"JOINTS_0\":2,\"WEIGHTS_0\":3}}]}],"
              "\"skins\":[{\"joints\":[4,5],\"inverseBindMatrices\":4}],"
@@ -60,7 +61,7 @@ static unsigned char *make_glb(const struct file *f, size_t *size) {
              "\"animations\":[{\"name\":\"rise\",\"samplers\":[{\"input\":5,\"output\":6}],"
              "\"channels\":[{\"sampler\":0,\"target\":{\"node\":%u,\"path\":\"translation\"}}]}],"
              "\"scenes\":[{\"nodes\":[0,4%s%s]}],\"scene\":0}",
-             (double)f->intensity, sizeof binary, (double)f->color[0], (double)f->color[1], (double)f->color[2], f->panel,
+             sizeof binary, (double)f->color[0], (double)f->color[1], (double)f->color[2], (double)f->intensity, f->board_material, f->panel,
              (double)f->group[0], (double)f->group[1], (double)f->group[2], (double)f->tip[0], (double)f->tip[1],
              (double)f->tip[2], 1u, f->arm, f->extra);
     return test_glb(json, &binary, sizeof binary, size);
@@ -364,9 +365,37 @@ static void bake(fnl_scene *scene) {
     decal.kind = FNL_DECAL_BAKED;
     decal.instance = instance(scene, "extra");
     decal.color[1] = decal.color[2] = 0;
-    decal.transform = mat4_mul(mat4_translation(vec3_make(0.4f, 0.4f, 0)), mat4_scaling(vec3_make(0.5f, 0.5f, 1)));
+    /* Its texels show four times; the first of these places is what is painted. */
+    decal.transform = mat4_mul(mat4_translation(vec3_make(-0.3f, -0.65f, 0)), mat4_scaling(vec3_make(0.5f, 0.5f, 1)));
     fnl_decal_id id;
     assert_int_equal(fnl_scene_add_decal(scene, &decal, &id), FNL_OK);
+}
+
+/* A variant, as if the meshes had its materials, and what is painted on them too. */
+static void test_variants_show_as_if_built_so(void **state) {
+    UNUSED(state);
+    struct file draped = plain;
+    draped.board_material = 1;
+    fnl_scene *scenes[2] = {load(&plain), load(&draped)};
+    struct stage stage = open_stage(scenes[0]);
+    fnl_image first = shoot(&stage);
+    assert_int_equal(fnl_scene_select_variant(scenes[0], 0), FNL_OK);
+    assert_true(expect_file(&stage, &draped, &first) > 200);
+    assert_int_equal(fnl_scene_select_variant(scenes[0], FNL_NO_VARIANT), FNL_OK);
+    assert_int_equal(expect_file(&stage, &plain, &first), 0);
+    fnl_image_free(gpu_host(harness_device()), &first);
+    struct stage built = open_stage(scenes[1]);
+    first = shoot(&built);
+    for (int i = 0; i < 2; i++) bake(scenes[i]);
+    assert_int_equal(fnl_scene_select_variant(scenes[0], 0), FNL_OK);
+    fnl_image a = shoot(&stage), b = shoot(&built);
+    assert_true(count_differing(&b, &first) > 20);
+    assert_int_equal(count_differing(&a, &b), 0);
+    fnl_image_free(gpu_host(harness_device()), &first);
+    fnl_image_free(gpu_host(harness_device()), &a);
+    fnl_image_free(gpu_host(harness_device()), &b);
+    stage_close(&built);
+    stage_close(&stage);
 }
 
 static void paint_with(fnl_scene *scene, const fnl_image_id *image, float blue, float specular) {
@@ -493,6 +522,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_a_file_in_a_scene_looks_as_it_does_alone, harness_check),
         cmocka_unit_test_teardown(test_changes_show_as_if_built_so, harness_check),
         cmocka_unit_test_teardown(test_what_is_set_holds_until_it_is_animated, harness_check),
+        cmocka_unit_test_teardown(test_variants_show_as_if_built_so, harness_check),
         cmocka_unit_test_teardown(test_images_stay_on_the_device, harness_check),
         cmocka_unit_test_teardown(test_baked_decals_follow_their_material, harness_check),
         cmocka_unit_test_teardown(test_baked_decals_follow_their_mesh, harness_check),

@@ -333,6 +333,7 @@ static uint32_t copy_mesh(fnl_scene *scene, uint32_t source) {
     for (uint32_t i = 0; i < mesh.primitive_count; i++) {
         copies[i] = scene->primitives.data[mesh.first_primitive + i];
         copies[i].memory = (struct arena){0}; /* the source's */
+        copies[i].mapping_count = 0;          /* they follow it */
         struct scene_material material =
             copies[i].material == SCENE_NONE ? scene_material_default() : scene->materials.data[copies[i].material];
         if (copies[i].material == SCENE_NONE) material.name = "";

@@ -141,6 +141,7 @@ struct gltf {
     uint32_t vertex_map_stamp;
     struct gltf_camera *cameras;
     struct gltf_light *lights;
+    uint32_t *variant_stamps, variant_stamp; /* scratch of gltf_load_mappings */
     uint32_t *node_lights; /* by node: a light, or SCENE_NONE */
     bool *in_scene;        /* by node: part of the shown scene, visible or not */
     bool *hidden;          /* by node: KHR_node_visibility hides it and what is below */
@@ -260,6 +261,9 @@ void gltf_load_images(struct gltf *g);    /* images, samplers, textures (gltf_im
 /** gltf_take_memory for a picture as it will be decoded. */
 bool gltf_take_image(struct gltf *g, const struct at *at, uint32_t width, uint32_t height);
 void gltf_load_materials(struct gltf *g); /* gltf_material.c */
+void gltf_load_variants(struct gltf *g);  /* of materials: their names (gltf_variant.c) */
+/** What material a primitive has in each variant; its own one is there. False: lack of memory. */
+bool gltf_load_mappings(struct gltf *g, json_t *primitive, const struct at *at, struct scene_primitive *out);
 void gltf_load_meshes(struct gltf *g);    /* gltf_mesh.c */
 /** The vertices that a primitive's indices name; `source` NULL means all, in order. */
 struct gltf_selection {

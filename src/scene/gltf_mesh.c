@@ -2,9 +2,9 @@
 /* Meshes and their primitives (glTF 2.0, 3.7). */
 #include "scene/gltf.h"
 
-static void warn_unread_uv(struct gltf *g, const struct at *at, const struct scene_primitive *primitive) {
-    if (primitive->material == SCENE_NONE) return;
-    const struct scene_material *material = &g->scene->materials.data[primitive->material];
+static void warn_unread_uv(struct gltf *g, const struct at *at, const struct scene_primitive *primitive, uint32_t index) {
+    if (index == SCENE_NONE) return;
+    const struct scene_material *material = &g->scene->materials.data[index];
     bool missing[2] = {false, false};
     for (uint32_t i = 0; i < SCENE_TEXTURE_SLOT_COUNT; i++) {
         const struct scene_texture *texture = &material->textures[i];
@@ -12,17 +12,26 @@ static void warn_unread_uv(struct gltf *g, const struct at *at, const struct sce
     }
     for (uint32_t set = 0; set < 2; set++)
         if (missing[set])
-            gltf_warn(g, AT_KEY(at, "material"), "its textures want TEXCOORD_%u, which the primitive lacks; 0, 0 is used",
-                      set);
+            gltf_warn(g, at, "the textures of material %u want TEXCOORD_%u, which the primitive lacks; 0, 0 is used", index, set);
+}
+
+/* Which coordinates of a primitive a material's normal texture reads; SCENE_NONE: none. */
+static uint32_t normal_uv_set(const struct gltf *g, const struct scene_primitive *primitive, uint32_t material) {
+    if (material == SCENE_NONE) return SCENE_NONE;
+    const struct scene_texture *normal = &g->scene->materials.data[material].textures[SCENE_TEXTURE_NORMAL];
+    return normal->image != SCENE_NONE && primitive->uv[normal->uv_set] ? normal->uv_set : SCENE_NONE;
+}
+
+/* The primitive's own material decides what tangents are made for, and where it has no normal texture, the first variant with one. */
+static uint32_t tangent_uv_set(const struct gltf *g, const struct scene_primitive *primitive) {
+    uint32_t set = normal_uv_set(g, primitive, primitive->material);
+    for (uint32_t i = 0; i < primitive->mapping_count && set == SCENE_NONE; i++) set = normal_uv_set(g, primitive, primitive->mappings[i].material);
+    return set == SCENE_NONE ? 0 : set;
 }
 
 /* Tangents follow the coordinates of the normal texture (glTF 2.0, 3.7.2.1): mesh_complete takes the first set, so it is shown them there. */
 static fnl_result complete_by_normal_texture(struct gltf *g, struct scene_primitive *primitive) {
-    bool second = false;
-    if (primitive->material != SCENE_NONE) {
-        const struct scene_texture *normal = &g->scene->materials.data[primitive->material].textures[SCENE_TEXTURE_NORMAL];
-        second = normal->image != SCENE_NONE && normal->uv_set == 1 && primitive->uv[1];
-    }
+    const bool second = tangent_uv_set(g, primitive) == 1;
     const vec2 *first_set = primitive->uv[0];
     if (second) {
         primitive->uv[0] = primitive->uv[1];
@@ -56,9 +65,24 @@ static bool complete(struct gltf *g, const struct at *at, struct scene_primitive
     return result == FNL_OK;
 }
 
+/* What the vertices lack for the materials of variants. */
+static void check_variants(struct gltf *g, const struct at *at, const struct scene_primitive *primitive, bool tangents_given) {
+    const struct at *extensions_at = AT_KEY(at, "extensions"), *extension_at = AT_KEY(extensions_at, "KHR_materials_variants"),
+                    *here = AT_KEY(extension_at, "mappings");
+    for (uint32_t i = 0; i < primitive->mapping_count; i++) {
+        const uint32_t material = primitive->mappings[i].material;
+        if (i > 0 && material == primitive->mappings[i - 1].material) continue; /* said already */
+        warn_unread_uv(g, here, primitive, material);
+        const uint32_t set = normal_uv_set(g, primitive, material), made = tangent_uv_set(g, primitive);
+        if (!tangents_given && set != SCENE_NONE && set != made)
+            gltf_warn(g, here, "the normal texture of material %u wants tangents by TEXCOORD_%u; those by TEXCOORD_%u are used", material, set, made);
+    }
+}
+
 static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, struct scene_primitive *out,
                            struct gltf_primitive_joints *joints) {
     *out = (struct scene_primitive){.material = gltf_index(g, object, at, "material", false, g->material_count)};
+    if (!gltf_load_mappings(g, object, at, out)) return false;
     json_t *attribute_object = gltf_object(g, object, at, "attributes", true);
     if (!attribute_object) return false;
     const struct at *attributes_at = AT_KEY(at, "attributes");
@@ -74,8 +98,10 @@ static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, 
     if (!gltf_load_indices(g, object, at, g->accessors[position].count, out, &selection)) return false;
     if (!gltf_load_vertices(g, object, at, &attributes, &selection, out)) return false;
     gltf_load_joints(g, attributes_at, &attributes, &selection, out, joints);
+    const bool tangents_given = out->tangents != NULL;
     if (g->result != FNL_OK || !complete(g, at, out)) return false;
-    warn_unread_uv(g, at, out);
+    warn_unread_uv(g, AT_KEY(at, "material"), out, out->material);
+    check_variants(g, at, out, tangents_given);
     return true;
 }
 

@@ -63,6 +63,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->probes);
     array_free(&host, &scene->painted);
     array_free(&host, &scene->cameras);
+    array_free(&host, &scene->variants);
     array_free(&host, &scene->extensions);
     array_free(&host, &scene->messages);
     array_free(&host, &scene->moved);

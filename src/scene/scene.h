@@ -99,6 +99,11 @@ enum scene_topology {
     SCENE_TOPOLOGY_POINTS
 }; /* strips, fans and loops are expanded */
 
+/** A primitive's material in a variant. */
+struct scene_mapping {
+    uint32_t variant, material;
+};
+
 /** Differences to the base vertices; NULL where the target leaves an attribute alone. */
 struct scene_morph_target {
     const vec3 *positions, *normals, *tangents;
@@ -107,6 +112,8 @@ struct scene_morph_target {
 /** Arrays belong to the scene's arena, or once they were replaced to `memory`. Only positions and indices are always there; importers generate missing normals and tangents (lines and points stay without, and are unlit). */
 struct scene_primitive {
     uint32_t material; /* index; SCENE_NONE: glTF's default material */
+    const struct scene_mapping *mappings; /* each variant once, all of one file; the others have standard_material */
+    uint32_t mapping_count, standard_material;
     enum scene_topology topology;
     uint32_t vertex_count, index_count;
     const uint32_t *indices;
@@ -236,6 +243,12 @@ struct scene_camera {
     fnl_camera camera; /* projection, and the pose of free cameras */
 };
 
+/* A variant of materials (fnl_scene_select_variant). */
+struct scene_variant {
+    const char *name, *extras;
+    uint32_t first; /* of the variants of its file */
+};
+
 struct scene_extension {
     const char *name, *treatment;
     bool required;
@@ -261,6 +274,7 @@ struct fnl_scene {
     ARRAY(struct scene_painted) painted;
     ARRAY(struct scene_probe) probes; /* removed ones stay as holes and are reused */
     ARRAY(struct scene_camera) cameras;
+    ARRAY(struct scene_variant) variants;
     ARRAY(struct scene_extension) extensions;
     ARRAY(const char *) messages;
 

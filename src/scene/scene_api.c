@@ -324,6 +324,7 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .skin_count = scene->skins.count,
         .extension_count = scene->extensions.count,
         .message_count = scene->messages.count,
+        .variant_count = scene->variants.count,
         .bounds_low = bounds.low,
         .bounds_high = bounds.high,
     };

@@ -17,7 +17,7 @@ static uint32_t slot_count(const fnl_scene *scene, fnl_entity kind) {
         [FNL_ENTITY_DECAL] = scene->decals.count,    [FNL_ENTITY_MESH] = scene->meshes.count,
         [FNL_ENTITY_MATERIAL] = scene->materials.count, [FNL_ENTITY_IMAGE] = scene->images.count,
         [FNL_ENTITY_CAMERA] = scene->cameras.count,  [FNL_ENTITY_ANIMATION] = scene->animations.count,
-        [FNL_ENTITY_PROBE] = scene->probes.count};
+        [FNL_ENTITY_PROBE] = scene->probes.count,    [FNL_ENTITY_VARIANT] = scene->variants.count};
     return counts[kind];
 }
 
@@ -37,7 +37,8 @@ uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t ind
     return slot;
 }
 
-static const char *const plurals[] = {"instances", "lights", "decals", "meshes", "materials", "images", "cameras", "animations", "probes"};
+static const char *const plurals[] = {"instances", "lights", "decals", "meshes", "materials", "images", "cameras", "animations", "probes",
+                                       "variants"};
 _Static_assert(COUNT_OF(plurals) == FNL_ENTITY_COUNT, "each kind of entity has its name");
 
 static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
@@ -80,6 +81,10 @@ static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_
         break;
     case FNL_ENTITY_PROBE:
         info.id.probe = (fnl_probe_id){slot, scene->probes.data[slot].generation};
+        break;
+    case FNL_ENTITY_VARIANT:
+        info.name = scene->variants.data[slot].name;
+        info.extras = scene->variants.data[slot].extras;
         break;
     case FNL_ENTITY_COUNT:
         break;

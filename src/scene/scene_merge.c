@@ -4,7 +4,7 @@
 
 /* How much indices of the file grow. */
 struct offsets {
-    uint32_t images, samplers, materials, primitives, meshes, nodes, skins, animations, lights, cameras, decals, probes;
+    uint32_t images, samplers, materials, primitives, meshes, nodes, skins, animations, lights, cameras, decals, probes, variants;
 };
 
 static uint32_t moved(uint32_t index, uint32_t offset) { return index == SCENE_NONE ? SCENE_NONE : index + offset; }
@@ -18,7 +18,7 @@ static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     uint64_t nodes = (uint64_t)into->nodes.count + from->nodes.count + 1; /* the root is one more */
     bool room = ROOM(files) && ROOM(resources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
-                ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
+                ROOM(variants) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
     return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
 }
@@ -45,8 +45,18 @@ static void append_materials(fnl_scene *into, const fnl_scene *from, const struc
 static void append_meshes(fnl_scene *into, const fnl_scene *from, const struct offsets *at) {
     APPEND(primitives);
     APPEND(meshes);
-    for (uint32_t i = at->primitives; i < into->primitives.count; i++)
-        into->primitives.data[i].material = moved(into->primitives.data[i].material, at->materials);
+    APPEND(variants);
+    for (uint32_t i = at->primitives; i < into->primitives.count; i++) {
+        struct scene_primitive *primitive = &into->primitives.data[i];
+        struct scene_mapping *mappings = (struct scene_mapping *)primitive->mappings; /* as in append_animations() */
+        primitive->material = moved(primitive->material, at->materials);
+        primitive->standard_material = moved(primitive->standard_material, at->materials);
+        for (uint32_t k = 0; k < primitive->mapping_count; k++) {
+            mappings[k].variant += at->variants;
+            mappings[k].material += at->materials;
+        }
+    }
+    for (uint32_t i = at->variants; i < into->variants.count; i++) into->variants.data[i].first += at->variants;
     for (uint32_t i = at->meshes; i < into->meshes.count; i++) into->meshes.data[i].first_primitive += at->primitives;
 }
 
@@ -165,7 +175,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     const struct offsets at = {into->images.count,     into->samplers.count, into->materials.count, into->primitives.count,
                                into->meshes.count,     into->nodes.count,    into->skins.count,     into->animations.count,
                                into->lights.count,     into->cameras.count,  into->decals.count,
-                               into->probes.count};
+                               into->probes.count,     into->variants.count};
     APPEND(files);
     APPEND(resources);
     append_materials(into, from, &at);

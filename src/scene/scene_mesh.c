@@ -204,6 +204,35 @@ fnl_result fnl_scene_set_mesh(fnl_scene *scene, fnl_mesh_id id, uint32_t primiti
     return result;
 }
 
+/* What it shows in a variant of its file; FNL_NO_VARIANT: in none. */
+static uint32_t material_in(const struct scene_primitive *p, uint32_t variant) {
+    for (uint32_t i = 0; i < p->mapping_count; i++)
+        if (p->mappings[i].variant == variant) return p->mappings[i].material;
+    return p->standard_material;
+}
+
+fnl_result fnl_scene_select_variant(fnl_scene *scene, uint32_t variant) {
+    TRY(check_handle(__func__, "scene", scene));
+    const bool all = variant == FNL_NO_VARIANT;
+    if (!all) TRY(check_index(CALL(&scene->host), "variant", variant, scene->variants.count, "variants"));
+    fnl_result result = FNL_OK;
+    bool changed = false;
+    for (uint32_t m = 0; m < scene->meshes.count; m++)
+        for (uint32_t i = 0; i < scene->meshes.data[m].primitive_count; i++) {
+            struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[m].first_primitive + i];
+            if (!p->mapping_count) continue;
+            if (!all && scene->variants.data[p->mappings[0].variant].first != scene->variants.data[variant].first) continue;
+            const uint32_t material = material_in(p, variant);
+            if (p->material == material) continue;
+            p->material = material;
+            changed = true;
+            const fnl_result painted = update_painted(scene, m, i, true);
+            if (result == FNL_OK) result = painted;
+        }
+    if (changed) scene_structure_changed(scene);
+    return result;
+}
+
 fnl_result fnl_scene_query_mesh(const fnl_scene *scene, uint32_t index, uint32_t primitive, fnl_mesh_info *out) {
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);

@@ -99,23 +99,26 @@ cmp -s "$work/no-cache.png" "$work/cache.png" || fail "the picture without a cac
 # Files from strangers: what they require, which files they read, and how much memory, in every command that loads.
 mkdir "$work/place"
 asset='"asset": {"version": "2.0"}'
-echo "{$asset, \"extensionsUsed\": [\"KHR_materials_variants\"], \"extensionsRequired\": [\"KHR_materials_variants\"]}" >"$work/place/requires.gltf"
+echo "{$asset, \"extensionsUsed\": [\"KHR_materials_pbrSpecularGlossiness\"], \"extensionsRequired\": [\"KHR_materials_pbrSpecularGlossiness\"]}" >"$work/place/requires.gltf"
+echo "{$asset, \"extensionsUsed\": [\"KHR_materials_variants\"], \"extensions\": {\"KHR_materials_variants\": {\"variants\": [{\"name\": \"y\"}]}}}" >"$work/place/variants.gltf"
 echo "{$asset, \"buffers\": [{\"byteLength\": 4, \"uri\": \"nowhere.bin\"}]}" >"$work/place/missing.gltf"
 echo "{$asset, \"buffers\": [{\"byteLength\": 4, \"uri\": \"../cut.gltf\"}]}" >"$work/place/outside.gltf"
 echo "{$asset, \"buffers\": [{\"byteLength\": 4, \"uri\": \"data:application/octet-stream;base64,AAAAAAAA\"}]}" >"$work/place/inside.gltf"
 for command in "render $plain --lists all -o $work/a.png" "bench --sizes 64x36 --shading forward --lists brute --frames 1 --warm-up 0 -o $work/strangers" info; do
     # shellcheck disable=SC2086
     {
-        expect 2 'requires.gltf: /extensionsRequired/0: .*KHR_materials_variants' $command "$work/place/requires.gltf"
+        expect 2 'requires.gltf: /extensionsRequired/0: .*KHR_materials_pbrSpecularGlossiness' $command "$work/place/requires.gltf"
         expect 2 'missing.gltf: /buffers/0/uri: .*nowhere.bin: cannot be opened' $command "$work/place/missing.gltf"
         expect 2 "outside.gltf: /buffers/0/uri: '../cut.gltf' is outside" $command "$work/place/outside.gltf" --confine
         expect 2 'inside.gltf: /buffers/0/uri: needs 9 bytes of memory; of the limit of 8' $command "$work/place/inside.gltf" --max-memory 8
         expect 2 "max-memory: '1T' is not a number of bytes" $command "$work/place/inside.gltf" --max-memory 1T
+        expect 2 "variant: the scene has no variant 'x'; it has 0 'y'" $command "$work/place/variants.gltf" --variant x
         absent "$work/a.png" "$work/strangers"
         expect 0 '' $command "$work/place/requires.gltf" --lenient
         rm -rf "$work/a.png" "$work/strangers"
     }
 done
+expect 2 "variant: the scene has no variant 'x'; it has 0 'y'" trace $plain "$work/place/variants.gltf" --variant x -o "$work/a.png"
 expect 0 "is outside of the file's folder; it is read all the same" info "$work/place/outside.gltf"
 expect 0 '' info "$work/place/inside.gltf" --max-memory 1K --confine
 

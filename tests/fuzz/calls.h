@@ -278,6 +278,9 @@ static inline void calls_on_scene(struct fuzz_input *in, fnl_scene *scene, uint8
     case 5:
         fnl_scene_grow_metal(scene, fuzz_byte(in) % 8);
         return;
+    case 6:
+        fnl_scene_select_variant(scene, (uint32_t)fuzz_byte(in) % 5 - 1);
+        return;
     default:
         camera.position = fuzz_vec3(in);
         camera.target = fuzz_vec3(in);
@@ -312,7 +315,7 @@ static inline void calls_make(struct fuzz_input *in, fnl_scene *scene, struct ca
         calls_on_decal(in, scene, c, call / 8 % 3);
         return;
     default:
-        calls_on_scene(in, scene, call / 8 % 7);
+        calls_on_scene(in, scene, call / 8 % 8);
         return;
     }
 }

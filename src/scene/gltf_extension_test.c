@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: MIT */
+/* What the importer makes of extensions that say more than a scene shows at once: variants of materials. */
+#include "tests/gltf_test_file.h"
+
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#define ASSET "\"asset\":{\"version\":\"2.0\"}"
+
+static struct test_log file_log;
+
+static fnl_scene *load(const char *json, const void *binary, size_t size) {
+    fnl_scene *scene = NULL;
+    if (test_load(&file_log, json, binary, size, &scene) != FNL_OK) fail_msg("not loaded: %s", file_log.text);
+    return scene;
+}
+
+static fnl_scene *load_clean(const char *json, const void *binary, size_t size) {
+    fnl_scene *scene = load(json, binary, size);
+    if (file_log.count) fail_msg("%s", file_log.text);
+    return scene;
+}
+
+static void expect_lines(const char *const *lines, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!strstr(file_log.text, lines[i])) fail_msg("no '%s' in:\n%s", lines[i], file_log.text);
+    if (file_log.count != count) fail_msg("%u lines, not %u:\n%s", file_log.count, count, file_log.text);
+}
+
+/* ---- KHR_materials_variants ---- */
+
+#define TRIANGLE                                                                                                            \
+    "\"buffers\":[{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"  \
+    "\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"min\":[0,0,0],\"max\":[1,1,0]}]"
+#define PRIMITIVE(material, mappings)                                                                                       \
+    "{" material "\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[" mappings "]}}}"
+static const vec3 triangle[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+
+/* Three primitives: one that two variants change, one without a material of its own that the third changes, and one that none does. */
+static const char colours[] =
+    "{" ASSET ",\"extensionsUsed\":[\"KHR_materials_variants\"],\"extensionsRequired\":[\"KHR_materials_variants\"],"
+    "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"red\"},{\"name\":\"crimson\",\"extras\":{\"id\":4}},{\"name\":\"dusk\"}]}},"
+    "\"materials\":[{\"name\":\"plain\"},{\"name\":\"red\"},{\"name\":\"dark\"}]," TRIANGLE ",\"meshes\":[{\"primitives\":["
+    PRIMITIVE("\"material\":0,", "{\"material\":1,\"variants\":[0,1]},{\"material\":2,\"variants\":[2],\"name\":\"night\"}") ","
+    PRIMITIVE("", "{\"material\":2,\"variants\":[2]}") "]},"
+    "{\"primitives\":[{\"material\":1,\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0},{\"mesh\":1}]}";
+
+static void expect_materials(const fnl_scene *scene, uint32_t first, uint32_t offset, const uint32_t materials[3]) {
+    for (uint32_t i = 0; i < 3; i++)
+        assert_int_equal(scene->primitives.data[first + i].material, materials[i] == SCENE_NONE ? SCENE_NONE : materials[i] + offset);
+}
+
+enum { VARIANTS = 3 };
+static const uint32_t standard[3] = {0, SCENE_NONE, 1}, by_variant[VARIANTS][3] = {{1, SCENE_NONE, 1}, {1, SCENE_NONE, 1}, {2, 2, 1}};
+
+static void test_variants_change_materials(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = load_clean(colours, triangle, sizeof triangle);
+    fnl_entity_info entity;
+    fnl_scene_info info;
+    fnl_extension_info extension;
+    uint32_t index;
+    assert_int_equal(fnl_scene_query_extension(scene, 0, &extension), FNL_OK);
+    assert_string_equal(extension.treatment, "full");
+    assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+    assert_int_equal(info.variant_count, VARIANTS);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_VARIANT), VARIANTS);
+    assert_int_equal(fnl_scene_find(scene, FNL_ENTITY_VARIANT, "crimson", &index), FNL_OK);
+    assert_int_equal(index, 1);
+    assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_VARIANT, 1, &entity), FNL_OK);
+    assert_string_equal(entity.extras, "{\"id\":4}");
+    assert_int_equal(fnl_scene_find(scene, FNL_ENTITY_VARIANT, "blue", &index), FNL_ERROR_INVALID);
+    assert_non_null(strstr(file_log.text, "there is no 'blue' among the 3 variants: 'red', 'crimson', 'dusk'"));
+
+    /* From each to each, and back to none: renderers hear of it where something changes, and of no shapes. */
+    expect_materials(scene, 0, 0, standard);
+    for (uint32_t from = 0; from < VARIANTS; from++)
+        for (uint32_t to = 0; to <= VARIANTS; to++) {
+            const uint32_t *expected = to == VARIANTS ? standard : by_variant[to];
+            assert_int_equal(fnl_scene_select_variant(scene, from), FNL_OK);
+            expect_materials(scene, 0, 0, by_variant[from]);
+            const uint64_t before = scene->structure_version, materials = scene->material_version;
+            assert_int_equal(fnl_scene_select_variant(scene, to == VARIANTS ? FNL_NO_VARIANT : to), FNL_OK);
+            expect_materials(scene, 0, 0, expected);
+            const bool changes = memcmp(expected, by_variant[from], sizeof standard) != 0;
+            assert_int_equal(scene->structure_version > before, changes);
+            if (changes) assert_int_equal(scene->edited_since, scene->structure_version);
+            assert_int_equal(scene->material_version, materials);
+            for (uint32_t i = 0; i < 3; i++) assert_int_equal(scene->primitives.data[i].version, 0);
+        }
+    assert_int_equal(fnl_scene_select_variant(scene, VARIANTS), FNL_ERROR_INVALID);
+    expect_materials(scene, 0, 0, standard);
+
+    /* What else was set goes, but where no variant says anything. */
+    const fnl_material_id dark = {2, 1};
+    for (uint32_t mesh = 0; mesh < 2; mesh++) {
+        fnl_mesh_info shown;
+        assert_int_equal(fnl_scene_query_mesh(scene, mesh, 0, &shown), FNL_OK);
+        shown.params.material = dark;
+        assert_int_equal(fnl_scene_set_mesh(scene, (fnl_mesh_id){mesh, 1}, 0, &shown.params), FNL_OK);
+    }
+    expect_materials(scene, 0, 0, (const uint32_t[]){2, SCENE_NONE, 2});
+    assert_int_equal(fnl_scene_select_variant(scene, FNL_NO_VARIANT), FNL_OK);
+    expect_materials(scene, 0, 0, (const uint32_t[]){0, SCENE_NONE, 2});
+    fnl_scene_destroy(&scene);
+}
+
+/* In one scene each file has its own variants. */
+static void test_variants_of_two_files(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = load_clean(colours, triangle, sizeof triangle);
+    size_t size;
+    unsigned char *glb = test_glb(colours, triangle, sizeof triangle, &size);
+    fnl_load_params params = fnl_load_params_default();
+    params.data = glb;
+    params.size = size;
+    fnl_loaded loaded;
+    assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "b.glb", &params, &loaded), FNL_OK);
+    free(glb);
+    const uint32_t b = loaded.first[FNL_ENTITY_VARIANT], offset = loaded.first[FNL_ENTITY_MATERIAL];
+    assert_int_equal(b, VARIANTS);
+    assert_int_equal(loaded.count[FNL_ENTITY_VARIANT], VARIANTS);
+    assert_int_equal(fnl_scene_select_variant(scene, b + 2), FNL_OK);
+    expect_materials(scene, 0, 0, standard);
+    expect_materials(scene, 3, offset, by_variant[2]);
+    assert_int_equal(fnl_scene_select_variant(scene, 0), FNL_OK);
+    expect_materials(scene, 0, 0, by_variant[0]);
+    expect_materials(scene, 3, offset, by_variant[2]);
+    assert_int_equal(fnl_scene_select_variant(scene, FNL_NO_VARIANT), FNL_OK);
+    expect_materials(scene, 0, 0, standard);
+    expect_materials(scene, 3, offset, standard);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_broken_variants(void **state) {
+    UNUSED(state);
+#define MAPPINGS "/meshes/0/primitives/0/extensions/KHR_materials_variants/mappings"
+    fnl_scene *scene = load(
+        "{" ASSET ",\"extensionsUsed\":[\"KHR_materials_variants\"],\"extensions\":{\"KHR_materials_variants\":{\"variants\":["
+        "{\"name\":\"a\"},{},{\"name\":\"a\"},7,{\"name\":\"b\"}]}},\"materials\":[{},{}]," TRIANGLE ",\"meshes\":[{\"primitives\":["
+        PRIMITIVE("\"material\":0,", "{\"material\":1,\"variants\":[0,5,0]},{\"material\":2,\"variants\":[1]},{\"variants\":[1]},{\"material\":0},"
+                                     "{\"material\":0,\"variants\":[]},{\"material\":0,\"variants\":[\"b\",0,4]},3,"
+                                     "{\"material\":1,\"variants\":[2,-1]}") "]},"
+        "{\"primitives\":[" PRIMITIVE("", "") "]}],\"nodes\":[{\"mesh\":0}]}",
+        triangle, sizeof triangle);
+    static const char *const lines[] = {
+        "/extensions/KHR_materials_variants/variants/1: has no name; only its number, 1, selects it",
+        "/extensions/KHR_materials_variants/variants/2/name: 'a' is the name of variant 0 too; only its number, 2, selects it",
+        "/extensions/KHR_materials_variants/variants/3: is a number, not an object",
+        MAPPINGS "/0/variants/1: refers to number 5, but there are 5",
+        MAPPINGS "/0/variants/2: variant 0 has its material already; this one is ignored",
+        MAPPINGS "/1/material: refers to number 2, but there are 2",
+        MAPPINGS "/2: has no 'material'",
+        MAPPINGS "/3: has no 'variants'",
+        MAPPINGS "/4/variants: is empty",
+        MAPPINGS "/5/variants/0: is not an index",
+        MAPPINGS "/5/variants/1: variant 0 has its material already",
+        MAPPINGS "/6: is a number, not an object",
+        MAPPINGS "/7/variants/1: is not an index",
+        "/meshes/1/primitives/0/extensions/KHR_materials_variants/mappings: is empty",
+    };
+    expect_lines(lines, COUNT_OF(lines));
+    const uint32_t expected[] = {1, 0, 1, 0, 0};
+    assert_int_equal(scene->variants.count, COUNT_OF(expected));
+    for (uint32_t i = 0; i < COUNT_OF(expected); i++) {
+        assert_int_equal(fnl_scene_select_variant(scene, i), FNL_OK);
+        assert_int_equal(scene->primitives.data[0].material, expected[i]);
+    }
+    fnl_scene_destroy(&scene);
+
+    scene = load("{" ASSET ",\"extensionsUsed\":[\"KHR_materials_variants\"],\"materials\":[{}]," TRIANGLE
+                 ",\"meshes\":[{\"primitives\":[" PRIMITIVE("", "{\"material\":0,\"variants\":[0]}") "]}]}",
+                 triangle, sizeof triangle);
+    static const char *const missing[] = {MAPPINGS "/0: the file has no /extensions/KHR_materials_variants; all mappings are ignored"};
+    expect_lines(missing, COUNT_OF(missing));
+    assert_int_equal(scene->primitives.data[0].mapping_count, 0);
+    fnl_scene_destroy(&scene);
+}
+
+/* A variant's textures want coordinates, and its normal texture tangents. */
+static void test_variants_want_coordinates(void **state) {
+    UNUSED(state);
+    static const struct {
+        vec3 positions[3];
+        vec2 uv1[3], uv0[3]; /* along y, along x */
+    } binary = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0}, {0, 1}, {1, 0}}, {{0, 0}, {1, 0}, {0, 1}}};
+    static const char form[] =
+        "{" ASSET ",\"extensionsUsed\":[\"KHR_materials_variants\"],\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"a\"}]}},"
+        "\"images\":[{\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"}],\"textures\":[{\"source\":0}],"
+        "\"materials\":[%s,{\"normalTexture\":{\"index\":0,\"texCoord\":1}%s}],"
+        "\"buffers\":[{\"byteLength\":84}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":24},"
+        "{\"buffer\":0,\"byteOffset\":60,\"byteLength\":24}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"min\":[0,0,0],\"max\":[1,1,0]},"
+        "{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC2\",\"count\":3},"
+        "{\"bufferView\":2,\"componentType\":5126,\"type\":\"VEC2\",\"count\":3}],\"meshes\":[{\"primitives\":[{\"material\":0,\"attributes\":{"
+        "\"POSITION\":0,%s\"TEXCOORD_1\":1},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0]}]}}}]}]}";
+    static const struct {
+        const char *own, *base, *uv0, *line;
+        bool second;
+    } cases[] = {
+        {"{}", "", "\"TEXCOORD_0\":2,", NULL, true},
+        {"{\"normalTexture\":{\"index\":0}}", "", "\"TEXCOORD_0\":2,",
+         MAPPINGS ": the normal texture of material 1 wants tangents by TEXCOORD_1; those by TEXCOORD_0 are used", false},
+        {"{}", ",\"emissiveTexture\":{\"index\":0}", "", MAPPINGS ": the textures of material 1 want TEXCOORD_0, which the primitive lacks", true},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        char json[2048];
+        snprintf(json, sizeof json, form, cases[i].own, cases[i].base, cases[i].uv0);
+        fnl_scene *scene = load(json, &binary, sizeof binary);
+        /* warnings of the file's sets that do not follow one another are not of interest here */
+        if (cases[i].line && !strstr(file_log.text, cases[i].line)) fail_msg("no '%s' in:\n%s", cases[i].line, file_log.text);
+        if (!cases[i].line && strstr(file_log.text, "material")) fail_msg("%s", file_log.text);
+        const vec4 tangent = scene->primitives.data[0].tangents[0];
+        assert_true((cases[i].second ? tangent.y : tangent.x) > 0.999f);
+        fnl_scene_destroy(&scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_variants_change_materials),
+        cmocka_unit_test(test_variants_of_two_files),
+        cmocka_unit_test(test_broken_variants),
+        cmocka_unit_test(test_variants_want_coordinates),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
