@@ -23,7 +23,7 @@ static void print_help(void) {
          "       fanal info --gbuffers [--size WxH] [--samples N] [--fps N]\n"
          "\n"
          "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, variants of materials, the names of\n"
-         "nodes, meshes and materials, the extensions it uses and how each is treated, and what is wrong with it. SCENE is a .gltf or .glb file\n"
+         "nodes, meshes and materials, metadata, the extensions it uses and how each is treated, and what is wrong with it. SCENE is a .gltf or .glb file\n"
          "or builtin:NAME?key=value&...\n"
          "\n"
          "  --json                     prints JSON\n" LOADING_VARIANT_HELP LOADING_HELP
@@ -225,6 +225,30 @@ static void print_variants(const fnl_scene *scene, uint32_t count, uint32_t show
     print_rest(count);
 }
 
+/* What each is about, and its members but for the names of vocabularies. */
+static void print_metadata(const fnl_scene *scene) {
+    const uint32_t count = fnl_scene_count(scene, FNL_ENTITY_METADATA);
+    if (count) puts("\nMetadata");
+    for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
+        fnl_entity_info info = {.name = ""};
+        fnl_scene_query_entity(scene, FNL_ENTITY_METADATA, i, &info);
+        printf("  %3u  %.160s\n", i, *info.name ? info.name : "(of nothing)");
+        json_t *packet = info.extras ? json_loads(info.extras, 0, NULL) : NULL, *value;
+        const char *key;
+        json_object_foreach(packet, key, value) {
+            if (strcmp(key, "@context") == 0) continue;
+            json_t *name = json_string(key);
+            char *name_text = json_dumps(name, JSON_ENCODE_ANY), *text = json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT);
+            if (name_text && text) printf("       %s: %.160s\n", name_text, text);
+            free(name_text);
+            free(text);
+            json_decref(name);
+        }
+        json_decref(packet);
+    }
+    print_rest(count);
+}
+
 static void print_text(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
     puts(source);
     print_counts(info);
@@ -234,6 +258,7 @@ static void print_text(const fnl_scene *scene, const char *source, const fnl_sce
     print_animations(scene, info->animation_count);
     print_variants(scene, info->variant_count, variant);
     print_names(scene);
+    print_metadata(scene);
     if (info->extension_count) puts("\nExtensions");
     for (uint32_t i = 0; i < info->extension_count; i++) {
         fnl_extension_info extension;
@@ -312,6 +337,19 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
     return object;
 }
 
+/* {"about": [pointers], "packet": what the file says} */
+static json_t *json_metadata(const fnl_scene *scene, uint32_t index) {
+    fnl_entity_info info = {.name = ""};
+    fnl_scene_query_entity(scene, FNL_ENTITY_METADATA, index, &info);
+    json_t *about = json_array(), *packet = info.extras ? json_loads(info.extras, 0, NULL) : NULL;
+    for (const char *from = info.name; *from;) {
+        const size_t length = strcspn(from, " ");
+        json_array_append_new(about, json_stringn(from, length));
+        from += length + (from[length] == ' ');
+    }
+    return json_pack("{s:o,s:o}", "about", about, "packet", packet ? packet : json_null());
+}
+
 static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
     json_t *root = json_object(), *images = json_array(), *lights = json_array(), *cameras = json_array(),
            *animations = json_array(), *variants = json_array(), *extensions = json_array(), *warnings = json_array();
@@ -361,6 +399,9 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
         for (uint32_t i = 0; i < count; i++) json_array_append_new(names, json_string(name_of(scene, named[k].kind, i)));
         json_object_set_new(root, named[k].key, names);
     }
+    json_t *metadata = json_array();
+    for (uint32_t i = 0; i < fnl_scene_count(scene, FNL_ENTITY_METADATA); i++) json_array_append_new(metadata, json_metadata(scene, i));
+    json_object_set_new(root, "metadata", metadata);
     json_object_set_new(root, "extensions", extensions);
     json_object_set_new(root, "warnings", warnings);
     return root;

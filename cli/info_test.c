@@ -85,6 +85,23 @@ static void test_variants(void **state) {
     assert_non_null(strstr(err, "the scene has no variant 'a'; it has none\n"));
 }
 
+static void test_metadata(void **state) {
+    UNUSED(state);
+    save("told.gltf", "{\"asset\":{\"version\":\"2.0\",\"extensions\":{\"KHR_xmp_json_ld\":{\"packet\":1}}},\"nodes\":[{\"extensions\":{"
+                      "\"KHR_xmp_json_ld\":{\"packet\":1}}}],\"extensionsUsed\":[\"KHR_xmp_json_ld\"],\"extensions\":{\"KHR_xmp_json_ld\":{\"packets\":["
+                      "{\"@context\":{}},{\"@context\":{},\"dc:title\":\"a shoe\\u001b\",\"dc:rights\":{\"@value\":1}}]}}}");
+    assert_int_equal(run("told.gltf"), 0);
+    if (!strstr(out, "\nMetadata\n    0  (of nothing)\n    1  /asset /nodes/0\n       \"dc:title\": \"a shoe\\u001B\"\n       \"dc:rights\": {\"@value\":1}\n"))
+        fail_msg("%s", out);
+    assert_int_equal(run("told.gltf --json"), 0);
+    json_t *root = json_loads(out, 0, NULL), *packets = json_object_get(root, "metadata"), *told = json_array_get(packets, 1);
+    assert_int_equal(json_array_size(packets), 2);
+    assert_int_equal(json_array_size(json_object_get(json_array_get(packets, 0), "about")), 0);
+    assert_string_equal(json_string_value(json_array_get(json_object_get(told, "about"), 1)), "/nodes/0");
+    assert_int_equal(json_integer_value(json_object_get(json_object_get(json_object_get(told, "packet"), "dc:rights"), "@value")), 1);
+    json_decref(root);
+}
+
 static void test_json(void **state) {
     UNUSED(state);
     save("lights.gltf", lights);
@@ -157,7 +174,7 @@ static int remove_folder(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_json), cmocka_unit_test(test_variants),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_json), cmocka_unit_test(test_variants), cmocka_unit_test(test_metadata),
                                        cmocka_unit_test(test_errors), cmocka_unit_test(test_gbuffers_MP_20_MP_24)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

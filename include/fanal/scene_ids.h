@@ -47,7 +47,9 @@ typedef enum fnl_entity {
     FNL_ENTITY_CAMERA,
     FNL_ENTITY_ANIMATION,
     FNL_ENTITY_PROBE,
-    FNL_ENTITY_VARIANT, /**< of the materials of a file (fnl_scene_select_variant) */
+    FNL_ENTITY_VARIANT,  /**< of the materials of a file (fnl_scene_select_variant) */
+    FNL_ENTITY_METADATA, /**< a packet of XMP as JSON-LD (KHR_xmp_json_ld): "extras" is its text, "name" says what it is about, as JSON pointers
+                              into its file with blanks between them ("/asset /nodes/3") */
     FNL_ENTITY_COUNT
 } fnl_entity;
 

@@ -27,7 +27,7 @@ typedef struct fnl_entity_info {
         fnl_mesh_id mesh;
         fnl_material_id material;
         fnl_image_id image;
-    } id; /**< for the calls that change it; cameras, animations and variants have no id, only an index */
+    } id; /**< for the calls that change it; cameras, animations, variants and metadata have no id, only an index */
 } fnl_entity_info;
 
 /**

@@ -7,7 +7,7 @@
 struct known_extension {
     const char *name, *treatment;
     bool may_be_required; /* core glTF alone shows enough to be useful: lenient loading takes it, required or not */
-    const char *places[3];
+    const char *places[8];
 };
 
 /** No file uses this many; the lists are searched for each extension object. */
@@ -24,6 +24,7 @@ static const struct known_extension known_extensions[] = {
     {"KHR_materials_ior", FULL, true, {"/materials/#"}},
     {"KHR_materials_specular", FULL, true, {"/materials/#"}},
     {"KHR_materials_variants", FULL, true, {"", "/meshes/#/primitives/#"}},
+    {"KHR_xmp_json_ld", FULL, true, {"", "/asset", "/scenes/#", "/nodes/#", "/meshes/#", "/materials/#", "/images/#", "/animations/#"}},
     {"KHR_mesh_quantization", FULL, true, {NULL}},
     {"KHR_node_visibility", FULL, true, {"/nodes/#"}},
     {"EXT_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
@@ -147,6 +148,7 @@ static void walk(struct gltf *g, json_t *value, const struct at *at, const char 
             if (strcmp(key, "extensions") == 0) check_extension_objects(g, member, at, place);
             if (!json_is_object(member) && !json_is_array(member)) continue;
             if (snprintf(below, sizeof below, "%s/%s", place, key) >= PLACE_SIZE) continue;
+            if (strcmp(below, "/extensions/KHR_xmp_json_ld/packets") == 0) continue; /* no glTF */
             walk(g, member, AT_KEY(at, key), below, depth + 1);
         }
     }

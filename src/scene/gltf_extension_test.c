@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the importer makes of extensions that say more than a scene shows at once: variants of materials. */
+/* What the importer makes of extensions that say more than a scene shows at once: variants of materials, metadata. */
 #include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
@@ -217,12 +217,83 @@ static void test_variants_want_coordinates(void **state) {
     }
 }
 
+/* ---- KHR_xmp_json_ld ---- */
+
+static fnl_entity_info metadata(const fnl_scene *scene, uint32_t index) {
+    fnl_entity_info info;
+    assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_METADATA, index, &info), FNL_OK);
+    return info;
+}
+
+#define XMP(packet) "\"extensions\":{\"KHR_xmp_json_ld\":{\"packet\":" packet "}}"
+
+static void test_metadata_is_kept(void **state) {
+    UNUSED(state);
+    /* A packet is no glTF: what is called extensions in it says nothing. */
+    static const char json[] =
+        "{\"asset\":{\"version\":\"2.0\"," XMP("1") "},\"extensionsUsed\":[\"KHR_xmp_json_ld\"],\"extensionsRequired\":[\"KHR_xmp_json_ld\"],"
+        "\"extensions\":{\"KHR_xmp_json_ld\":{\"packets\":[{\"@context\":{\"dc\":\"http://purl.org/dc/elements/1.1/\"},\"dc:title\":\"a\"},"
+        "{\"@context\":{},\"extensions\":{\"x\":1}},{\"@context\":{}}]}},"
+        "\"materials\":[{},{" XMP("0") "}],\"images\":[{\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"," XMP("0") "}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]," XMP("0") "}],\"nodes\":[{},{" XMP("1") "}],"
+        "\"scenes\":[{" XMP("0") "}]," TRIANGLE "}";
+    fnl_scene *scene = load_clean(json, triangle, sizeof triangle);
+    static const struct {
+        const char *about, *text;
+    } expected[] = {{"/scenes/0 /meshes/0 /materials/1 /images/0", "{\"@context\":{\"dc\":\"http://purl.org/dc/elements/1.1/\"},\"dc:title\":\"a\"}"},
+                    {"/asset /nodes/1", "{\"@context\":{},\"extensions\":{\"x\":1}}"},
+                    {"", "{\"@context\":{}}"}};
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_METADATA), COUNT_OF(expected));
+    for (uint32_t i = 0; i < COUNT_OF(expected); i++) {
+        assert_string_equal(metadata(scene, i).name, expected[i].about);
+        assert_string_equal(metadata(scene, i).extras, expected[i].text);
+    }
+    size_t size;
+    unsigned char *glb = test_glb(json, triangle, sizeof triangle, &size);
+    fnl_load_params params = fnl_load_params_default();
+    params.data = glb;
+    params.size = size;
+    assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "b.glb", &params, NULL), FNL_OK);
+    free(glb);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_METADATA), 2 * COUNT_OF(expected));
+    assert_string_equal(metadata(scene, 4).name, expected[1].about);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_broken_metadata(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = load("{\"asset\":{\"version\":\"2.0\"," XMP("4") "},\"extensionsUsed\":[\"KHR_xmp_json_ld\"],"
+                            "\"extensions\":{\"KHR_xmp_json_ld\":{\"packets\":[{\"dc:title\":\"a\"},7]}},"
+                            "\"nodes\":[{\"extensions\":{\"KHR_xmp_json_ld\":{}}},{" XMP("1") "}],\"cameras\":[{" XMP("0") ",\"type\":\"orthographic\","
+                            "\"orthographic\":{\"xmag\":1,\"ymag\":1,\"znear\":0,\"zfar\":1}}]}",
+                            NULL, 0);
+    static const char *const lines[] = {
+        "/extensions/KHR_xmp_json_ld/packets/0: has no '@context', so is not JSON-LD; it is kept all the same",
+        "/extensions/KHR_xmp_json_ld/packets/1: is a number, not an object",
+        "/asset/extensions/KHR_xmp_json_ld/packet: refers to number 4, but there are 2",
+        "/nodes/0/extensions/KHR_xmp_json_ld: has no 'packet'",
+        "/cameras/0/extensions/KHR_xmp_json_ld: KHR_xmp_json_ld has no meaning here",
+    };
+    expect_lines(lines, COUNT_OF(lines));
+    assert_string_equal(metadata(scene, 0).name, "");
+    assert_string_equal(metadata(scene, 0).extras, "{\"dc:title\":\"a\"}");
+    assert_null(metadata(scene, 1).extras);
+    assert_string_equal(metadata(scene, 1).name, "/nodes/1");
+    fnl_scene_destroy(&scene);
+    scene = load("{\"asset\":{\"version\":\"2.0\"," XMP("0") "},\"extensionsUsed\":[\"KHR_xmp_json_ld\"]}", NULL, 0);
+    static const char *const missing[] = {"/asset/extensions/KHR_xmp_json_ld: the file has no /extensions/KHR_xmp_json_ld; it is ignored"};
+    expect_lines(missing, COUNT_OF(missing));
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_variants_change_materials),
         cmocka_unit_test(test_variants_of_two_files),
         cmocka_unit_test(test_broken_variants),
         cmocka_unit_test(test_variants_want_coordinates),
+        cmocka_unit_test(test_metadata_is_kept),
+        cmocka_unit_test(test_broken_metadata),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

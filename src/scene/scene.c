@@ -64,6 +64,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->painted);
     array_free(&host, &scene->cameras);
     array_free(&host, &scene->variants);
+    array_free(&host, &scene->packets);
     array_free(&host, &scene->extensions);
     array_free(&host, &scene->messages);
     array_free(&host, &scene->moved);

@@ -249,6 +249,11 @@ struct scene_variant {
     uint32_t first; /* of the variants of its file */
 };
 
+/* XMP (KHR_xmp_json_ld). */
+struct scene_packet {
+    const char *text, *about; /* JSON, or NULL: broken; JSON pointers, or "" */
+};
+
 struct scene_extension {
     const char *name, *treatment;
     bool required;
@@ -275,6 +280,7 @@ struct fnl_scene {
     ARRAY(struct scene_probe) probes; /* removed ones stay as holes and are reused */
     ARRAY(struct scene_camera) cameras;
     ARRAY(struct scene_variant) variants;
+    ARRAY(struct scene_packet) packets;
     ARRAY(struct scene_extension) extensions;
     ARRAY(const char *) messages;
 

@@ -17,7 +17,8 @@ static uint32_t slot_count(const fnl_scene *scene, fnl_entity kind) {
         [FNL_ENTITY_DECAL] = scene->decals.count,    [FNL_ENTITY_MESH] = scene->meshes.count,
         [FNL_ENTITY_MATERIAL] = scene->materials.count, [FNL_ENTITY_IMAGE] = scene->images.count,
         [FNL_ENTITY_CAMERA] = scene->cameras.count,  [FNL_ENTITY_ANIMATION] = scene->animations.count,
-        [FNL_ENTITY_PROBE] = scene->probes.count,    [FNL_ENTITY_VARIANT] = scene->variants.count};
+        [FNL_ENTITY_PROBE] = scene->probes.count,    [FNL_ENTITY_VARIANT] = scene->variants.count,
+        [FNL_ENTITY_METADATA] = scene->packets.count};
     return counts[kind];
 }
 
@@ -38,7 +39,7 @@ uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t ind
 }
 
 static const char *const plurals[] = {"instances", "lights", "decals", "meshes", "materials", "images", "cameras", "animations", "probes",
-                                       "variants"};
+                                       "variants",  "packets of metadata"};
 _Static_assert(COUNT_OF(plurals) == FNL_ENTITY_COUNT, "each kind of entity has its name");
 
 static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
@@ -85,6 +86,10 @@ static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_
     case FNL_ENTITY_VARIANT:
         info.name = scene->variants.data[slot].name;
         info.extras = scene->variants.data[slot].extras;
+        break;
+    case FNL_ENTITY_METADATA:
+        info.name = scene->packets.data[slot].about;
+        info.extras = scene->packets.data[slot].text;
         break;
     case FNL_ENTITY_COUNT:
         break;

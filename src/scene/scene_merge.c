@@ -18,7 +18,7 @@ static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     uint64_t nodes = (uint64_t)into->nodes.count + from->nodes.count + 1; /* the root is one more */
     bool room = ROOM(files) && ROOM(resources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
-                ROOM(variants) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
+                ROOM(variants) && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
     return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
 }
@@ -151,6 +151,7 @@ static void append_probes(fnl_scene *into, const fnl_scene *from, const struct o
 
 static void append_words(fnl_scene *into, const fnl_scene *from) {
     APPEND(messages);
+    APPEND(packets);
     for (uint32_t i = 0; i < from->extensions.count; i++) {
         const struct scene_extension *extension = &from->extensions.data[i];
         uint32_t known = 0;
