@@ -66,7 +66,7 @@ fnl_result loading_add_default_light(const char *source, fnl_scene *scene, const
     fnl_environment_params studio = params ? *params : fnl_environment_params_default();
     if (added) *added = false;
     fnl_result result = fnl_scene_query_info(scene, &info);
-    if (result != FNL_OK || info.light_count > 0 || loading_is_builtin(source)) return result;
+    if (result != FNL_OK || info.light_count > 0 || info.has_environment || loading_is_builtin(source)) return result;
     studio.source = "builtin:studio";
     result = fnl_scene_set_environment(scene, &studio);
     if (added) *added = result == FNL_OK;

@@ -117,7 +117,7 @@ typedef struct fnl_loaded {
 
 /**
  * Loads a .gltf or .glb file, not a built-in scene, into a scene that is there, under `parent` (all-zero: under nothing). What the scene has
- * keeps its ids and indices; ambient light and background stay as they are. `out` may be NULL. After an error the scene is as it was.
+ * keeps its ids and indices; ambient light, environment and background stay as they are. `out` may be NULL. After an error the scene is as it was.
  */
 FNL_API fnl_result fnl_scene_load_into(fnl_scene *scene, fnl_instance_id parent, const char *source, const fnl_load_params *params,
                                        fnl_loaded *out);

@@ -310,6 +310,7 @@ void gltf_load_skins(struct gltf *g);      /* skins, and whether the skinned mes
 void gltf_place(struct gltf *g);           /* puts cameras and lights on the shown nodes (gltf_light.c) */
 void gltf_load_decals(struct gltf *g);     /* FNL_decal of the shown nodes (gltf_decal.c) */
 void gltf_load_animations(struct gltf *g); /* gltf_animation.c */
+void gltf_load_environment(struct gltf *g); /* EXT_lights_image_based (gltf_environment.c) */
 void gltf_load_xmp(struct gltf *g);        /* KHR_xmp_json_ld (gltf_xmp.c) */
 
 #endif

@@ -24,6 +24,7 @@ static const struct known_extension known_extensions[] = {
     {"KHR_materials_ior", FULL, true, {"/materials/#"}},
     {"KHR_materials_specular", FULL, true, {"/materials/#"}},
     {"KHR_materials_variants", FULL, true, {"", "/meshes/#/primitives/#"}},
+    {"EXT_lights_image_based", FULL, true, {"", "/scenes/#"}},
     {"KHR_xmp_json_ld", FULL, true, {"", "/asset", "/scenes/#", "/nodes/#", "/meshes/#", "/materials/#", "/images/#", "/animations/#"}},
     {"KHR_mesh_quantization", FULL, true, {NULL}},
     {"KHR_node_visibility", FULL, true, {"/nodes/#"}},

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What the importer makes of extensions that say more than a scene shows at once: variants of materials, metadata. */
+/* What the importer makes of extensions that say more than a scene shows at once: variants of materials, environments,
+   metadata. */
 #include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -217,6 +219,183 @@ static void test_variants_want_coordinates(void **state) {
     }
 }
 
+/* ---- EXT_lights_image_based ---- */
+
+enum { FACES = 6, SIDE = 16 };
+
+/* Faces of one PNG after the other, as a GLB's binary. Each has a colour, in sRGB bytes, and its upper left quarter a fifth of the alpha; one texel is a lamp. */
+struct faces {
+    unsigned char bytes[1 << 14];
+    size_t size, offsets[FACES], sizes[FACES];
+};
+static const uint8_t face_colors[FACES][3] = {{200, 0, 0}, {0, 200, 0}, {0, 0, 200}, {200, 200, 0}, {0, 200, 200}, {200, 0, 200}};
+
+static struct faces make_faces(uint32_t odd_side) {
+    struct faces out = {.size = 0};
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/fanal-faces-%d.png", (int)getpid());
+    fnl_host host = test_host(&file_log);
+    for (uint32_t f = 0; f < FACES; f++) {
+        static uint8_t pixels[4 * 4 * SIDE * SIDE];
+        const uint32_t side = f == 4 ? odd_side : SIDE;
+        for (uint32_t i = 0; i < side * side; i++) {
+            memcpy(pixels + 4 * i, face_colors[f], 3);
+            pixels[4 * i + 3] = i % side < side / 2 && i / side < side / 2 ? 51 : 255;
+        }
+        if (f == 1) pixels[4 * (14 * side + 8) + 3] = 1;
+        struct file_view file;
+        assert_int_equal(fnl_image_save(&host, path, &(fnl_image){side, side, FNL_PIXEL_FORMAT_RGBA8, pixels}), FNL_OK);
+        assert_int_equal(file_load(&host, path, &file), FNL_OK);
+        out.offsets[f] = out.size;
+        out.sizes[f] = file.size;
+        assert_true(out.size + file.size + 3 < sizeof out.bytes);
+        memcpy(out.bytes + out.size, file.data, file.size);
+        out.size += align_up(file.size, 4);
+        file_free(&host, &file);
+    }
+    unlink(path);
+    return out;
+}
+
+#define COEFFICIENTS "[[1,1,1],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0]]"
+
+#define SHOWS_LIGHT "\"extensions\":{\"EXT_lights_image_based\":{\"light\":0}}"
+
+static char json[4096]; /* of the last that was loaded */
+
+/* `scene` "": the light is of the scene that is not shown. */
+static fnl_scene *load_faces(const struct faces *faces, const char *light, const char *scene) {
+    int n = snprintf(json, sizeof json, "{" ASSET ",\"extensionsUsed\":[\"EXT_lights_image_based\"],\"extensions\":{\"EXT_lights_image_based\":{\"lights\":[{%s}]}},"
+                                        "\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[", light, faces->size);
+    for (uint32_t f = 0; f < FACES; f++)
+        n += snprintf(json + n, sizeof json - (size_t)n, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", f ? "," : "", faces->offsets[f], faces->sizes[f]);
+    n += snprintf(json + n, sizeof json - (size_t)n, "],\"images\":[");
+    for (uint32_t f = 0; f < FACES; f++) n += snprintf(json + n, sizeof json - (size_t)n, "%s{\"bufferView\":%u,\"mimeType\":\"image/png\"}", f ? "," : "", f);
+    snprintf(json + n, sizeof json - (size_t)n, "],\"scenes\":[{%s},{%s}],\"scene\":1}", *scene ? "" : SHOWS_LIGHT, scene);
+    return load(json, faces->bytes, faces->size);
+}
+
+/* Where each image's first texel is, by the tables of Vulkan and OpenGL. */
+static const vec3 first_texels[FACES] = {{1, 1, 1}, {-1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {-1, 1, 1}, {1, 1, -1}};
+
+static void expect_environment(const fnl_scene *scene, quat rotation) {
+    const struct panorama *p = &scene->environment.panorama;
+    assert_int_equal(p->width, 4 * SIDE);
+    assert_int_equal(p->height, 2 * SIDE);
+    const mat4 turn = mat4_from_trs(vec3_make(0, 0, 0), rotation, vec3_make(1, 1, 1));
+    const float level = powf((200 / 255.0f + 0.055f) / 1.055f, 2.4f);
+    for (uint32_t f = 0; f < FACES; f++)
+        for (int away = 0; away < 2; away++) { /* in the upper left quarter, and opposite */
+            float d[3] = {first_texels[f].x, first_texels[f].y, first_texels[f].z};
+            for (uint32_t c = 0; c < 3; c++)
+                if (c != f / 2) d[c] *= away ? -0.4f : 0.4f;
+            const vec3 direction = mat4_direction(&turn, vec3_normalize(vec3_make(d[0], d[1], d[2])));
+            float x, y;
+            panorama_place(p, direction, &x, &y);
+            const uint32_t column = (uint32_t)(lroundf(x) + (long)p->width) % p->width, row = (uint32_t)CLAMP(lroundf(y), 0, (long)p->height - 1);
+            for (uint32_t c = 0; c < 3; c++) {
+                const float expected = face_colors[f][c] ? level * (away ? 1 : 5) : 0;
+                assert_true(fabsf(p->texels[3 * ((size_t)row * p->width + column) + c] - expected) < 1e-4f * expected + 1e-6f);
+            }
+        }
+}
+
+static void test_environments_of_files(void **state) {
+    UNUSED(state);
+    const struct faces faces = make_faces(SIDE);
+    static const quat rotations[] = {{0, 0, 0, 1}, {0, 0.70710678f, 0, 0.70710678f}, {0.70710678f, 0, 0, 0.70710678f}, {0.5f, 0.5f, 0.5f, 0.5f}};
+    for (uint32_t i = 0; i < COUNT_OF(rotations); i++) {
+        char light[512];
+        snprintf(light, sizeof light, "\"intensity\":2.5,\"rotation\":[%.8g,%.8g,%.8g,%.8g],\"irradianceCoefficients\":" COEFFICIENTS
+                 ",\"specularImageSize\":16,\"specularImages\":[[0,1,2,3,4,5]]", (double)rotations[i].x, (double)rotations[i].y, (double)rotations[i].z,
+                 (double)rotations[i].w);
+        fnl_scene *scene = load_faces(&faces, light, SHOWS_LIGHT);
+        if (file_log.count) fail_msg("%s", file_log.text);
+        fnl_scene_info info;
+        assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+        assert_true(info.has_environment && scene->environment.intensity == 2.5f && scene->environment.background);
+        expect_environment(scene, rotations[i]);
+        fnl_scene_destroy(&scene);
+        scene = load_faces(&faces, light, ""); /* the light of no scene that is shown */
+        assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+        assert_true(!info.has_environment && file_log.count == 0);
+        fnl_scene_destroy(&scene);
+    }
+}
+
+/* In another scene a file brings no surroundings, nor lights that were parted off. */
+static void test_environments_stay_with_their_files(void **state) {
+    UNUSED(state);
+    static const char light[] = "\"irradianceCoefficients\":" COEFFICIENTS ",\"specularImageSize\":16,\"specularImages\":[[0,1,2,3,4,5]]";
+    struct faces faces = make_faces(SIDE);
+    fnl_scene *scene = load_faces(&faces, light, SHOWS_LIGHT);
+    const fnl_light_params sun = fnl_light_params_default();
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_LIGHT), 1);
+    size_t size;
+    unsigned char *glb = test_glb(json, faces.bytes, faces.size, &size);
+    fnl_load_params params = fnl_load_params_default();
+    params.data = glb;
+    params.size = size;
+    fnl_scene *other;
+    fnl_light_id id;
+    fnl_loaded loaded;
+    fnl_host host = test_host(&file_log);
+    assert_int_equal(fnl_scene_create(&host, &other), FNL_OK);
+    assert_int_equal(fnl_scene_add_light(other, &sun, &id), FNL_OK);
+    assert_int_equal(fnl_scene_load_into(other, (fnl_instance_id){0, 0}, "b.glb", &params, &loaded), FNL_OK);
+    assert_int_equal(other->environment.panorama.width, 0);
+    assert_int_equal(fnl_scene_count(other, FNL_ENTITY_LIGHT), 1);
+    fnl_scene_destroy(&other);
+    assert_int_equal(fnl_scene_create(&host, &other), FNL_OK);
+    assert_int_equal(fnl_scene_set_environment(scene, NULL), FNL_OK);
+    assert_int_equal(scene_merge(other, SCENE_NONE, scene, &loaded), FNL_OK);
+    assert_int_equal(fnl_scene_count(other, FNL_ENTITY_LIGHT), 0);
+    assert_int_equal(loaded.count[FNL_ENTITY_LIGHT], 0);
+    fnl_scene_destroy(&other);
+    fnl_scene_destroy(&scene);
+    free(glb);
+}
+
+static void test_broken_environments(void **state) {
+    UNUSED(state);
+#define LIGHT "/extensions/EXT_lights_image_based/lights/0"
+#define FIT "\"irradianceCoefficients\":" COEFFICIENTS ",\"specularImageSize\":16,"
+    static const struct {
+        const char *light, *scene, *line;
+        bool shown;
+    } cases[] = {
+        {FIT "\"specularImages\":[[0,1,2,3,4]]", SHOWS_LIGHT, LIGHT "/specularImages/0: is not an array of six images", false},
+        {FIT "\"specularImages\":[[0,1,2,3,4,6]]", SHOWS_LIGHT, LIGHT "/specularImages/0/5: refers to number 6, but there are 6", false},
+        {FIT "\"specularImages\":[]", SHOWS_LIGHT, LIGHT "/specularImages: is empty", false},
+        {FIT "\"name\":\"a\"", SHOWS_LIGHT, LIGHT ": has no 'specularImages'", false},
+        {"\"specularImageSize\":16,\"specularImages\":[[0,1,2,3,4,5]]", SHOWS_LIGHT, LIGHT ": has no 'irradianceCoefficients'", true},
+        {"\"irradianceCoefficients\":[[1,1,1]],\"specularImageSize\":16,\"specularImages\":[[0,1,2,3,4,5]]", SHOWS_LIGHT,
+         LIGHT "/irradianceCoefficients: are not 9 by 3 numbers", true},
+        {"\"irradianceCoefficients\":" COEFFICIENTS ",\"specularImageSize\":32,\"specularImages\":[[0,1,2,3,4,5]]", SHOWS_LIGHT,
+         LIGHT "/specularImageSize: is 32, but the images have 16 pixels", true},
+        {FIT "\"rotation\":[0,0.5,0,0],\"specularImages\":[[0,1,2,3,4,5]]", SHOWS_LIGHT, LIGHT "/rotation: is not of unit length", true},
+        {FIT "\"specularImages\":[[0,1,2,3,4,5]]", "\"extensions\":{\"EXT_lights_image_based\":{\"light\":1}}",
+         "/scenes/1/extensions/EXT_lights_image_based/light: refers to number 1, but there are 1", false},
+        {FIT "\"specularImages\":[[0,1,2,3,4,5]]", "\"extensions\":{\"EXT_lights_image_based\":{}}",
+         "/scenes/1/extensions/EXT_lights_image_based: has no 'light'", false},
+    };
+    struct faces faces = make_faces(SIDE);
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_scene *scene = load_faces(&faces, cases[i].light, cases[i].scene);
+        expect_lines(&cases[i].line, 1);
+        assert_int_equal(scene->environment.panorama.width > 0, cases[i].shown);
+        fnl_scene_destroy(&scene);
+    }
+    faces.bytes[faces.offsets[2] + faces.sizes[2] / 2] ^= 255;
+    fnl_scene *scene = load_faces(&faces, cases[4].light, SHOWS_LIGHT);
+    if (!strstr(file_log.text, LIGHT "/specularImages/0/2: ") || scene->environment.panorama.width) fail_msg("%s", file_log.text);
+    fnl_scene_destroy(&scene);
+    faces = make_faces(2 * SIDE);
+    scene = load_faces(&faces, cases[4].light, SHOWS_LIGHT);
+    if (!strstr(file_log.text, LIGHT "/specularImages/0/4: image 4 has not the size of the others") || scene->environment.panorama.width) fail_msg("%s", file_log.text);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- KHR_xmp_json_ld ---- */
 
 static fnl_entity_info metadata(const fnl_scene *scene, uint32_t index) {
@@ -230,14 +409,14 @@ static fnl_entity_info metadata(const fnl_scene *scene, uint32_t index) {
 static void test_metadata_is_kept(void **state) {
     UNUSED(state);
     /* A packet is no glTF: what is called extensions in it says nothing. */
-    static const char json[] =
+    static const char told[] =
         "{\"asset\":{\"version\":\"2.0\"," XMP("1") "},\"extensionsUsed\":[\"KHR_xmp_json_ld\"],\"extensionsRequired\":[\"KHR_xmp_json_ld\"],"
         "\"extensions\":{\"KHR_xmp_json_ld\":{\"packets\":[{\"@context\":{\"dc\":\"http://purl.org/dc/elements/1.1/\"},\"dc:title\":\"a\"},"
         "{\"@context\":{},\"extensions\":{\"x\":1}},{\"@context\":{}}]}},"
         "\"materials\":[{},{" XMP("0") "}],\"images\":[{\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"," XMP("0") "}],"
         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]," XMP("0") "}],\"nodes\":[{},{" XMP("1") "}],"
         "\"scenes\":[{" XMP("0") "}]," TRIANGLE "}";
-    fnl_scene *scene = load_clean(json, triangle, sizeof triangle);
+    fnl_scene *scene = load_clean(told, triangle, sizeof triangle);
     static const struct {
         const char *about, *text;
     } expected[] = {{"/scenes/0 /meshes/0 /materials/1 /images/0", "{\"@context\":{\"dc\":\"http://purl.org/dc/elements/1.1/\"},\"dc:title\":\"a\"}"},
@@ -249,7 +428,7 @@ static void test_metadata_is_kept(void **state) {
         assert_string_equal(metadata(scene, i).extras, expected[i].text);
     }
     size_t size;
-    unsigned char *glb = test_glb(json, triangle, sizeof triangle, &size);
+    unsigned char *glb = test_glb(told, triangle, sizeof triangle, &size);
     fnl_load_params params = fnl_load_params_default();
     params.data = glb;
     params.size = size;
@@ -292,6 +471,9 @@ int main(void) {
         cmocka_unit_test(test_variants_of_two_files),
         cmocka_unit_test(test_broken_variants),
         cmocka_unit_test(test_variants_want_coordinates),
+        cmocka_unit_test(test_environments_of_files),
+        cmocka_unit_test(test_environments_stay_with_their_files),
+        cmocka_unit_test(test_broken_environments),
         cmocka_unit_test(test_metadata_is_kept),
         cmocka_unit_test(test_broken_metadata),
     };

@@ -325,6 +325,7 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .extension_count = scene->extensions.count,
         .message_count = scene->messages.count,
         .variant_count = scene->variants.count,
+        .has_environment = scene->environment.panorama.width > 0,
         .bounds_low = bounds.low,
         .bounds_high = bounds.high,
     };

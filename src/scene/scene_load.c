@@ -43,7 +43,8 @@ fnl_result fnl_scene_load_into(fnl_scene *scene, fnl_instance_id parent, const c
     if (builtin_of(source)) return unsupported(call, "%s is a built-in scene, which is no part of another", source);
     fnl_scene *loaded;
     TRY(load_file(call, source, params, &loaded));
-    fnl_result result = scene_merge(scene, under ? parent.index : SCENE_NONE, loaded, out);
+    fnl_result result = fnl_scene_set_environment(loaded, NULL);
+    if (result == FNL_OK) result = scene_merge(scene, under ? parent.index : SCENE_NONE, loaded, out);
     fnl_scene_destroy(&loaded);
     return result;
 }

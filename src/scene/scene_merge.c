@@ -110,6 +110,7 @@ static void append_lights(fnl_scene *into, const fnl_scene *from, const struct o
     into->free_lights.count = 0; /* they go to the end, in their order */
     for (uint32_t i = 0; i < from->lights.count; i++) {
         const struct scene_light *light = &from->lights.data[i];
+        if (light->removed) continue; /* of its environment */
         uint32_t index = scene_add_light(into, &light->params, moved(light->node, at->nodes)); /* there is room */
         into->lights.data[index].name = light->name;
         into->lights.data[index].extras = light->extras;
