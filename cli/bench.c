@@ -57,7 +57,8 @@ static void print_help(void) {
          "  --suite NAME               repeats the experiments of a publication and prints its ratios beside ours; the suites\n"
          "                             geometry and visibility only preset scenes and options, which may be overridden\n"
          "\n"
-         "Scenes\n" LOADING_VARIANT_HELP LOADING_HELP
+         "Scenes\n" LOADING_VARIANT_HELP
+         "  --environment FILE         lights all scenes by a panorama, builtin:studio, builtin:sky or builtin:overcast\n" LOADING_HELP
          "\n"
          "View\n"
          "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
@@ -172,6 +173,7 @@ enum {
     O_CAMERA,
     O_CAMERA_PATH,
     O_VARIANT,
+    O_ENVIRONMENT,
     O_FRAMES,
     O_WARM_UP,
     O_CHECKS,
@@ -200,6 +202,7 @@ static const struct option own_options[] = {{"output", required_argument, NULL, 
                                              {"camera", required_argument, NULL, O_CAMERA},
                                              {"camera-path", required_argument, NULL, O_CAMERA_PATH},
                                              {"variant", required_argument, NULL, O_VARIANT},
+                                             {"environment", required_argument, NULL, O_ENVIRONMENT},
                                              {"frames", required_argument, NULL, O_FRAMES},
                                              {"warm-up", required_argument, NULL, O_WARM_UP},
                                              {"checks", required_argument, NULL, O_CHECKS},
@@ -252,6 +255,9 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return true;
     case O_VARIANT:
         s->variant = value;
+        return true;
+    case O_ENVIRONMENT:
+        s->environment = value;
         return true;
     case O_FRAMES:
         return parse_count("frames", value, 1, 100000, &s->frames);

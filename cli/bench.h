@@ -36,7 +36,7 @@ struct bench_settings {
     uint32_t checks;          /* points of the camera's path that are compared with the reference; 0: none */
     fnl_light_lists reference;
     const char *camera_path; /* NULL: the camera stands still; "orbit", "turntable", each with ":N" or not; or a file */
-    const char *device, *output, *variant;
+    const char *device, *output, *variant, *environment; /* the last two: NULL where not given */
     bool resume, overwrite, validate, no_cache, quiet;
     bool all; /* a suite measures what takes long as well */
     fnl_load_params loading;

@@ -495,9 +495,10 @@ static json_t *describe_device(const fnl_device_info *info) {
 static json_t *describe_settings(const struct bench_run *run) {
     const struct bench_settings *s = run->settings;
     const char *camera = run->plan->case_count && run->plan->cases[0].camera ? run->plan->cases[0].camera : "";
-    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
+    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
                      "checks", (json_int_t)s->checks, "reference", fnl_value_name(FNL_ENUM_LISTS, s->reference), "camera", camera,
-                     "camera_path", s->camera_path ? s->camera_path : "", "variant", s->variant ? s->variant : "");
+                     "camera_path", s->camera_path ? s->camera_path : "", "variant", s->variant ? s->variant : "", "environment",
+                     s->environment ? s->environment : "");
 }
 
 /* Numbers of different devices or settings must not stand side by side. */

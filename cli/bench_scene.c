@@ -32,7 +32,10 @@ bool bench_scene_load(const fnl_host *host, const struct bench_settings *setting
     fnl_result result = fnl_scene_load(host, source, &settings->loading, out);
     if (result == FNL_OK && !loading_select_variant(*out, settings->variant, NULL)) result = FNL_ERROR_INVALID;
     if (result == FNL_OK && lights > 0 && !loading_is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
-    if (result == FNL_OK) result = loading_add_default_light(name, *out, NULL, NULL);
+    fnl_environment_params environment = fnl_environment_params_default();
+    environment.source = settings->environment;
+    if (result == FNL_OK)
+        result = settings->environment ? fnl_scene_set_environment(*out, &environment) : loading_add_default_light(name, *out, NULL, NULL);
     if (result != FNL_OK) fnl_scene_destroy(out);
     return result == FNL_OK;
 }

@@ -465,8 +465,118 @@ static void test_broken_metadata(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- layers of materials ---- */
+
+#define PIXEL                                                                                                               \
+    "\"images\":[{\"uri\":\"data:image/png;base64,"                                                                          \
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAAC0lEQVR4nGP4DwQACfsD/fteaysAAAAASUVORK5CYII=\"}],"                     \
+    "\"textures\":[{\"source\":0},{\"source\":0}],"
+#define LAYERS                                                                                                              \
+    "\"extensionsUsed\":[\"KHR_materials_clearcoat\",\"KHR_materials_sheen\",\"KHR_materials_iridescence\","              \
+    "\"KHR_materials_anisotropy\"],"
+#define TEXTURE(name, number) "\"" name "Texture\":{\"index\":0,\"texCoord\":" number "}"
+
+static void test_layers_of_materials_MA_7(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = load_clean(
+        "{" ASSET "," LAYERS PIXEL "\"materials\":[{\"extensions\":{"
+        "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,\"clearcoatRoughnessFactor\":0.25," TEXTURE("clearcoat", "1") ","
+        TEXTURE("clearcoatRoughness", "0") ",\"clearcoatNormalTexture\":{\"index\":1,\"scale\":0.75,\"texCoord\":1}},"
+        "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0.1,0.2,0.3],\"sheenRoughnessFactor\":0.4," TEXTURE("sheenColor", "1") ","
+        TEXTURE("sheenRoughness", "0") "},"
+        "\"KHR_materials_iridescence\":{\"iridescenceFactor\":0.6,\"iridescenceIor\":1.7,\"iridescenceThicknessMinimum\":50,"
+        "\"iridescenceThicknessMaximum\":900," TEXTURE("iridescence", "1") "," TEXTURE("iridescenceThickness", "0") "},"
+        "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.8,\"anisotropyRotation\":2," TEXTURE("anisotropy", "1") "}}},"
+        "{\"extensions\":{\"KHR_materials_clearcoat\":{},\"KHR_materials_sheen\":{},\"KHR_materials_iridescence\":{},"
+        "\"KHR_materials_anisotropy\":{}}},"
+        "{\"extensions\":{\"KHR_materials_iridescence\":{\"iridescenceFactor\":1},\"KHR_materials_unlit\":{}}}]}",
+        NULL, 0);
+    const struct scene_material *m = &scene->materials.data[0];
+    assert_true(m->clearcoat.strength == 0.5f && m->clearcoat.roughness == 0.25f && m->clearcoat.normal_scale == 0.75f);
+    assert_true(m->sheen.color[0] == 0.1f && m->sheen.color[2] == 0.3f && m->sheen.roughness == 0.4f);
+    assert_true(m->iridescence.strength == 0.6f && m->iridescence.ior == 1.7f && m->iridescence.thickness_minimum == 50 &&
+                m->iridescence.thickness_maximum == 900);
+    assert_true(m->anisotropy.strength == 0.8f && m->anisotropy.rotation == 2);
+    for (int slot = SCENE_TEXTURE_CORE_COUNT; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
+        const struct scene_texture *t = &m->textures[slot];
+        const bool second = slot == SCENE_TEXTURE_CLEARCOAT || slot == SCENE_TEXTURE_CLEARCOAT_NORMAL || slot == SCENE_TEXTURE_SHEEN_COLOR ||
+                            slot == SCENE_TEXTURE_IRIDESCENCE || slot == SCENE_TEXTURE_ANISOTROPY;
+        if (t->image == SCENE_NONE || t->uv_set != second) fail_msg("slot %d: image %d, uv %u", slot, (int)t->image, t->uv_set);
+        assert_true(scene->images.data[t->image].color == (slot == SCENE_TEXTURE_SHEEN_COLOR));
+    }
+    assert_true(scene_material_layered(m));
+    m = &scene->materials.data[1];
+    assert_true(!scene_material_layered(m) && m->iridescence.ior == 1.3f && m->iridescence.thickness_minimum == 100 &&
+                m->iridescence.thickness_maximum == 400 && m->clearcoat.normal_scale == 1);
+    assert_false(scene_material_layered(&scene->materials.data[2])); /* unlit surfaces reflect nothing */
+    fnl_scene_destroy(&scene);
+    scene = load("{" ASSET "," LAYERS "\"materials\":[{\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1.5},"
+                 "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0]},\"KHR_materials_iridescence\":{\"iridescenceIor\":0.5}}}]}",
+                 NULL, 0);
+    static const char *const lines[] = {"/materials/0/extensions/KHR_materials_clearcoat/clearcoatFactor", "/KHR_materials_sheen/sheenColorFactor",
+                                        "/KHR_materials_iridescence/iridescenceIor"};
+    expect_lines(lines, COUNT_OF(lines));
+    fnl_scene_destroy(&scene);
+}
+
+/* By the API: what is set is told, zeros are the defaults, and what is out of range is refused by name. */
+static void test_layers_by_the_api_MA_7(void **state) {
+    UNUSED(state);
+    const uint8_t white[4] = {255, 255, 255, 255};
+    const fnl_image picture = {1, 1, FNL_PIXEL_FORMAT_RGBA8, (void *)(uintptr_t)white};
+    fnl_scene *scene = load_clean("{" ASSET "}", NULL, 0);
+    fnl_material_params p = fnl_material_params_default(), told;
+    fnl_material_id id;
+    fnl_image_id image;
+    assert_int_equal(fnl_scene_add_image(scene, &picture, false, &image), FNL_OK);
+    p.clearcoat = (fnl_clearcoat_params){.strength = 0.5f, .roughness = 0.1f, .normal_image = image};
+    p.iridescence.strength = 0.4f;
+    p.sheen = (fnl_sheen_params){.color = {0.5f, 0, 0}, .roughness_image = image};
+    p.anisotropy = (fnl_anisotropy_params){.strength = 0.3f, .rotation = -1, .image = image};
+    assert_int_equal(fnl_scene_add_material(scene, &p, &id), FNL_OK);
+    assert_int_equal(fnl_scene_query_material(scene, id.index, &told), FNL_OK);
+    assert_true(told.clearcoat.strength == 0.5f && told.clearcoat.normal_scale == 1 && told.clearcoat.normal_image.index == image.index &&
+                told.clearcoat.normal_image.generation && !told.clearcoat.image.generation);
+    assert_true(told.iridescence.ior == 1.3f && told.iridescence.thickness_minimum == 100 && told.iridescence.thickness_maximum == 400);
+    assert_true(told.sheen.color[0] == 0.5f && told.sheen.roughness_image.generation && told.anisotropy.rotation == -1);
+    assert_int_equal(fnl_scene_set_material(scene, id, &told), FNL_OK);
+    p = fnl_material_params_default();
+    assert_int_equal(fnl_scene_set_material(scene, id, &p), FNL_OK);
+    assert_int_equal(fnl_scene_query_material(scene, id.index, &told), FNL_OK);
+    assert_true(told.clearcoat.strength == 0 && !told.clearcoat.normal_image.generation && told.sheen.color[0] == 0);
+    const struct {
+        const char *name;
+        size_t offset;
+        float value;
+    } bad[] = {{"clearcoat.strength", offsetof(fnl_material_params, clearcoat.strength), 1.5f},
+               {"clearcoat.roughness", offsetof(fnl_material_params, clearcoat.roughness), -1},
+               {"clearcoat.normal_scale", offsetof(fnl_material_params, clearcoat.normal_scale), NAN},
+               {"sheen.color", offsetof(fnl_material_params, sheen.color), 2},
+               {"sheen.roughness", offsetof(fnl_material_params, sheen.roughness), NAN},
+               {"iridescence.strength", offsetof(fnl_material_params, iridescence.strength), -0.1f},
+               {"iridescence.ior", offsetof(fnl_material_params, iridescence.ior), 0.5f},
+               {"iridescence.thickness_minimum", offsetof(fnl_material_params, iridescence.thickness_minimum), -1},
+               {"iridescence.thickness_maximum", offsetof(fnl_material_params, iridescence.thickness_maximum), INFINITY},
+               {"anisotropy.strength", offsetof(fnl_material_params, anisotropy.strength), 2},
+               {"anisotropy.rotation", offsetof(fnl_material_params, anisotropy.rotation), NAN}};
+    for (uint32_t i = 0; i < COUNT_OF(bad); i++) {
+        p = fnl_material_params_default();
+        memcpy((char *)&p + bad[i].offset, &bad[i].value, sizeof(float));
+        file_log.count = 0;
+        assert_int_equal(fnl_scene_set_material(scene, id, &p), FNL_ERROR_INVALID);
+        if (!strstr(file_log.text, bad[i].name)) fail_msg("no %s in %s", bad[i].name, file_log.text);
+    }
+    p = fnl_material_params_default();
+    p.anisotropy.image = (fnl_image_id){77, 1};
+    assert_int_equal(fnl_scene_set_material(scene, id, &p), FNL_ERROR_INVALID);
+    assert_non_null(strstr(file_log.text, "anisotropy.image"));
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_layers_of_materials_MA_7),
+        cmocka_unit_test(test_layers_by_the_api_MA_7),
         cmocka_unit_test(test_variants_change_materials),
         cmocka_unit_test(test_variants_of_two_files),
         cmocka_unit_test(test_broken_variants),

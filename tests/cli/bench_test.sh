@@ -113,6 +113,8 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     # Other settings, another device, something else in the file: refused, and the file stays.
     cp "$work/a/results.json" "$work/before.json"
     expect 2 'settings frames was 3, now it is 4' $matrix --frames 4 -o "$work/a" --resume
+    expect 2 'settings environment was "", now it is "builtin:studio"' $matrix --environment builtin:studio -o "$work/a" --resume
+    expect 2 'nowhere.hdr.*cannot be opened' $matrix --environment nowhere.hdr -o "$work/none"
     sed -i '/"device"/,/}/s/"name": "[^"]*"/"name": "another"/' "$work/a/results.json"
     expect 2 'device name was "another", now it is' $matrix -o "$work/a" --resume
     grep -q '"another"' "$work/a/results.json" || fail 'a refused file was overwritten'

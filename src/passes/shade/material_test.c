@@ -439,19 +439,20 @@ static void test_occlusion_dims_only_ambient(void **state) {
 
 static void test_shaders_sample_each_texture_once(void **state) {
     UNUSED(state);
+    enum { ALL = GPU_TEXTURE_COUNT + GPU_LAYER_TEXTURE_COUNT };
     static const struct {
         const struct gpu_shader *shader;
         uint32_t textures; /* that it looks at */
     } drawing[] = {{&shader_gbuffer_frag, GPU_TEXTURE_COUNT},
-                   {&shader_forward_frag, GPU_TEXTURE_COUNT},
-                   {&shader_forward_early_frag, GPU_TEXTURE_COUNT},
+                   {&shader_forward_frag, ALL},
+                   {&shader_forward_early_frag, ALL},
                    {&shader_light_prepass_surfaces_frag, GPU_TEXTURE_COUNT - 2}, /* no occlusion, no emission */
                    {&shader_light_prepass_material_frag, GPU_TEXTURE_COUNT},
                    {&shader_inferred_surfaces_frag, GPU_TEXTURE_COUNT - 2},
                    {&shader_inferred_material_frag, GPU_TEXTURE_COUNT},
-                   {&shader_zioma_frag, GPU_TEXTURE_COUNT},
-                   {&shader_batches_frag, GPU_TEXTURE_COUNT},
-                   {&shader_multipass_frag, GPU_TEXTURE_COUNT},
+                   {&shader_zioma_frag, ALL},
+                   {&shader_batches_frag, ALL},
+                   {&shader_multipass_frag, ALL},
                    {&shader_mobile_gbuffer_metallic_128_frag, GPU_TEXTURE_COUNT},
                    {&shader_coarse_gbuffer_z_frag, GPU_TEXTURE_COUNT + 1}}; /* and the base colour of a block */
     for (uint32_t i = 0; i < COUNT_OF(drawing); i++) {

@@ -6,6 +6,9 @@
 #include "scene_shared.h"
 #include "shaders.h"
 
+enum { CLASS_BITS = 5 };
+_Static_assert(GPU_CLASSES == 1u << CLASS_BITS, "keys have room for all classes");
+
 struct visible_data {
     struct visibility visibility;
     struct visible_list list;
@@ -93,7 +96,7 @@ static void add_entries(struct graph *graph, struct visible_data *data) {
                                                                                .queue = GRAPH_QUEUE_GRAPHICS,
                                                                                .pairs = data->list.entries,
                                                                                .capacity = data->list.capacity,
-                                                                               .bits = 4 + data->material_bits,
+                                                                               .bits = CLASS_BITS + data->material_bits,
                                                                                .count = data->list.sums,
                                                                                .count_offset = places * 4ull});
     data->list.ranges = graph_create_buffer(graph, "visible ranges", GPU_CLASSES * 8ull);
@@ -119,7 +122,7 @@ struct visible_list visible_list_add(struct graph *graph, const struct shade_inp
     bool sorts = sort != VISIBILITY_SORT_OFF && capacity < 1u << 31; /* what radix_sort_add takes */
     if (sort == VISIBILITY_SORT_MATERIAL) {
         while ((input->scene->material_count - 1) >> data.material_bits) data.material_bits++;
-        data.material_bits = MIN(data.material_bits, 28u);
+        data.material_bits = MIN(data.material_bits, 32u - CLASS_BITS);
     }
     data.list.capacity = (uint32_t)capacity;
     data.list.listed = sorts ? VISIBLE_SORTED : VISIBLE_LIST;

@@ -7,7 +7,7 @@
 #include "view.glsl"
 #include "passes/visibility/visible.glsl"
 
-layout(local_size_x = 16) in;
+layout(local_size_x = 32) in; // GPU_CLASSES
 layout(push_constant, scalar) uniform push_block { gpu_visible_push push; };
 
 // Number of entries with keys below `key`.
