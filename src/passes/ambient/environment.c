@@ -2,6 +2,7 @@
 #include "passes/ambient/environment.h"
 
 #include "passes/ambient/environment_maps_shared.h"
+#include "passes/compress/bc6h.h"
 #include "shaders.h"
 #include "view_shared.h"
 
@@ -39,8 +40,8 @@ static struct gpu_image_params image_params(const char *name, VkFormat format, u
                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
 }
 
-static fnl_result create_cube(gpu_device *device, const char *name, uint32_t side, uint32_t mips, struct gpu_image *out) {
-    struct gpu_image_params params = image_params(name, VK_FORMAT_R16G16B16A16_SFLOAT, side, side);
+static fnl_result create_cube(gpu_device *device, const char *name, VkFormat format, uint32_t side, uint32_t mips, struct gpu_image *out) {
+    struct gpu_image_params params = image_params(name, format, side, side);
     params.layers = 6;
     params.cube = true;
     params.mips = mips;
@@ -48,6 +49,7 @@ static fnl_result create_cube(gpu_device *device, const char *name, uint32_t sid
 }
 
 void environment_release(gpu_device *device, struct environment_maps *maps) {
+    for (uint32_t i = 0; i < COUNT_OF(maps->parts); i++) gpu_image_destroy(device, &maps->parts[i]);
     gpu_image_destroy(device, &maps->levels);
     gpu_image_destroy(device, &maps->picture);
 }
@@ -65,15 +67,18 @@ fnl_result environment_prepare_table(gpu_device *device, struct environment_maps
     return maps->table.handle ? FNL_OK : gpu_image_create(device, &table, &maps->table);
 }
 
-fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, struct environment_maps *maps) {
-    const uint32_t side = environment_side(width);
+fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, bool compressed,
+                               struct environment_maps *maps) {
+    const VkFormat half = VK_FORMAT_R16G16B16A16_SFLOAT, format = compressed ? VK_FORMAT_BC6H_UFLOAT_BLOCK : half;
+    const uint32_t side = environment_side(width), mips = environment_last_mip(side) + 1;
     environment_release(device, maps);
-    if (maps->side != side) {
+    if (maps->side != side || maps->cube.params.format != format) {
         gpu_image_destroy(device, &maps->cube);
         maps->side = side;
-        TRY(create_cube(device, "environment", side, environment_last_mip(side) + 1, &maps->cube));
+        TRY(create_cube(device, "environment", format, side, mips, &maps->cube));
     }
-    TRY(create_cube(device, "environment levels", side, mip_count(side), &maps->levels));
+    TRY(create_cube(device, "environment levels", half, side, mip_count(side), &maps->levels));
+    for (uint32_t i = 0; compressed && i < 6 * mips; i++) TRY(gpu_image_part(device, &maps->levels, i % 6, i / 6, false, &maps->parts[i]));
     TRY(environment_prepare_table(device, maps));
     if (!maps->light.handle) TRY(gpu_buffer_create(device, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
     const struct gpu_image_params picture = image_params("environment picture", VK_FORMAT_R16G16B16A16_SFLOAT, width, height);
@@ -165,6 +170,20 @@ static void add_filter(struct graph *graph, gpu_device *device, const struct env
     }
 }
 
+/* The levels are filtered by now, and take the texels once more: blocks are made of images. Modes with coarse ends would be off by a percent where
+ * light is even. */
+static graph_buffer add_blocks(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_image levels, graph_buffer texels,
+                               graph_image cube) {
+    struct bc6h_source sources[COUNT_OF(maps->parts)];
+    const uint32_t count = 6 * (environment_last_mip(maps->side) + 1);
+    const struct bc6h_gpu_params params = {.quality = true};
+    for (uint32_t i = 0; i < count; i++) sources[i] = (struct bc6h_source){levels, &maps->parts[i]};
+    add_copy(graph, "environment filtered copy", &(struct copy_data){texels, levels});
+    graph_buffer blocks = bc6h_add(graph, device, "environment compress", sources, count, &params);
+    bc6h_copy_add(graph, "environment copy", blocks, cube);
+    return blocks;
+}
+
 static void add_table(struct graph *graph, graph_image table, uint32_t last_mip) {
     graph_buffer texels = graph_create_buffer(graph, "reflectance texels", ENVIRONMENT_TABLE_SIDE * ENVIRONMENT_TABLE_SIDE * 8ull);
     struct gpu_environment_table_push push = {.last_mip = (float)last_mip};
@@ -190,7 +209,10 @@ struct environment_light environment_add(struct graph *graph, gpu_device *device
     add_diffuse(graph, maps, texels, out.light);
     add_copy(graph, "environment levels copy", &(struct copy_data){texels, levels});
     add_filter(graph, device, maps, levels, texels);
-    add_copy(graph, "environment copy", &(struct copy_data){texels, out.cube});
+    if (maps->parts[0].handle)
+        out.blocks = add_blocks(graph, device, maps, levels, texels, out.cube);
+    else
+        add_copy(graph, "environment copy", &(struct copy_data){texels, out.cube});
     add_table(graph, out.table, last);
     out.texels = texels;
     return out;

@@ -5,7 +5,7 @@
  * specular lobe reflects, so that the two parts of the integral are multiplied (Karis 2013, "Real Shading in Unreal Engine 4"). Shaders find it by
  * shaders/environment.glsl. Samples are at fixed places: the same picture gives the same bytes.
  *
- * Cost: nothing in frames that make none. Memory: 64 bytes for each texel of a face.
+ * Cost: nothing in frames that make none. Memory: 64 bytes for each texel of a face; compressed 8.
  */
 #ifndef FNL_PASSES_AMBIENT_ENVIRONMENT_H
 #define FNL_PASSES_AMBIENT_ENVIRONMENT_H
@@ -13,11 +13,14 @@
 #include "environment_shared.h"
 #include "graph/graph.h"
 
+enum { ENVIRONMENT_MIPS_MOST = 8 }; /* of the cube */
+
 /** On the device. */
 struct environment_maps {
-    struct gpu_image cube;  /* RGBA16F; the last mip has 8 texels a side */
+    struct gpu_image cube;  /* RGBA16F or BC6H; the last mip has 8 texels a side */
     struct gpu_image table; /* RGBA16F: reflectance, which mip of the cube, and the reflectance of fibres */
     struct gpu_image levels; /* RGBA16F: the picture as a cube map with all mips; only until frames that filter it are over */
+    struct gpu_image parts[6 * ENVIRONMENT_MIPS_MOST]; /* of levels: its mips, in each of them the faces; so too, and only where the cube is compressed */
     struct gpu_image picture; /* RGBA16F; so too */
     struct gpu_buffer light; /* struct gpu_environment */
     uint32_t side;
@@ -27,6 +30,7 @@ struct environment_maps {
 struct environment_light {
     graph_image cube, table;
     graph_buffer light;
+    graph_buffer blocks; /* of the cube, where it is compressed and made in this frame (passes/compress/bc6h.h) */
     graph_buffer texels; /* of the cube, as environment_maps_shared.h lays them out; id 0 in frames that do not filter */
 };
 
@@ -40,8 +44,12 @@ float environment_roughness(uint32_t mip, uint32_t last_mip);
 /** The last mip that shading reads. */
 static inline uint32_t environment_last_mip(uint32_t side) { return (uint32_t)log2f((float)side) - 3; }
 
-/** Outside of frames: makes the images, and sends the picture: halves, RGBA, `width` times `height`. What was there goes when its frames are over. */
-fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, struct environment_maps *maps);
+/**
+ * Outside of frames: makes the images, and sends the picture: halves, RGBA, `width` times `height`. What was there goes when its frames are over.
+ * `compressed`: the cube is of BC6H, where fnl_device_info.texture_compression.
+ */
+fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, bool compressed,
+                               struct environment_maps *maps);
 /** The table alone, for layered materials where there is no environment. */
 fnl_result environment_prepare_table(gpu_device *device, struct environment_maps *maps);
 void environment_finish_maps(gpu_device *device, struct environment_maps *maps);

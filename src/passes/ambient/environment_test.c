@@ -2,6 +2,7 @@
 /** The maps of an environment against sums in double precision on the CPU. */
 #include "passes/ambient/environment.h"
 #include "fanal/image.h"
+#include "image/bc6h.h"
 #include "scene/scene_environment.h"
 #include "tests/render_harness.h"
 
@@ -27,7 +28,7 @@ static void execute_copy(const struct graph_context *context, const void *data) 
         gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0, d->size[i]);
 }
 
-static struct maps filter(const struct panorama *p) {
+static struct maps filter(const struct panorama *p, bool compressed) {
     gpu_device *device = harness_device();
     const size_t count = (size_t)p->width * p->height;
     uint16_t *pixels = calloc(count, 8);
@@ -36,20 +37,20 @@ static struct maps filter(const struct panorama *p) {
     assert_non_null(pixels);
     for (size_t i = 0; i < count; i++)
         for (size_t c = 0; c < 3; c++) pixels[4 * i + c] = half_from_float(p->texels[3 * i + c]);
-    assert_int_equal(environment_prepare(device, pixels, p->width, p->height, &device_maps), FNL_OK);
+    assert_int_equal(environment_prepare(device, pixels, p->width, p->height, compressed, &device_maps), FNL_OK);
     assert_int_equal(gpu_upload_flush(device), FNL_OK);
     free(pixels);
     struct maps out = {.side = device_maps.side, .last = environment_last_mip(device_maps.side)};
     uint64_t texel_count = 0;
-    for (uint32_t mip = 0; out.side >> mip; mip++) texel_count += 6ull * (out.side >> mip) * (out.side >> mip);
-    struct copy_data copy = {.size = {texel_count * 8, sizeof out.light}};
+    for (uint32_t mip = 0; out.side >> mip && (!compressed || mip <= out.last); mip++) texel_count += 6ull * (out.side >> mip) * (out.side >> mip);
+    struct copy_data copy = {.size = {texel_count * (compressed ? 1 : 8), sizeof out.light}};
     struct gpu_buffer read[2];
     assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
     for (int i = 0; i < 2; i++) assert_int_equal(gpu_buffer_create(device, "read", copy.size[i], GPU_MEMORY_READBACK, &read[i]), FNL_OK);
     graph_begin(graph);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     const struct environment_light light = environment_add(graph, device, &device_maps, true);
-    copy.from[0] = light.texels;
+    copy.from[0] = compressed ? light.blocks : light.texels;
     copy.from[1] = light.light;
     struct graph_pass *pass = NULL;
     for (int i = 0; i < 2; i++) copy.to[i] = graph_import_buffer(graph, i ? "light read" : "texels read", &read[i]);
@@ -65,10 +66,21 @@ static struct maps filter(const struct panorama *p) {
     assert_int_equal(gpu_wait_idle(device), FNL_OK);
     memcpy(&out.light, read[1].mapped, sizeof out.light);
     const uint16_t *halves = read[0].mapped;
+    const unsigned char *blocks = read[0].mapped;
     for (uint32_t mip = 0; mip <= out.last; mip++) {
-        const size_t texels = 6 * (size_t)(out.side >> mip) * (out.side >> mip);
+        const uint32_t side = out.side >> mip;
+        const size_t texels = 6 * (size_t)side * side;
         out.mips[mip] = malloc(texels * 3 * sizeof(float));
         assert_non_null(out.mips[mip]);
+        if (compressed) {
+            float *rgba = malloc(texels * 4 * sizeof(float));
+            assert_non_null(rgba);
+            bc6h_decode_picture(blocks, false, side, 6 * side, rgba); /* faces are whole blocks: one below the other */
+            for (size_t i = 0; i < texels * 3; i++) out.mips[mip][i] = rgba[i / 3 * 4 + i % 3];
+            free(rgba);
+            blocks += texels; /* 16 bytes for 16 texels */
+            continue;
+        }
         for (size_t i = 0; i < texels; i++)
             for (size_t c = 0; c < 3; c++) out.mips[mip][3 * i + c] = half_to_float(halves[4 * i + c]);
         halves += 4 * texels;
@@ -246,7 +258,7 @@ static double mirror_error(const struct maps *m, double roughness, uint32_t plac
 static void check_picture(const char *file) {
     uint32_t sources;
     struct panorama p = load(file, &sources);
-    struct maps m = filter(&p);
+    struct maps m = filter(&p, false);
     double worst = 0, between = 0, error = 0, sum = 0;
     for (uint32_t mip = 1; mip <= m.last; mip++) {
         const double roughness = (double)environment_roughness(mip, m.last), before = (double)environment_roughness(mip - 1, m.last);
@@ -280,13 +292,36 @@ static void test_maps_hold_what_surfaces_reflect_MP_12_EN_2_EN_3(void **state) {
     check_picture("venice_sunset_256.hdr");
 }
 
+/* Blocks hold what filtering gave, mip by mip, and light that is the same from everywhere. */
+static void test_cubes_are_compressed_BC_14(void **state) {
+    UNUSED(state);
+    for (int even = 0; even < 2; even++) {
+        uint32_t sources;
+        struct panorama p = load("venice_sunset_256.hdr", &sources);
+        for (size_t i = 0; even && i < (size_t)p.width * p.height * 3; i++) p.texels[i] = i % 3 == 0 ? 2 : 0.7f;
+        struct maps want = filter(&p, false), got = filter(&p, true);
+        for (uint32_t mip = 0; mip <= want.last; mip++) {
+            double error = 0, sum = 0;
+            for (size_t i = 0; i < 18 * (size_t)(want.side >> mip) * (want.side >> mip); i++) {
+                error += pow((double)got.mips[mip][i] - (double)want.mips[mip][i], 2);
+                sum += pow((double)want.mips[mip][i], 2);
+            }
+            print_message("mip %u: %.3f %% off\n", mip, 100 * sqrt(error / sum));
+            assert_true(sqrt(error / sum) < (even ? 1e-3 : 0.03));
+        }
+        maps_free(&want);
+        maps_free(&got);
+        free(p.texels);
+    }
+}
+
 /* Light that is the same from everywhere stays so: in all mips, and in the harmonics. */
 static void test_a_constant_picture_stays_constant_MP_12(void **state) {
     UNUSED(state);
     struct panorama p = {130, 65, calloc((size_t)130 * 65 * 3, sizeof(float))};
     assert_non_null(p.texels);
     for (size_t i = 0; i < (size_t)130 * 65 * 3; i++) p.texels[i] = i % 3 == 0 ? 2 : 0.5f;
-    struct maps m = filter(&p);
+    struct maps m = filter(&p, false);
     for (uint32_t mip = 0; mip <= m.last; mip++)
         for (size_t i = 0; i < 18 * (size_t)(m.side >> mip) * (m.side >> mip); i++)
             assert_float_equal(m.mips[mip][i], (i % 3 == 0 ? 2 : 0.5f), 2e-3f);
@@ -341,7 +376,7 @@ static void test_faces_look_along_their_axes_MP_11(void **state) {
             float *texel = p.texels + 3 * ((size_t)y * p.width + x);
             texel[0] = d.x + 1, texel[1] = d.y + 1, texel[2] = d.z + 1;
         }
-    struct maps m = filter(&p);
+    struct maps m = filter(&p, false);
     compare_compressed(&p, &m);
     for (uint32_t i = 0; i < 40; i++) {
         const struct dvec d = place_of(i);
@@ -359,6 +394,7 @@ static void test_faces_look_along_their_axes_MP_11(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_cubes_are_compressed_BC_14, harness_check),
         cmocka_unit_test_teardown(test_maps_hold_what_surfaces_reflect_MP_12_EN_2_EN_3, harness_check),
         cmocka_unit_test_teardown(test_a_constant_picture_stays_constant_MP_12, harness_check),
         cmocka_unit_test_teardown(test_faces_look_along_their_axes_MP_11, harness_check),

@@ -11,7 +11,8 @@ static fnl_result send_picture(struct device_scene *d, const struct panorama *p)
         for (size_t c = 0; c < 3; c++) pixels[4 * i + c] = half_from_float(p->texels[3 * i + c]);
         pixels[4 * i + 3] = one;
     }
-    const fnl_result result = environment_prepare(d->device, pixels, p->width, p->height, &d->environment);
+    const bool compressed = d->scene->environment.compressed && gpu_info(d->device)->texture_compression;
+    const fnl_result result = environment_prepare(d->device, pixels, p->width, p->height, compressed, &d->environment);
     host_free(&d->host, pixels, bytes);
     d->bytes_uploaded += bytes;
     return result;
