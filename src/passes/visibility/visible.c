@@ -6,9 +6,6 @@
 #include "scene_shared.h"
 #include "shaders.h"
 
-enum { CLASS_BITS = 5 };
-_Static_assert(GPU_CLASSES == 1u << CLASS_BITS, "keys have room for all classes");
-
 struct visible_data {
     struct visibility visibility;
     struct visible_list list;
@@ -84,6 +81,12 @@ static void create_counts(struct graph *graph, struct visible_data *data) {
     graph_add_clear(graph, "visible clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data->list.counts}});
 }
 
+/* Of the classes that some material has: sorting takes a pass for four bits. */
+static uint32_t class_bits(uint32_t classes) {
+    _Static_assert(GPU_CLASSES == 32, "five bits");
+    return classes >> 16 ? 5 : 4;
+}
+
 /* Sums up what has been counted, and lists it. */
 static void add_entries(struct graph *graph, struct visible_data *data) {
     uint32_t places = places_of(data);
@@ -96,7 +99,7 @@ static void add_entries(struct graph *graph, struct visible_data *data) {
                                                                                .queue = GRAPH_QUEUE_GRAPHICS,
                                                                                .pairs = data->list.entries,
                                                                                .capacity = data->list.capacity,
-                                                                               .bits = CLASS_BITS + data->material_bits,
+                                                                               .bits = class_bits(data->list.classes) + data->material_bits,
                                                                                .count = data->list.sums,
                                                                                .count_offset = places * 4ull});
     data->list.ranges = graph_create_buffer(graph, "visible ranges", GPU_CLASSES * 8ull);
@@ -120,13 +123,13 @@ struct visible_list visible_list_add(struct graph *graph, const struct shade_inp
     data.visibility = *visibility;
     uint64_t capacity = (uint64_t)input->width * input->height * data.samples;
     bool sorts = sort != VISIBILITY_SORT_OFF && capacity < 1u << 31; /* what radix_sort_add takes */
+    data.list.classes = sorts ? input->scene->material_classes : 1;
     if (sort == VISIBILITY_SORT_MATERIAL) {
         while ((input->scene->material_count - 1) >> data.material_bits) data.material_bits++;
-        data.material_bits = MIN(data.material_bits, 32u - CLASS_BITS);
+        data.material_bits = MIN(data.material_bits, 32 - class_bits(data.list.classes));
     }
     data.list.capacity = (uint32_t)capacity;
     data.list.listed = sorts ? VISIBLE_SORTED : VISIBLE_LIST;
-    data.list.classes = sorts ? input->scene->material_classes : 1;
     create_counts(graph, &data);
     add_pixels(graph, "visible count", &data, &shader_visible_count_comp);
     add_entries(graph, &data);
