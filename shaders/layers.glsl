@@ -139,18 +139,40 @@ vec3 radiance_from(view_block v, vec3 direction, float lod) {
     return LIST_ENVIRONMENT ? environment_radiance(v, direction, lod) : ambient_radiance(v, normalize(direction));
 }
 
-// The normal by which highlights that are stretched along the tangent mirror: microfacets lean that way, so those nearest to the viewer count (Revie 2011, "Implementing Fur Using Deferred Shading", GPU Pro 2).
+// The normal by which highlights that are stretched along the tangent mirror ambient light: microfacets lean that way, so those nearest to the viewer count (Revie 2011, "Implementing Fur Using Deferred Shading", GPU Pro 2).
 vec3 stretched_normal(surface s, layers_view b) {
     vec3 along = b.base.to_view - b.bitangent * dot(b.bitangent, b.base.to_view);
     float bend = s.layers.anisotropy * clamp(1.0 - s.roughness, 0.0, 1.0), rest = (1.0 - bend) * (1.0 - bend);
     return normalize(mix(normalize(along), s.normal, rest * rest));
 }
 
+// What a stretched lobe mirrors: the round lobe of the smaller roughness, by a fan of normals that lean along the tangent as slopes of the distribution do
+// (its marginal has the quantiles a u / sqrt(1 - u^2)); those that the viewer sees more of count more (Heitz 2018). Lobes are as wide as the gaps between them.
+vec3 stretched_radiance(surface s, layers_view b, view_block v) {
+    const float COUNT = 16.0;
+    float across = b.alpha_along.y, lean = sqrt(max(b.alpha_along.x * b.alpha_along.x - across * across, 0.0));
+    surface leaning = s;
+    leaning.roughness = sqrt(max(across, lean / COUNT));
+    float lod = environment_reflectance(v, b.n_v, leaning.roughness).z, weights = 1e-6;
+    vec3 sum = vec3(0.0);
+    for (float i = 0.5; i < COUNT; i += 1.0) {
+        float u = 2.0 * i / COUNT - 1.0;
+        vec3 normal = s.normal + s.layers.tangent * (lean * u * inversesqrt(1.0 - u * u));
+        float seen = max(dot(b.base.to_view, normal), 0.0); // times 1 / (n.h), which is the length of `normal`, over itself
+        leaning.normal = normalize(normal);
+        float weight = dot(s.normal, reflect(-b.base.to_view, leaning.normal)) > 0.0 ? seen : 0.0;
+        if (weight > 0.0) sum += weight * environment_radiance(v, lobe_direction(leaning, b.base.to_view), lod);
+        weights += weight;
+    }
+    return sum / weights;
+}
+
 vec3 layers_environment(surface s, layers_view b, view_block v) {
     vec3 table = environment_reflectance(v, b.n_v, s.roughness), around = AMBIENT_DIFFUSE(v, s.normal), taken;
     surface bent = s;
     if (s.layers.anisotropy > 0.0) bent.normal = stretched_normal(s, b);
-    vec3 mirrored = radiance_from(v, lobe_direction(bent, b.base.to_view), table.z);
+    vec3 mirrored = LIST_ENVIRONMENT && s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v)
+                                                                 : radiance_from(v, lobe_direction(bent, b.base.to_view), table.z);
     // The film's reflectance holds for the whole lobe: as f0 and f90 in one.
     vec3 f0 = mix(s.dielectric_f0, b.film_dielectric, s.layers.film), f90 = mix(vec3(s.dielectric_f90), b.film_dielectric, s.layers.film);
     vec3 light = environment_lobe(f0, f90, table.xy, mirrored, around, taken);

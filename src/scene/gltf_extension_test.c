@@ -473,7 +473,7 @@ static void test_broken_metadata(void **state) {
     "\"textures\":[{\"source\":0},{\"source\":0}],"
 #define LAYERS                                                                                                              \
     "\"extensionsUsed\":[\"KHR_materials_clearcoat\",\"KHR_materials_sheen\",\"KHR_materials_iridescence\","              \
-    "\"KHR_materials_anisotropy\"],"
+    "\"KHR_materials_anisotropy\",\"KHR_materials_unlit\"],"
 #define TEXTURE(name, number) "\"" name "Texture\":{\"index\":0,\"texCoord\":" number "}"
 
 static void test_layers_of_materials_MA_7(void **state) {
