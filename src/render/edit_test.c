@@ -16,12 +16,15 @@ struct file {
 static const struct file plain = {.color = {0.8f, 0.1f, 0.1f}, .intensity = 30, .extra = ",6", .arm = ",3", .panel = "1,"};
 static struct test_log lines;
 
+#define POINTER(text) "{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"" text "\"}}}"
+
 static unsigned char *make_glb(const struct file *f, size_t *size) {
     struct {
         float positions[18], normals[18];
         uint8_t joints[24];
-        float weights[24], inverse_bind[32], times[2], keys[6];
-    } binary = {.positions = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0}, .times = {0, 1}, .keys = {0, 0, 0, 0, 0.5f, 0}};
+        float weights[24], inverse_bind[32], times[2], keys[6], colors[8], powers[2];
+    } binary = {.positions = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0}, .times = {0, 1}, .keys = {0, 0, 0, 0, 0.5f, 0},
+                .colors = {0.5f, 0.25f, 0, 1, 0.25f, 0.75f, 1, 1}, .powers = {40, 8}};
     for (int i = 0; i < 6; i++) {
         binary.normals[i * 3 + 2] = 1;
         binary.joints[i * 4] = binary.positions[i * 3 + 1] > 0; /* the upper corners hang on the second joint */
@@ -30,10 +33,11 @@ static unsigned char *make_glb(const struct file *f, size_t *size) {
     for (int i = 0; i < 32; i++) binary.inverse_bind[i] = i % 16 % 5 == 0;
     char json[6000];
     snprintf(json, sizeof json,
-             "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_materials_variants\"],"
+             "{\"asset\":{\"version\":\"2.0\"},"
+             "\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_materials_variants\",\"KHR_animation_pointer\"],"
              "\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":144,\"byteStride\":12},"
              "{\"buffer\":0,\"byteOffset\":144,\"byteLength\":24,\"byteStride\":4},{\"buffer\":0,\"byteOffset\":168,\"byteLength\":96,"
-             "\"byteStride\":16},{\"buffer\":0,\"byteOffset\":264,\"byteLength\":128},{\"buffer\":0,\"byteOffset\":392,\"byteLength\":32}],"
+             "\"byteStride\":16},{\"buffer\":0,\"byteOffset\":264,\"byteLength\":128},{\"buffer\":0,\"byteOffset\":392,\"byteLength\":72}],"
              "\"accessors\":["
              "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":6,\"min\":[-1,-1,0],\"max\":[1,1,0]},"
              "{\"bufferView\":0,\"byteOffset\":72,\"componentType\":5126,\"type\":\"VEC3\",\"count\":6},"
@@ -42,7 +46,9 @@ static unsigned char *make_glb(const struct file *f, size_t *size) {
              "{\"bufferView\":3,\"componentType\":5126,\"type\":\"MAT4\",\"count\":2},"
              "{\"bufferView\":4,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2,\"min\":[0],\"max\":[1]},"
              "{\"bufferView\":4,\"byteOffset\":8,\"componentType\":5126,\"type\":\"VEC3\",\"count\":2},"
-             "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC2\",\"count\":6}],"
+             "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC2\",\"count\":6},"
+             "{\"bufferView\":4,\"byteOffset\":32,\"componentType\":5126,\"type\":\"VEC4\",\"count\":2},"
+             "{\"bufferView\":4,\"byteOffset\":64,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2}],"
              "\"materials\":[{\"name\":\"paint\",\"extras\":\"gloss\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[%g,%g,%g,1],"
              "\"metallicFactor\":0,\"roughnessFactor\":0.5}},"
              "{\"name\":\"cloth\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.7,0.2,1],\"metallicFactor\":0}}],"
@@ -59,7 +65,10 @@ static unsigned char *make_glb(const struct file *f, size_t *size) {
              "{\"name\":\"arm\",\"mesh\":1,\"skin\":0},{\"name\":\"base\",\"children\":[5],\"translation\":[-2.2,0,0]},"
              "{\"name\":\"tip\",\"translation\":[%g,%g,%g]},{\"name\":\"extra\",\"mesh\":0,\"translation\":[2.2,0,0]}],"
              "\"animations\":[{\"name\":\"rise\",\"samplers\":[{\"input\":5,\"output\":6}],"
-             "\"channels\":[{\"sampler\":0,\"target\":{\"node\":%u,\"path\":\"translation\"}}]}],"
+             "\"channels\":[{\"sampler\":0,\"target\":{\"node\":%u,\"path\":\"translation\"}}]},"
+             "{\"name\":\"fade\",\"samplers\":[{\"input\":5,\"output\":8},{\"input\":5,\"output\":9}],\"channels\":["
+             "{\"sampler\":0,\"target\":" POINTER("/materials/0/pbrMetallicRoughness/baseColorFactor") "},"
+             "{\"sampler\":1,\"target\":" POINTER("/extensions/KHR_lights_punctual/lights/0/intensity") "}]}],"
              "\"scenes\":[{\"nodes\":[0,4%s%s]}],\"scene\":0}",
              sizeof binary, (double)f->color[0], (double)f->color[1], (double)f->color[2], (double)f->intensity, f->board_material, f->panel,
              (double)f->group[0], (double)f->group[1], (double)f->group[2], (double)f->tip[0], (double)f->tip[1],
@@ -137,7 +146,7 @@ static void test_everything_is_found_by_name(void **state) {
         const char *name, *extras;
     } known[] = {{FNL_ENTITY_INSTANCE, 7, "group", "{\"id\":7}"}, {FNL_ENTITY_INSTANCE, 7, "tip", NULL},
                  {FNL_ENTITY_LIGHT, 1, "bulb", "{\"watts\":60}"}, {FNL_ENTITY_MESH, 2, "flag", "[1,2]"},
-                 {FNL_ENTITY_MATERIAL, 2, "paint", "\"gloss\""},  {FNL_ENTITY_ANIMATION, 1, "rise", NULL}};
+                 {FNL_ENTITY_MATERIAL, 2, "paint", "\"gloss\""},  {FNL_ENTITY_ANIMATION, 2, "rise", NULL}};
     for (uint32_t i = 0; i < COUNT_OF(known); i++) {
         assert_int_equal(fnl_scene_count(scene, known[i].kind), known[i].count);
         fnl_entity_info info = find(scene, known[i].kind, known[i].name);
@@ -516,6 +525,32 @@ static void test_poses_show_as_if_built_so(void **state) {
     stage_close(&stage);
 }
 
+/* A material and a light that are animated, between frames. Baked decals too. */
+static void test_animated_properties_show_as_if_built_so(void **state) {
+    UNUSED(state);
+    struct file wanted = plain;
+    const float color[] = {0.4375f, 0.375f, 0.25f};
+    memcpy(wanted.color, color, sizeof color);
+    wanted.intensity = 32;
+    for (int baked = 0; baked < 2; baked++) {
+        struct stage stage = open_stage(load(&plain)), built = open_stage(load(&wanted));
+        if (baked) {
+            bake(stage.scene);
+            bake(built.scene);
+        }
+        fnl_image first = shoot(&stage);
+        assert_int_equal(fnl_scene_set_time(stage.scene, 1, 0.25), FNL_OK);
+        fnl_image a = shoot(&stage), b = shoot(&built);
+        assert_true(count_differing(&a, &first) > 1000);
+        assert_int_equal(count_differing(&a, &b), 0);
+        fnl_image_free(gpu_host(harness_device()), &first);
+        fnl_image_free(gpu_host(harness_device()), &a);
+        fnl_image_free(gpu_host(harness_device()), &b);
+        stage_close(&stage);
+        stage_close(&built);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_everything_is_found_by_name, harness_check),
@@ -527,6 +562,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_baked_decals_follow_their_material, harness_check),
         cmocka_unit_test_teardown(test_baked_decals_follow_their_mesh, harness_check),
         cmocka_unit_test_teardown(test_poses_show_as_if_built_so, harness_check),
+        cmocka_unit_test_teardown(test_animated_properties_show_as_if_built_so, harness_check),
     };
     return cmocka_run_group_tests_name("render: edits", tests, harness_begin, harness_end);
 }

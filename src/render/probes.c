@@ -19,7 +19,7 @@ static bool is_animated(const fnl_scene *scene, uint32_t node) {
     for (uint32_t i = 0; i < scene->animations.count; i++)
         for (uint32_t k = 0; k < scene->animations.data[i].channel_count; k++) {
             const struct scene_channel *channel = &scene->animations.data[i].channels[k];
-            if (channel->path == SCENE_PATH_WEIGHTS) continue;
+            if (channel->path > SCENE_PATH_SCALE) continue; /* moves nothing */
             for (uint32_t n = node; n != SCENE_NONE; n = scene->nodes.data[n].parent)
                 if (n == channel->node) return true;
         }

@@ -75,19 +75,34 @@ static void apply_weights(fnl_scene *scene, struct scene_node *node, const struc
                           const struct key_span *span) {
     float *weights = own_weights(scene, node);
     if (!weights) return;
-    uint32_t count = MIN(channel->width, scene->meshes.data[node->mesh].morph_target_count);
-    for (uint32_t i = 0; i < count; i++) weights[i] = interpolate(channel, span, i);
+    uint32_t first = channel->first_weight, targets = scene->meshes.data[node->mesh].morph_target_count;
+    for (uint32_t i = 0; i < channel->width && first + i < targets; i++) weights[first + i] = interpolate(channel, span, i);
 }
 
-void animation_apply(fnl_scene *scene, uint32_t animation, double seconds) {
-    if (animation >= scene->animations.count) return;
+static void apply_property(fnl_scene *scene, const struct scene_channel *channel, const struct key_span *span) {
+    float values[4] = {0};
+    for (uint32_t i = 0; i < MIN(channel->width, COUNT_OF(values)); i++) values[i] = interpolate(channel, span, i);
+    animation_set_property(scene, channel, values);
+}
+
+fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds) {
+    if (animation >= scene->animations.count) return FNL_OK;
     const struct scene_animation *what = &scene->animations.data[animation];
     for (uint32_t i = 0; i < what->channel_count; i++) {
         const struct scene_channel *channel = &what->channels[i];
-        if (!channel->key_count || channel->node >= scene->nodes.count) continue;
+        if (!channel->key_count) continue;
+        struct key_span span = find_span(channel, (float)seconds);
+        if (channel->path == SCENE_PATH_PROPERTY) {
+            apply_property(scene, channel, &span);
+            continue;
+        }
+        if (channel->node >= scene->nodes.count) continue;
         struct scene_node *node = &scene->nodes.data[channel->node];
         if (node->removed) continue;
-        struct key_span span = find_span(channel, (float)seconds);
+        if (channel->path == SCENE_PATH_VISIBLE) {
+            scene_show_node(scene, channel->node, interpolate(channel, &span, 0) != 0);
+            continue;
+        }
         if (channel->path == SCENE_PATH_WEIGHTS) {
             apply_weights(scene, node, channel, &span);
             continue;
@@ -98,6 +113,7 @@ void animation_apply(fnl_scene *scene, uint32_t animation, double seconds) {
         if (channel->path == SCENE_PATH_ROTATION) node->rotation = interpolate_rotation(channel, &span);
         node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
     }
+    return animation_finish_properties(scene, what);
 }
 
 void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out) {
@@ -111,7 +127,7 @@ fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double secon
     if (!isfinite(seconds)) return misuse(CALL(&scene->host), "seconds is %g, must be finite", seconds);
     if (scene->animations.count || animation)
         TRY(check_index(CALL(&scene->host), "animation", animation, scene->animations.count, "animations"));
-    animation_apply(scene, animation, seconds);
+    const fnl_result result = animation_apply(scene, animation, seconds);
     scene_update_transforms(scene);
     /* Morph weights move no node, but renderers follow them by the same counter. */
     for (uint32_t i = 0; animation < scene->animations.count && i < scene->animations.data[animation].channel_count; i++)
@@ -119,7 +135,7 @@ fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double secon
             scene->transform_version++;
             break;
         }
-    return FNL_OK;
+    return result;
 }
 
 /* ---- poses that a program makes ---- */

@@ -108,6 +108,32 @@ struct gltf_light {
     fnl_light_params params;
 };
 
+enum gltf_target_kind {
+    GLTF_TARGET_NODE,
+    GLTF_TARGET_MESH,
+    GLTF_TARGET_MATERIAL,
+    GLTF_TARGET_LIGHT,
+    GLTF_TARGET_CAMERA,
+    GLTF_TARGET_UNUSED, /* what this renderer has no use for */
+    GLTF_TARGET_KIND_COUNT
+};
+
+/** What a channel of an animation sets. */
+struct gltf_target {
+    enum gltf_target_kind kind;
+    enum scene_animation_path path;
+    uint32_t index; /* in the document */
+    const struct scene_property *property; /* or NULL */
+    uint32_t width, first_weight; /* as of struct scene_channel */
+    bool one_weight;
+    const char *pointer; /* NULL: plain glTF */
+};
+
+/** What shows a mesh, light or camera of the document: chains that end with SCENE_NONE. */
+struct gltf_users {
+    uint32_t *first, *next;
+};
+
 struct gltf {
     fnl_scene *scene;
     const fnl_host *host;
@@ -143,6 +169,7 @@ struct gltf {
     struct gltf_light *lights;
     uint32_t *variant_stamps, variant_stamp; /* scratch of gltf_load_mappings */
     uint32_t *node_lights; /* by node: a light, or SCENE_NONE */
+    struct gltf_users users[GLTF_TARGET_KIND_COUNT]; /* of gltf_first_user */
     bool *in_scene;        /* by node: part of the shown scene, visible or not */
     bool *hidden;          /* by node: KHR_node_visibility hides it and what is below */
 };
@@ -310,6 +337,10 @@ void gltf_load_skins(struct gltf *g);      /* skins, and whether the skinned mes
 void gltf_place(struct gltf *g);           /* puts cameras and lights on the shown nodes (gltf_light.c) */
 void gltf_load_decals(struct gltf *g);     /* FNL_decal of the shown nodes (gltf_decal.c) */
 void gltf_load_animations(struct gltf *g); /* gltf_animation.c */
+/** What a pointer of KHR_animation_pointer names (gltf_animation_pointer.c). False (warned): it cannot be animated. */
+bool gltf_find_target(struct gltf *g, const char *pointer, const struct at *at, struct gltf_target *target);
+/** The first node that shows a mesh with its weights, or scene light, or scene camera; the others follow by gltf.users. */
+uint32_t gltf_first_user(struct gltf *g, enum gltf_target_kind kind, uint32_t index);
 void gltf_load_environment(struct gltf *g); /* EXT_lights_image_based (gltf_environment.c) */
 void gltf_load_xmp(struct gltf *g);        /* KHR_xmp_json_ld (gltf_xmp.c) */
 

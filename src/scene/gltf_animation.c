@@ -2,7 +2,7 @@
 /* Animations (glTF 2.0, 3.11). */
 #include "scene/gltf.h"
 
-enum { PATH_COUNT = SCENE_PATH_WEIGHTS + 1 };
+enum { PATH_COUNT = SCENE_PATH_VISIBLE + 1 }; /* of nodes */
 
 struct sampler {
     bool valid;
@@ -65,11 +65,13 @@ static bool parse_path(const char *name, enum scene_animation_path *path) {
     return false;
 }
 
-/** Translation and scale are floats; rotations and weights may be normalised integers. */
-static bool output_format_good(const struct gltf_accessor *accessor, enum scene_animation_path path) {
-    static const enum gltf_type types[] = {GLTF_VEC3, GLTF_VEC4, GLTF_VEC3, GLTF_SCALAR};
-    bool may_be_integer = path == SCENE_PATH_ROTATION || path == SCENE_PATH_WEIGHTS;
-    return accessor->type == types[path] && (accessor->component == GLTF_FLOAT || (may_be_integer && accessor->normalized));
+/** Translation and scale are floats; rotations and weights may be normalised integers; what a pointer names, any. */
+static bool output_format_good(const struct gltf_accessor *accessor, const struct gltf_target *target) {
+    static const enum gltf_type types[] = {GLTF_SCALAR, GLTF_VEC2, GLTF_VEC3, GLTF_VEC4};
+    if (accessor->type != (target->path == SCENE_PATH_WEIGHTS ? GLTF_SCALAR : types[target->width - 1])) return false;
+    if (target->path == SCENE_PATH_VISIBLE) return accessor->component == GLTF_UNSIGNED_BYTE;
+    bool may_be_integer = target->path == SCENE_PATH_ROTATION || target->path == SCENE_PATH_WEIGHTS;
+    return accessor->component == GLTF_FLOAT || target->pointer || (may_be_integer && accessor->normalized);
 }
 
 /** 3.11: keys of rotations are of unit length; tangents of splines are not. */
@@ -88,12 +90,27 @@ static void make_unit(struct gltf *g, const struct at *at, const struct scene_ch
         gltf_warn(g, at, "%u rotations are not of unit length, the first at key %u; they are normalised", wrong, first);
 }
 
-static const float *load_values(struct gltf *g, const struct sampler *sampler, const struct scene_channel *channel,
-                                const struct at *at, const struct at *output_at) {
+static void warn_out_of_range(struct gltf *g, const struct at *at, const struct scene_channel *channel, const float *values) {
+    const bool cubic = channel->interpolation == SCENE_INTERPOLATION_CUBIC;
+    const struct scene_property *property = channel->property;
+    uint32_t wrong = 0, first = 0;
+    for (uint32_t i = 0; i < channel->key_count; i++) {
+        const float *value = values + ((size_t)i * (cubic ? 3 : 1) + cubic) * channel->width;
+        bool good = true;
+        for (uint32_t k = 0; k < channel->width; k++) good &= value[k] >= property->low && value[k] <= property->high;
+        if (!good && wrong++ == 0) first = i;
+    }
+    if (wrong)
+        gltf_warn(g, at, "%u values are not in %g .. %g, the first at key %u; they are clamped", wrong, (double)property->low,
+                  (double)property->high, first);
+}
+
+static const float *load_values(struct gltf *g, const struct sampler *sampler, const struct gltf_target *target,
+                                const struct scene_channel *channel, const struct at *at, const struct at *output_at) {
     const struct gltf_accessor *accessor = &g->accessors[sampler->output];
     char format[64];
     if (!gltf_accessor_readable(g, sampler->output, at)) return NULL;
-    if (!output_format_good(accessor, channel->path)) {
+    if (!output_format_good(accessor, target)) {
         gltf_warn(g, at, "the output cannot be %s for this path; the channel is left out",
                   gltf_format_name(accessor, format, sizeof format));
         return NULL;
@@ -115,24 +132,22 @@ static const float *load_values(struct gltf *g, const struct sampler *sampler, c
             return NULL;
         }
     if (channel->path == SCENE_PATH_ROTATION) make_unit(g, output_at, channel, values);
+    if (channel->property) warn_out_of_range(g, output_at, channel, values);
     return values;
-}
-
-/** KHR_animation_pointer replaces the target's node; the channel cannot be played, but its syntax is checked. */
-static void warn_pointer(struct gltf *g, json_t *target, const struct at *at) {
-    struct gltf_extension_place place;
-    json_t *extension = gltf_extension(target, at, "KHR_animation_pointer", &place);
-    if (!extension) return;
-    const char *pointer = gltf_string(g, extension, &place.extension, "pointer", true);
-    if (pointer && *pointer && *pointer != '/')
-        gltf_warn(g, AT_KEY(&place.extension, "pointer"), "'%.100s' is no JSON pointer; the channel is left out", pointer);
-    else if (pointer)
-        gltf_warn(g, &place.extension, "is not supported; the animation of '%.100s' is left out", pointer);
 }
 
 /** The channel of the present animation that last moved a property of a node. */
 struct last_channel {
     uint32_t animation, channel; /* numbers from 1 on; 0: none */
+};
+
+/** An animation as it is loaded. */
+struct animation_load {
+    uint32_t animation, sampler_count;
+    struct sampler *samplers;
+    struct last_channel *last; /* of nodes, by node and path */
+    json_t *pointers;          /* of others: numbers of channels */
+    ARRAY(struct scene_channel) channels;
 };
 
 /** 3.11: no two channels of an animation have the same target. They are played in order, so the later one wins. */
@@ -145,49 +160,118 @@ static void check_duplicate(struct gltf *g, const struct at *at, struct last_cha
     *last = (struct last_channel){animation + 1, index + 1};
 }
 
-static bool load_target(struct gltf *g, json_t *object, const struct at *at, struct scene_channel *channel) {
-    json_t *target = gltf_object(g, object, at, "target", true);
-    if (!target) return false;
-    const struct at *here = AT_KEY(at, "target");
-    warn_pointer(g, target, here);
-    channel->node = gltf_index(g, target, here, "node", false, g->node_count);
-    const char *path = gltf_string(g, target, here, "path", true);
-    if (!path || (channel->node == SCENE_NONE && strcmp(path, "pointer") == 0)) return false;
-    if (!parse_path(path, &channel->path)) {
-        gltf_warn(g, AT_KEY(here, "path"), "is unknown; the channel is left out");
-        return false;
+/** The same for what has no path of a node. */
+static void check_pointers(struct gltf *g, const struct at *at, struct animation_load *load, const char *pointer) {
+    json_t *known = json_object_get(load->pointers, pointer);
+    if (known) {
+        const struct at *channels_at = at->parent, *first_at = AT_INDEX(channels_at, (size_t)json_integer_value(known));
+        gltf_warn(g, AT_KEY(first_at, "target"), "channel %zu has the same target, and is played instead", at->index);
     }
-    if (channel->node == SCENE_NONE) return false; /* allowed: there is nothing to move */
-    const struct scene_node *node = &g->scene->nodes.data[channel->node];
-    channel->width = channel->path == SCENE_PATH_ROTATION ? 4 : 3;
-    if (channel->path == SCENE_PATH_WEIGHTS) {
-        channel->width = node->mesh == SCENE_NONE ? 0 : g->scene->meshes.data[node->mesh].morph_target_count;
-        if (channel->width == 0)
-            gltf_warn(g, AT_KEY(here, "path"), "node %u has no morph targets; the channel is left out", channel->node);
-        return channel->width > 0;
-    }
-    if (node->has_matrix)
-        gltf_warn(g, AT_KEY(here, "path"), "node %u has a matrix, which cannot be animated; the channel is left out",
-                  channel->node);
-    return !node->has_matrix;
+    if (json_object_set_new(load->pointers, pointer, json_integer((json_int_t)at->index)) != 0) gltf_fail_memory(g);
 }
 
-static bool load_channel(struct gltf *g, json_t *object, const struct at *at, const struct sampler *samplers,
-                         uint32_t sampler_count, struct last_channel *last, uint32_t animation,
-                         struct scene_channel *channel) {
-    uint32_t index = gltf_index(g, object, at, "sampler", true, sampler_count);
-    bool good = load_target(g, object, at, channel);
-    if (good)
-        check_duplicate(g, at, &last[(size_t)channel->node * PATH_COUNT + channel->path], animation,
+static bool load_node_target(struct gltf *g, const struct gltf_target *target, const struct at *at) {
+    const struct scene_node *node = &g->scene->nodes.data[target->index];
+    if (target->path > SCENE_PATH_SCALE || !node->has_matrix) return true;
+    gltf_warn(g, at, "node %u has a matrix, which cannot be animated; the channel is left out", target->index);
+    return false;
+}
+
+static bool load_plain_target(struct gltf *g, json_t *object, const struct at *at, const char *path, struct gltf_target *target) {
+    target->index = gltf_index(g, object, at, "node", false, g->node_count);
+    if (!parse_path(path, &target->path)) {
+        gltf_warn(g, AT_KEY(at, "path"), "is unknown; the channel is left out");
+        return false;
+    }
+    if (target->index == SCENE_NONE) return false; /* allowed: there is nothing to move */
+    const struct scene_node *node = &g->scene->nodes.data[target->index];
+    target->width = target->path == SCENE_PATH_ROTATION ? 4 : 3;
+    if (target->path == SCENE_PATH_WEIGHTS) {
+        target->width = node->mesh == SCENE_NONE ? 0 : g->scene->meshes.data[node->mesh].morph_target_count;
+        if (target->width == 0)
+            gltf_warn(g, AT_KEY(at, "path"), "node %u has no morph targets; the channel is left out", target->index);
+        return target->width > 0;
+    }
+    return load_node_target(g, target, AT_KEY(at, "path"));
+}
+
+static bool load_target(struct gltf *g, json_t *object, const struct at *at, struct gltf_target *target) {
+    json_t *values = gltf_object(g, object, at, "target", true);
+    if (!values) return false;
+    const struct at *here = AT_KEY(at, "target");
+    const char *path = gltf_string(g, values, here, "path", true);
+    struct gltf_extension_place place;
+    json_t *extension = gltf_extension(values, here, "KHR_animation_pointer", &place);
+    if (!path) return false;
+    if (strcmp(path, "pointer") != 0) {
+        if (extension) gltf_warn(g, &place.extension, "is ignored: the path is not 'pointer'");
+        return load_plain_target(g, values, here, path, target);
+    }
+    if (!extension) {
+        gltf_warn(g, AT_KEY(here, "path"), "is 'pointer', but there is no KHR_animation_pointer; the channel is left out");
+        return false;
+    }
+    if (json_object_get(values, "node")) gltf_warn(g, AT_KEY(here, "node"), "stands beside a pointer; it is ignored");
+    const struct at *pointer_at = AT_KEY(&place.extension, "pointer");
+    const char *pointer = gltf_string(g, extension, &place.extension, "pointer", true);
+    if (!pointer || !gltf_find_target(g, pointer, pointer_at, target)) return false;
+    target->pointer = pointer;
+    return target->kind != GLTF_TARGET_NODE || load_node_target(g, target, pointer_at);
+}
+
+static void add_channel(struct gltf *g, struct animation_load *load, const struct scene_channel *channel) {
+    if (!array_push(g->host, &load->channels, *channel)) gltf_fail_memory(g);
+}
+
+/** A channel for each thing in the scene that the target is. */
+static void add_channels(struct gltf *g, const struct at *at, struct animation_load *load, const struct gltf_target *target,
+                         struct scene_channel channel) {
+    channel.node = SCENE_NONE;
+    if (target->kind == GLTF_TARGET_NODE) {
+        channel.node = target->index;
+        /* hidden because it is in no shown scene */
+        const bool outside = !g->in_scene[target->index] && g->scene->nodes.data[target->index].parent == SCENE_NONE;
+        if (channel.path != SCENE_PATH_VISIBLE || !outside) add_channel(g, load, &channel);
+        return;
+    }
+    channel.object = target->index;
+    if (target->kind == GLTF_TARGET_MATERIAL) add_channel(g, load, &channel);
+    if (target->kind == GLTF_TARGET_MATERIAL || target->kind == GLTF_TARGET_UNUSED) return;
+    for (uint32_t user = gltf_first_user(g, target->kind, target->index); user != SCENE_NONE && g->result == FNL_OK;
+         user = g->users[target->kind].next[user]) {
+        if (!gltf_spend(g, at, sizeof channel)) return;
+        channel.object = user;
+        if (target->kind == GLTF_TARGET_MESH) channel.node = user;
+        if (target->kind == GLTF_TARGET_LIGHT) channel.generation = g->scene->lights.data[user].generation;
+        add_channel(g, load, &channel);
+    }
+}
+
+static void load_channel(struct gltf *g, json_t *object, const struct at *at, struct animation_load *load) {
+    uint32_t index = gltf_index(g, object, at, "sampler", true, load->sampler_count);
+    struct gltf_target target = {.kind = GLTF_TARGET_NODE};
+    bool good = load_target(g, object, at, &target);
+    if (good && target.kind == GLTF_TARGET_NODE && !target.one_weight)
+        check_duplicate(g, at, &load->last[(size_t)target.index * PATH_COUNT + target.path], load->animation,
                         (uint32_t)at->index);
-    if (!good || index == SCENE_NONE || !samplers[index].valid) return false;
-    channel->interpolation = samplers[index].interpolation;
-    channel->key_count = samplers[index].key_count;
-    channel->times = samplers[index].times;
+    else if (good)
+        check_pointers(g, at, load, target.pointer);
+    if (!good || index == SCENE_NONE || !load->samplers[index].valid) return;
+    const struct sampler *sampler = &load->samplers[index];
+    struct scene_channel channel = {.path = target.path,
+                                    .property = target.property,
+                                    .interpolation = sampler->interpolation,
+                                    .key_count = sampler->key_count,
+                                    .width = target.width,
+                                    .first_weight = target.first_weight,
+                                    .times = sampler->times};
     const struct at *samplers_at = AT_KEY(at->parent->parent, "samplers"), *sampler_at = AT_INDEX(samplers_at, index);
-    channel->values =
-        load_values(g, &samplers[index], channel, AT_KEY(at, "sampler"), AT_KEY(sampler_at, "output"));
-    return channel->values != NULL;
+    if (target.path == SCENE_PATH_VISIBLE && sampler->interpolation != SCENE_INTERPOLATION_STEP) {
+        gltf_warn(g, AT_KEY(at, "sampler"), "the interpolation must be STEP for this path; the channel is left out");
+        return;
+    }
+    channel.values = load_values(g, sampler, &target, &channel, AT_KEY(at, "sampler"), AT_KEY(sampler_at, "output"));
+    if (channel.values) add_channels(g, at, load, &target, channel);
 }
 
 static void load_animation(struct gltf *g, json_t *object, const struct at *at, struct last_channel *last,
@@ -195,25 +279,31 @@ static void load_animation(struct gltf *g, json_t *object, const struct at *at, 
     animation->name = gltf_name(g, object, at);
     animation->extras = gltf_extras(g, object);
     json_t *samplers = gltf_array(g, object, at, "samplers", true), *channels = gltf_array(g, object, at, "channels", true);
-    uint32_t sampler_count = gltf_count(samplers), channel_count = gltf_count(channels);
-    struct sampler *loaded = gltf_scratch(g, sampler_count, sizeof *loaded);
-    struct scene_channel *kept = loaded ? gltf_keep(g, channel_count, sizeof *kept) : NULL;
-    if (!kept) return;
+    struct animation_load load = {.animation = (uint32_t)at->index, .sampler_count = gltf_count(samplers), .last = last};
+    load.samplers = gltf_scratch(g, load.sampler_count, sizeof *load.samplers);
+    if (!load.samplers) return;
+    load.pointers = json_object();
+    if (!load.pointers) gltf_fail_memory(g);
     const struct at *samplers_at = AT_KEY(at, "samplers"), *channels_at = AT_KEY(at, "channels");
-    for (uint32_t i = 0; i < sampler_count && g->result == FNL_OK; i++) {
+    for (uint32_t i = 0; i < load.sampler_count && g->result == FNL_OK; i++) {
         json_t *sampler = gltf_element(g, samplers, samplers_at, i);
-        if (sampler) load_sampler(g, sampler, AT_INDEX(samplers_at, i), &loaded[i]);
+        if (sampler) load_sampler(g, sampler, AT_INDEX(samplers_at, i), &load.samplers[i]);
     }
-    animation->channels = kept;
-    for (uint32_t i = 0; i < channel_count && g->result == FNL_OK; i++) {
-        struct scene_channel channel = {0};
-        json_t *channel_object = gltf_element(g, channels, channels_at, i);
-        if (!channel_object || !load_channel(g, channel_object, AT_INDEX(channels_at, i), loaded, sampler_count, last,
-                                             (uint32_t)at->index, &channel))
-            continue;
-        kept[animation->channel_count++] = channel;
-        animation->duration = fmaxf(animation->duration, channel.times[channel.key_count - 1]);
+    for (uint32_t i = 0; i < gltf_count(channels) && g->result == FNL_OK; i++) {
+        json_t *channel = gltf_element(g, channels, channels_at, i);
+        if (channel) load_channel(g, channel, AT_INDEX(channels_at, i), &load);
     }
+    json_decref(load.pointers);
+    for (uint32_t i = 0; i < load.channels.count; i++) {
+        const struct scene_channel *channel = &load.channels.data[i];
+        animation->duration = fmaxf(animation->duration, channel->times[channel->key_count - 1]);
+    }
+    if (g->result == FNL_OK && load.channels.count) {
+        animation->channels = arena_copy(&g->scene->arena, load.channels.data, load.channels.count * sizeof *load.channels.data);
+        if (!animation->channels) gltf_fail_memory(g);
+        animation->channel_count = animation->channels ? load.channels.count : 0;
+    }
+    array_free(g->host, &load.channels);
 }
 
 void gltf_load_animations(struct gltf *g) {

@@ -41,10 +41,7 @@ static const struct known_extension known_extensions[] = {
     {"KHR_materials_sheen", FULL, true, {"/materials/#"}},
     {"KHR_materials_transmission", MATERIAL_FALLBACK, true, {"/materials/#"}},
     {"KHR_materials_volume", MATERIAL_FALLBACK, true, {"/materials/#"}},
-    {"KHR_animation_pointer",
-     "ignored: only nodes and morph weights are animated",
-     false,
-     {"/animations/#/channels/#/target"}},
+    {"KHR_animation_pointer", FULL, true, {"/animations/#/channels/#/target"}},
 };
 
 static const struct known_extension *find_known(const char *name) {

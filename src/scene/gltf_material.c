@@ -20,20 +20,17 @@ static uint32_t image_for(struct gltf *g, const struct at *at, uint32_t index, b
     return g->image_twin[index];
 }
 
-/** KHR_texture_transform: scaled, then turned counter-clockwise in a picture whose v points down, then moved. */
-static void load_transform(struct gltf *g, json_t *object, const struct at *at, struct scene_texture *texture,
+static void load_transform(struct gltf *g, json_t *object, const struct at *at, enum scene_texture_slot slot, struct scene_material *material,
                            uint64_t *uv_set) {
     struct gltf_extension_place place;
     json_t *extension = gltf_extension(object, at, "KHR_texture_transform", &place);
     if (!extension) return;
-    float offset[2] = {0, 0}, scale[2] = {1, 1}, rotation = 0;
-    gltf_floats(g, extension, &place.extension, "offset", 2, -FLT_MAX, FLT_MAX, offset);
-    gltf_floats(g, extension, &place.extension, "scale", 2, -FLT_MAX, FLT_MAX, scale);
-    gltf_float(g, extension, &place.extension, "rotation", false, -FLT_MAX, FLT_MAX, &rotation);
+    struct scene_texture_turn *turn = &material->parts.turns[slot];
+    gltf_floats(g, extension, &place.extension, "offset", 2, -FLT_MAX, FLT_MAX, turn->offset);
+    gltf_floats(g, extension, &place.extension, "scale", 2, -FLT_MAX, FLT_MAX, turn->scale);
+    gltf_float(g, extension, &place.extension, "rotation", false, -FLT_MAX, FLT_MAX, &turn->rotation);
     gltf_uint(g, extension, &place.extension, "texCoord", false, 0, UINT32_MAX, uv_set);
-    float c = cosf(rotation), s = sinf(rotation);
-    float transform[6] = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
-    memcpy(texture->transform, transform, sizeof transform);
+    scene_turn_texture(&material->textures[slot], turn);
 }
 
 /** A texture reference; the returned object holds the slot's own numbers, NULL when there is none. */
@@ -46,7 +43,7 @@ static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at,
     uint64_t uv_set = 0;
     gltf_uint(g, reference, here, "texCoord", false, 0, UINT32_MAX, &uv_set);
     struct scene_texture *texture = &material->textures[slot];
-    load_transform(g, reference, here, texture, &uv_set);
+    load_transform(g, reference, here, slot, material, &uv_set);
     if (index == SCENE_NONE || g->textures[index].image == SCENE_NONE) {
         if (index != SCENE_NONE)
             gltf_warn(g, AT_KEY(here, "index"), "texture %u has no image that can be read; it is left out", index);
@@ -142,9 +139,9 @@ static void load_material_extensions(struct gltf *g, json_t *object, const struc
     struct gltf_extension_place place;
     material->unlit = gltf_extension(object, at, "KHR_materials_unlit", &place) != NULL;
     json_t *extension = gltf_extension(object, at, "KHR_materials_emissive_strength", &place);
-    float strength = 1;
-    if (extension) gltf_float(g, extension, &place.extension, "emissiveStrength", false, 0, FLT_MAX, &strength);
-    material->emissive = vec3_scale(material->emissive, strength);
+    if (extension)
+        gltf_float(g, extension, &place.extension, "emissiveStrength", false, 0, FLT_MAX, &material->parts.emissive_strength);
+    material->emissive = vec3_scale(material->parts.emissive, material->parts.emissive_strength);
     extension = gltf_extension(object, at, "KHR_materials_ior", &place);
     if (extension && gltf_float(g, extension, &place.extension, "ior", false, 0, FLT_MAX, &material->ior) &&
         material->ior > 0 && material->ior < 1) {
@@ -172,7 +169,7 @@ static void load_material(struct gltf *g, json_t *object, const struct at *at, s
     if (occlusion)
         gltf_float(g, occlusion, AT_KEY(at, "occlusionTexture"), "strength", false, 0, 1, &material->occlusion_strength);
     load_texture(g, object, at, "emissiveTexture", SCENE_TEXTURE_EMISSIVE, material);
-    load_color(g, object, at, "emissiveFactor", 1, &material->emissive);
+    load_color(g, object, at, "emissiveFactor", 1, &material->parts.emissive);
     load_alpha(g, object, at, material);
     material->double_sided = gltf_bool(g, object, at, "doubleSided", false);
     load_material_extensions(g, object, at, material);

@@ -39,7 +39,7 @@ static void test_required_extensions_must_be_shown(void **state) {
         {"KHR_texture_transform", true, true},
         {"KHR_materials_pbrSpecularGlossiness", false, true},
         {"KHR_materials_variants", true, true},
-        {"KHR_animation_pointer", false, false},
+        {"KHR_animation_pointer", true, true},
         {"KHR_draco_mesh_compression", false, false},
         {"VENDOR_unheard_of", false, false},
     };

@@ -88,6 +88,12 @@ struct scene_texture scene_texture_none(void) {
     return (struct scene_texture){.image = SCENE_NONE, .transform = {1, 0, 0, 0, 1, 0}};
 }
 
+void scene_turn_texture(struct scene_texture *texture, const struct scene_texture_turn *turn) {
+    const float c = cosf(turn->rotation), s = sinf(turn->rotation), *scale = turn->scale;
+    const float transform[6] = {c * scale[0], s * scale[1], turn->offset[0], -s * scale[0], c * scale[1], turn->offset[1]};
+    memcpy(texture->transform, transform, sizeof transform);
+}
+
 void scene_structure_changed(fnl_scene *scene) {
     scene->edited_since = ++scene->structure_version;
     scene->edited.count = 0;

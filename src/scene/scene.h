@@ -75,6 +75,15 @@ struct scene_texture {
     float transform[6]; /* u' = t[0] u + t[1] v + t[2];  v' = t[3] u + t[4] v + t[5] */
 };
 
+/** What animations set by itself, and a material has combined: emission, and the transforms of textures. */
+struct scene_material_parts {
+    vec3 emissive;
+    float emissive_strength;
+    struct scene_texture_turn {
+        float offset[2], scale[2], rotation;
+    } turns[SCENE_TEXTURE_SLOT_COUNT]; /* KHR_texture_transform */
+};
+
 struct scene_material {
     const char *name, *extras; /* extras: JSON text, or NULL; so below */
     vec4 base_color;
@@ -91,6 +100,8 @@ struct scene_material {
     fnl_iridescence_params iridescence;
     fnl_anisotropy_params anisotropy;
     struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
+    struct scene_material_parts parts; /* as the file or an animation said last: calls change only what they make */
+    bool animated; /* within animation_apply: it has new values */
 };
 
 enum scene_topology {
@@ -171,14 +182,43 @@ struct scene_skin {
     uint32_t joint_count;
 };
 
-enum scene_animation_path { SCENE_PATH_TRANSLATION, SCENE_PATH_ROTATION, SCENE_PATH_SCALE, SCENE_PATH_WEIGHTS };
+enum scene_animation_path {
+    SCENE_PATH_TRANSLATION,
+    SCENE_PATH_ROTATION,
+    SCENE_PATH_SCALE,
+    SCENE_PATH_WEIGHTS,
+    SCENE_PATH_VISIBLE,
+    SCENE_PATH_PROPERTY, /* of what is no node */
+};
 enum scene_interpolation { SCENE_INTERPOLATION_STEP, SCENE_INTERPOLATION_LINEAR, SCENE_INTERPOLATION_CUBIC };
 
+enum scene_property_owner { SCENE_PROPERTY_MATERIAL, SCENE_PROPERTY_LIGHT, SCENE_PROPERTY_CAMERA };
+/** What else follows from new values. */
+enum scene_property_effect {
+    SCENE_EFFECT_NONE,
+    SCENE_EFFECT_EMISSIVE, /* parts to the product */
+    SCENE_EFFECT_TURN,     /* parts to the matrix of `slot` */
+    SCENE_EFFECT_IOR,      /* 0, or at least 1 */
+    SCENE_EFFECT_EXTENT,   /* half of it is given, with either sign */
+};
+
+/** One to four floats of a scene_material, fnl_light_params or fnl_camera. */
+struct scene_property {
+    enum scene_property_owner owner;
+    enum scene_property_effect effect;
+    enum scene_texture_slot slot;
+    size_t offset;
+    float low, high; /* values beyond, also of splines between good keys, are clamped */
+};
+
 struct scene_channel {
-    uint32_t node;
+    uint32_t node; /* SCENE_NONE for properties */
     enum scene_animation_path path;
+    const struct scene_property *property; /* or NULL */
+    uint32_t object, generation;           /* whose: an index, and for lights the generation */
     enum scene_interpolation interpolation;
-    uint32_t key_count, width; /* width: floats per value (3, 4, or the weight count) */
+    uint32_t key_count, width; /* width: floats per value (1 to 4, or the weight count) */
+    uint32_t first_weight;     /* the first that it sets */
     const float *times;        /* strictly increasing */
     const float *values;       /* key_count * width, for cubic 3 times that: in-tangent, value, out-tangent */
 };
@@ -208,6 +248,7 @@ struct scene_light {
     uint32_t generation;
     uint32_t slot;           /* of a local light, from when it is added until it is removed; else SCENE_NONE */
     bool removed;
+    bool animated; /* within animation_apply: it has new values */
 };
 
 /* A place in the array of local lights on the device. Caches may key on the place and its light's generation. */
@@ -324,6 +365,10 @@ struct scene_material scene_material_default(void);
 bool scene_material_layered(const struct scene_material *material);
 uint32_t scene_take_generation(fnl_scene *scene);
 struct scene_texture scene_texture_none(void);
+/** The matrix of a texture: scaled, then turned counter-clockwise in a picture whose v points down, then moved. */
+void scene_turn_texture(struct scene_texture *texture, const struct scene_texture_turn *turn);
+/** After a change of a material: its copies that baked decals are painted on follow. `before`: what it was. */
+fnl_result scene_repaint(fnl_scene *scene, uint32_t material, const struct scene_material *before);
 /** Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena. */
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image);
 uint32_t scene_add_sampler(fnl_scene *scene, const struct scene_sampler *sampler);
@@ -449,8 +494,11 @@ uint64_t mesh_complete_bytes(const struct scene_primitive *primitive);
 uint64_t mesh_vertex_bytes(const struct scene_primitive *primitive);
 struct box primitive_bounds(const struct scene_primitive *primitive);
 
-/** Poses nodes and morph weights at a time (animation.c); then scene_update_transforms. */
-void animation_apply(fnl_scene *scene, uint32_t animation, double seconds);
+/** Sets what an animation sets, at a time (animation.c); then scene_update_transforms. */
+fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds);
+/** A property gets `width` values (animation_property.c); after all of them the second tells the lights and materials. */
+void animation_set_property(fnl_scene *scene, const struct scene_channel *channel, const float *values);
+fnl_result animation_finish_properties(fnl_scene *scene, const struct scene_animation *animation);
 /** joint matrices = inverse(world of mesh node) is NOT applied: world(joint) * inverse_bind, as glTF says. */
 void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out);
 

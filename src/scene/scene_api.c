@@ -43,13 +43,17 @@ fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool co
 /* Without textures or a name. */
 static struct scene_material material_of(const fnl_material_params *p) {
     struct scene_material material = {0};
-    for (int i = 0; i < SCENE_TEXTURE_SLOT_COUNT; i++) material.textures[i] = scene_texture_none();
+    for (int i = 0; i < SCENE_TEXTURE_SLOT_COUNT; i++) {
+        material.textures[i] = scene_texture_none();
+        material.parts.turns[i] = (struct scene_texture_turn){.scale = {1, 1}};
+    }
     material.base_color = vec4_make(p->base_color[0], p->base_color[1], p->base_color[2], p->base_color[3]);
     material.metallic = p->metallic;
     material.roughness = p->roughness;
     material.normal_scale = p->normal_scale;
     material.occlusion_strength = p->occlusion_strength;
-    material.emissive = vec3_make(p->emissive[0], p->emissive[1], p->emissive[2]);
+    material.emissive = material.parts.emissive = vec3_make(p->emissive[0], p->emissive[1], p->emissive[2]);
+    material.parts.emissive_strength = 1;
     material.ior = p->ior;
     material.specular = p->specular;
     material.specular_color = vec3_make(p->specular_color[0], p->specular_color[1], p->specular_color[2]);
@@ -172,8 +176,8 @@ fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *p
     return FNL_OK;
 }
 
-/* Copies of a material that baked decals are painted on follow it, but for the painted textures. */
-static fnl_result repaint(fnl_scene *scene, uint32_t material, const struct scene_material *before) {
+/* But for the painted textures. */
+fnl_result scene_repaint(fnl_scene *scene, uint32_t material, const struct scene_material *before) {
     for (uint32_t i = 0; i < scene->painted.count; i++) {
         const struct scene_painted *painted = &scene->painted.data[i];
         const struct scene_mesh *source = &scene->meshes.data[painted->mesh], *own = &scene->meshes.data[painted->own_mesh];
@@ -184,7 +188,7 @@ static fnl_result repaint(fnl_scene *scene, uint32_t material, const struct scen
                 &scene->materials.data[scene->primitives.data[own->first_primitive + k].material];
             struct scene_material fresh = scene->materials.data[material];
             for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) /* what was painted on is still the same */
-                if (fresh.textures[slot].image == before->textures[slot].image) fresh.textures[slot] = copy->textures[slot];
+                if (fresh.textures[slot].image == before->textures[slot].image) fresh.textures[slot].image = copy->textures[slot].image;
             *copy = fresh;
             uses = true;
         }
@@ -205,10 +209,11 @@ fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fn
     changed.name = before.name;
     changed.extras = before.extras;
     memcpy(changed.textures, before.textures, sizeof changed.textures);
+    changed.parts = before.parts;
     for (size_t i = 0; i < COUNT_OF(image_rows); i++) change_image(&changed.textures[image_rows[i].slot], image_of_row(p, &image_rows[i]));
     scene->materials.data[id.index] = changed;
     scene_materials_changed(scene);
-    return repaint(scene, id.index, &before);
+    return scene_repaint(scene, id.index, &before);
 }
 
 static fnl_image_id image_of(const struct scene_material *material, enum scene_texture_slot slot) {

@@ -95,7 +95,20 @@ static void append_animations(fnl_scene *into, const fnl_scene *from, const stru
     }
     for (uint32_t i = at->animations; i < into->animations.count; i++) {
         struct scene_channel *channels = (struct scene_channel *)into->animations.data[i].channels;
-        for (uint32_t k = 0; k < into->animations.data[i].channel_count; k++) channels[k].node += at->nodes;
+        for (uint32_t k = 0; k < into->animations.data[i].channel_count; k++) channels[k].node = moved(channels[k].node, at->nodes);
+    }
+}
+
+/* After all that they set. No light before the animated ones was removed: those of an environment come after them. */
+static void move_properties(fnl_scene *into, const struct offsets *at) {
+    for (uint32_t i = at->animations; i < into->animations.count; i++) {
+        struct scene_channel *channels = (struct scene_channel *)into->animations.data[i].channels;
+        for (uint32_t k = 0; k < into->animations.data[i].channel_count; k++) {
+            if (!channels[k].property) continue;
+            const enum scene_property_owner owner = channels[k].property->owner;
+            channels[k].object += owner == SCENE_PROPERTY_MATERIAL ? at->materials : owner == SCENE_PROPERTY_LIGHT ? at->lights : at->cameras;
+            if (owner == SCENE_PROPERTY_LIGHT) channels[k].generation = into->lights.data[channels[k].object].generation;
+        }
     }
 }
 
@@ -187,6 +200,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     append_cameras(into, from, &at);
     scene_update_transforms(into);
     append_lights(into, from, &at);
+    move_properties(into, &at);
     append_decals(into, from, &at);
     append_probes(into, from, &at);
     append_words(into, from);
