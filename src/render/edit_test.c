@@ -551,6 +551,41 @@ static void test_animated_properties_show_as_if_built_so(void **state) {
     }
 }
 
+/* A texture that is moved on its surface takes along what is painted on it. */
+static void test_baked_decals_follow_texture_transforms(void **state) {
+    UNUSED(state);
+    uint8_t pixels[4 * 8 * 8];
+    for (uint32_t i = 0; i < sizeof pixels; i++) pixels[i] = (uint8_t)(100 + i % 32 * 4);
+    struct stage stages[2] = {open_stage(load(&plain)), open_stage(load(&plain))};
+    fnl_image pictures[2], first = {0};
+    for (int k = 0; k < 2; k++) {
+        fnl_scene *scene = stages[k].scene;
+        const fnl_image image = {8, 8, FNL_PIXEL_FORMAT_RGBA8, pixels};
+        const struct scene_texture_turn turn = {.offset = {0.25f, 0}, .scale = {0.5f, 0.5f}};
+        fnl_image_id id;
+        assert_int_equal(fnl_scene_add_image(scene, &image, true, &id), FNL_OK);
+        paint_with(scene, &id, 0.1f, 1);
+        if (k == 0) {
+            bake(scene);
+            first = shoot(&stages[k]);
+        }
+        const uint32_t paint = find(scene, FNL_ENTITY_MATERIAL, "paint").id.material.index;
+        const struct scene_material before = scene->materials.data[paint];
+        scene_turn_texture(&scene->materials.data[paint].textures[SCENE_TEXTURE_BASE_COLOR], &turn);
+        scene_materials_changed(scene);
+        assert_int_equal(scene_repaint(scene, paint, &before), FNL_OK);
+        if (k == 1) bake(scene);
+        pictures[k] = shoot(&stages[k]);
+    }
+    assert_true(count_differing(&pictures[0], &first) > 200);
+    assert_int_equal(count_differing(&pictures[0], &pictures[1]), 0);
+    fnl_image_free(gpu_host(harness_device()), &first);
+    for (int k = 0; k < 2; k++) {
+        fnl_image_free(gpu_host(harness_device()), &pictures[k]);
+        stage_close(&stages[k]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_everything_is_found_by_name, harness_check),
@@ -563,6 +598,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_baked_decals_follow_their_mesh, harness_check),
         cmocka_unit_test_teardown(test_poses_show_as_if_built_so, harness_check),
         cmocka_unit_test_teardown(test_animated_properties_show_as_if_built_so, harness_check),
+        cmocka_unit_test_teardown(test_baked_decals_follow_texture_transforms, harness_check),
     };
     return cmocka_run_group_tests_name("render: edits", tests, harness_begin, harness_end);
 }
