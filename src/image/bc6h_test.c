@@ -405,6 +405,23 @@ static void check_ktx2(const unsigned char *at, size_t size, const struct textur
     assert_true(end >= values + values_bytes && end < values + values_bytes + 16);
 }
 
+/* Levels that share their bytes: the file would ask for more memory than it has bytes. */
+static void check_shared_levels(const fnl_host *host, const unsigned char *file, const struct texture *t) {
+    size_t start = u32(file + 80 + 24 * (t->mips - 1)), bytes = texture_face_bytes(t, 0) * t->faces;
+    unsigned char *changed = malloc(start + bytes);
+    assert_non_null(changed);
+    memcpy(changed, file, start);
+    memcpy(changed + start, file + u32(file + 80), bytes);
+    for (uint32_t mip = 0; mip < t->mips; mip++) {
+        uint64_t place = start;
+        memcpy(changed + 80 + 24 * mip, &place, 8);
+    }
+    struct texture broken;
+    assert_int_equal(texture_read(host, changed, start + bytes, "shared.file", &broken), FNL_ERROR_FORMAT);
+    assert_non_null(strstr(last_line, "shared.file: broken KTX2: levels lie over each other"));
+    free(changed);
+}
+
 static void test_files_BC_13(void **state) {
     UNUSED(state);
     fnl_host host = host_resolve(&(fnl_host){.log = keep_line});
@@ -438,6 +455,7 @@ static void test_files_BC_13(void **state) {
             assert_memory_equal((float *)image.pixels + (size_t)face * t.width * t.height * 4, decoded, (size_t)t.width * t.height * 16);
         }
         fnl_image_free(&host, &image);
+        if (ktx && cube) check_shared_levels(&host, view.data, &t);
         /* Each shorter file is refused, and the message has its name. */
         for (size_t cut = 0; cut < view.size; cut += cut < 320 ? 1 : 61) {
             struct texture broken;

@@ -35,6 +35,7 @@ fnl_result image_ktx2_find(const struct image_source *source, struct texture_lay
     TRY(texture_check(source, texture));
     if (source->size - HEADER_BYTES < (size_t)texture->mips * LEVEL_BYTES)
         return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: the index of %u levels is cut off", texture->mips);
+    uint64_t total = 0;
     for (uint32_t mip = 0; mip < texture->mips; mip++) {
         const unsigned char *entry = bytes + HEADER_BYTES + mip * LEVEL_BYTES;
         uint64_t offset = little64(entry), length = little64(entry + 8);
@@ -43,8 +44,11 @@ fnl_result image_ktx2_find(const struct image_source *source, struct texture_lay
             return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: level %u has %llu bytes, not %llu (at byte %u)", mip,
                               (unsigned long long)length, (unsigned long long)face_bytes * faces, HEADER_BYTES + mip * LEVEL_BYTES + 8);
         if (offset > source->size || length > source->size - offset) return texture_fail_cut_off(source, mip, 0);
+        total += length;
         for (uint32_t face = 0; face < faces; face++) out->offsets[mip][face] = (size_t)offset + face * face_bytes;
     }
+    /* Else a small file could ask for much memory. */
+    if (total > source->size) return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: levels lie over each other");
     return FNL_OK;
 }
 
