@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Materials with layers: over the metallic-roughness base of brdf.glsl, whose highlights may be stretched (KHR_materials_anisotropy) and coloured
-// by a thin film (_iridescence), fibres (_sheen) and over all of it a varnish (_clearcoat). What a layer reflects of light from all around, its
+// by a thin film (_iridescence), fibres (_sheen) and over all of it a varnish (_clearcoat); below, diffuse light may go through (_diffuse_transmission),
+// and in shaders of surfaces that one looks through (TRANSMISSION) all that the base does not reflect (_transmission, _volume, _dispersion). What a layer reflects of light from all around, its
 // albedo, does not get below it. The albedos are those of the table that environments use (environment.glsl), so that a white material in an even
 // light reflects all of it, whatever its layers.
 #ifndef LAYERS_GLSL
@@ -24,6 +25,36 @@ struct layers_view {
 
 // The normal that says which light comes from behind: with a coat its own, which is nearer to the triangle's.
 vec3 facing_normal(surface s) { return LIST_LAYERS && s.layered && s.layers.clearcoat > 0.0 ? s.layers.clearcoat_normal : s.normal; }
+
+// The part of what gets into the base that its own colour reflects.
+float opaque_part(surface s) {
+    float part = 1.0 - s.layers.diffuse_transmission;
+#ifdef TRANSMISSION
+    part *= 1.0 - s.layers.transmission;
+#endif
+    return part;
+}
+
+// Whether lights behind the surface shine through.
+bool lets_through(surface s) { return LIST_LAYERS && s.layered && opaque_part(s) < 1.0; }
+
+// By which side of the surface shadows of a light are looked for.
+vec3 lit_normal(surface s, vec3 to_light) {
+    vec3 normal = facing_normal(s);
+    return lets_through(s) && dot(normal, to_light) < 0.0 ? -normal : normal;
+}
+
+#ifdef TRANSMISSION
+// Alpha of what is seen through: microfacets of a sheet turn light by twice their tilt, as mirrors do; each face of a plate with an index of refraction n
+// turns it by n - 1 times that (refraction at small angles), and the two are independent.
+float through_alpha(surface s) {
+    return max(alpha_of(s.roughness) * (s.layers.thickness > 0.0 ? clamp((s.layers.ior - 1.0) * 0.7071, 0.0, 1.0) : 1.0), ALPHA_MIN);
+}
+// What of the light is left after so many metres.
+vec3 through_left(surface s, float way) { return exp(-s.layers.absorption * way); }
+
+vec3 through_radiance(surface s, view_block v, vec3 to_view); // what is behind: of who draws
+#endif
 
 // ---- film (Belcour and Barla 2017, "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence") ----
 
@@ -114,7 +145,7 @@ vec3 layered_base(surface s, layers_view b, vec3 to_light) {
     if (s.layers.anisotropy > 0.0) lobes.specular = stretched_lobe(s, b, to_light, lobes.n_l);
     vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5, b.film_dielectric, s.layers.film);
     vec3 metal = mix(s.base_color + (1.0 - s.base_color) * lobes.m5, b.film_metal, s.layers.film) * lobes.specular;
-    vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * lobes.specular;
+    vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI) * opaque_part(s)) + fresnel * lobes.specular;
     vec3 base = mix(dielectric, metal, s.metallic) * b.below_sheen;
     if (max_component(s.layers.sheen_color) > 0.0) {
         float n_h = clamp(dot(s.normal, normalize(to_light + b.base.to_view)), 0.0, 1.0);
@@ -123,10 +154,30 @@ vec3 layered_base(surface s, layers_view b, vec3 to_light) {
     return base * lobes.n_l;
 }
 
+// A light behind the surface: its mirror image in front says what gets in, and where the lobe of what is seen through lies.
+vec3 layered_behind(surface s, layers_view b, vec3 to_light) {
+    vec3 image = to_light - 2.0 * dot(s.normal, to_light) * s.normal;
+    brdf_view view = b.base;
+    brdf_lobes lobes;
+#ifdef TRANSMISSION
+    surface sheet = s;
+    sheet.roughness = sqrt(through_alpha(s));
+    view = brdf_prepare(sheet, b.base.to_view);
+#endif
+    if (!brdf_lobes_of(s.normal, view, image, lobes)) return vec3(0.0);
+    vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5, b.film_dielectric, s.layers.film);
+    vec3 through = s.layers.diffuse_transmission_color * (s.layers.diffuse_transmission * (1.0 / PI));
+#ifdef TRANSMISSION
+    through = mix(through, s.base_color * lobes.specular * through_left(s, s.layers.thickness), s.layers.transmission);
+#endif
+    return through * ((1.0 - max_component(fresnel)) * (1.0 - s.metallic) * b.below_sheen * lobes.n_l);
+}
+
 // f(l, v) times the cosine, as brdf_cos().
 vec3 layers_cos(surface s, layers_view b, vec3 to_light) {
     if (!LIST_LAYERS || !s.layered) return brdf_cos(s, b.base, to_light);
     vec3 sum = layered_base(s, b, to_light) * b.below_coat;
+    if (lets_through(s) && dot(s.normal, to_light) < 0.0) sum += layered_behind(s, b, to_light) * b.below_coat;
     brdf_lobes coat;
     if (s.layers.clearcoat > 0.0 && brdf_lobes_of(s.layers.clearcoat_normal, b.coat, to_light, coat))
         sum += s.layers.clearcoat * (COAT_F0 + (1.0 - COAT_F0) * coat.m5) * (coat.specular * coat.n_l);
@@ -167,7 +218,8 @@ vec3 stretched_radiance(surface s, layers_view b, view_block v) {
     return sum / weights;
 }
 
-vec3 layers_environment(surface s, layers_view b, view_block v) {
+// `through`: the part of what is behind that shows through the base.
+vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through) {
     vec3 table = environment_reflectance(v, b.n_v, s.roughness), around = AMBIENT_DIFFUSE(v, s.normal), taken;
     surface bent = s;
     if (s.layers.anisotropy > 0.0) bent.normal = stretched_normal(s, b);
@@ -176,7 +228,15 @@ vec3 layers_environment(surface s, layers_view b, view_block v) {
     // The film's reflectance holds for the whole lobe: as f0 and f90 in one.
     vec3 f0 = mix(s.dielectric_f0, b.film_dielectric, s.layers.film), f90 = mix(vec3(s.dielectric_f90), b.film_dielectric, s.layers.film);
     vec3 light = environment_lobe(f0, f90, table.xy, mirrored, around, taken);
-    light += s.base_color * (1.0 - max_component(taken)) * around;
+    vec3 below = s.base_color * around;
+    if (s.layers.diffuse_transmission > 0.0)
+        below = mix(below, s.layers.diffuse_transmission_color * AMBIENT_DIFFUSE(v, -s.normal), s.layers.diffuse_transmission);
+    through = vec3(0.0);
+#ifdef TRANSMISSION
+    below *= 1.0 - s.layers.transmission;
+    through = s.base_color * ((1.0 - max_component(taken)) * (1.0 - s.metallic) * s.layers.transmission * b.below_sheen * b.below_coat);
+#endif
+    light += below * (1.0 - max_component(taken));
     f0 = mix(s.base_color, b.film_metal, s.layers.film), f90 = mix(vec3(1.0), b.film_metal, s.layers.film);
     light = mix(light, environment_lobe(f0, f90, table.xy, mirrored, around, taken), s.metallic) * b.below_sheen;
     light += s.layers.sheen_color * environment_sheen(v, b.n_v, s.layers.sheen_roughness) * around;
@@ -190,7 +250,11 @@ vec3 layers_environment(surface s, layers_view b, view_block v) {
 
 vec3 layers_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     layers_view b = layers_prepare(s, v, to_view);
-    return sum + layers_environment(s, b, v) * s.occlusion + s.emissive * b.below_coat;
+    vec3 through, around = layers_environment(s, b, v, through) * s.occlusion;
+#ifdef TRANSMISSION
+    if (max_component(through) > 0.0) sum += through * through_radiance(s, v, to_view);
+#endif
+    return sum + around + s.emissive * b.below_coat;
 }
 
 #endif

@@ -45,6 +45,10 @@ const uint HAS_TEXTURES = 1u, HAS_NORMAL_MAP = 1u;
 #define TEXTURE_IRIDESCENCE 5
 #define TEXTURE_IRIDESCENCE_THICKNESS 6
 #define TEXTURE_ANISOTROPY 7
+#define TEXTURE_TRANSMISSION 8
+#define TEXTURE_THICKNESS 9
+#define TEXTURE_DIFFUSE_TRANSMISSION 10
+#define TEXTURE_DIFFUSE_TRANSMISSION_COLOR 11
 
 // Shaders that shade layers include lights/iterate.glsl first, and say LIST_LAYERS.
 #ifndef MATERIAL_LAYERS
@@ -160,6 +164,15 @@ surface_layers material_layers(layers_block from, vec3 smooth_normal, vec3 norma
     float length2 = dot(tangent, tangent);
     if (length2 > 1e-20 && length2 < 1e30) l.tangent = tangent * inversesqrt(length2);
     else l.anisotropy = 0.0, l.tangent = vec3(0.0);
+    l.diffuse_transmission = from.layers.diffuse_transmission * sample_layer(from, TEXTURE_DIFFUSE_TRANSMISSION).a;
+    l.diffuse_transmission_color = from.layers.diffuse_transmission_color * sample_layer(from, TEXTURE_DIFFUSE_TRANSMISSION_COLOR).rgb;
+#ifdef TRANSMISSION
+    l.transmission = from.layers.transmission * sample_layer(from, TEXTURE_TRANSMISSION).r;
+    l.thickness = from.layers.thickness * sample_layer(from, TEXTURE_THICKNESS).g;
+    l.absorption = from.layers.absorption;
+    l.ior = from.layers.ior;
+    l.dispersion = from.layers.dispersion;
+#endif
     return l;
 }
 #endif

@@ -7,7 +7,7 @@
 
 #define GPU_TEXTURE_NONE 0xffffffffu
 #define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot, of which the rest are these */
-#define GPU_LAYER_TEXTURE_COUNT 8
+#define GPU_LAYER_TEXTURE_COUNT 12
 
 #define GPU_MATERIAL_UNLIT 1u
 #define GPU_MATERIAL_MASK 2u
@@ -15,6 +15,7 @@
 #define GPU_MATERIAL_DOUBLE_SIDED 8u
 #define GPU_MATERIAL_SHARED_OCCLUSION 16u /* occlusion is the red of the very texture that metalness and roughness have */
 #define GPU_MATERIAL_LAYERED 32u /* gpu_material.layers is there */
+#define GPU_MATERIAL_TRANSMISSIVE 64u /* and it lets through what is behind */
 #define GPU_MATERIAL_CLASS_SHIFT 8u /* GPU_CLASS_… in the bits from here on */
 
 /* What of the code of material_surface() and shade_surface() a material needs, as bits. */
@@ -46,7 +47,7 @@ struct gpu_texture {
     float transform[6];
 };
 
-/* What KHR_materials_clearcoat, _sheen, _iridescence and _anisotropy add to a material. */
+/* What KHR_materials_clearcoat, _sheen, _iridescence, _anisotropy, _transmission, _volume, _dispersion and _diffuse_transmission add to a material. */
 struct gpu_layers {
     vec3 sheen_color;
     float sheen_roughness;
@@ -54,6 +55,12 @@ struct gpu_layers {
     float film, film_ior, film_thinnest, film_thickest; /* nanometres */
     float anisotropy;
     vec2 anisotropy_turn; /* cosine and sine */
+    float transmission;
+    float thickness;      /* metres of the mesh; 0: a sheet */
+    vec3 absorption;      /* per metre */
+    float ior, dispersion;
+    float diffuse_transmission;
+    vec3 diffuse_transmission_color;
     STRUCT(gpu_texture) textures[GPU_LAYER_TEXTURE_COUNT];
 };
 

@@ -120,7 +120,9 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
     shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, -lights.list.lights.at[i].shape.direction);
+        vec3 to_sun = -lights.list.lights.at[i].shape.direction;
+        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_sun);
+        sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, to_sun);
     }
 
     light_point point = light_point(pixel, view_depth, s.position, s.normal, item);
@@ -162,6 +164,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     illuminance *= share;
                 }
                 if (LIST_DENOISED) apart.drawn += illuminance * layers_cos(s, b, to_light);
+                if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
                 if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
                 if (LIST_DENOISED) apart.seen += illuminance * layers_cos(s, b, to_light);
                 else sum += illuminance * layers_cos(s, b, to_light);

@@ -12,6 +12,14 @@ struct surface_layers {
     float film, film_ior, film_thickness; // nanometres
     vec3 tangent;                         // unit, at right angles to the normal: along it highlights are stretched
     float anisotropy;
+    float diffuse_transmission; // the part of the diffuse lobe that lies behind the surface
+    vec3 diffuse_transmission_color;
+#ifdef TRANSMISSION // of shaders that draw what is behind shows through; else there is none
+    float transmission;
+    float thickness; // metres of the world; 0: a sheet
+    vec3 absorption; // per metre
+    float ior, dispersion;
+#endif
 };
 
 struct surface {

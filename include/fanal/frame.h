@@ -181,6 +181,9 @@ typedef struct fnl_frame {
     uint32_t msaa;
     /** Default sorted. */
     fnl_transparency transparency;
+    /** Most surfaces in a pixel that show what is behind them (fnl_transmission_params), 1 .. 8: the nearest. Frames draw as many layers as the one
+        before would have needed. Default 4. */
+    uint32_t transmission_layers;
     /** mlaa and smaa change only the colour output; taa accumulates over the frames of a renderer. Default none. */
     fnl_antialiasing aa;
     /** Moves the sample of each pixel right and down, pixels, -8 .. 8. The mean of frames with the places that fnl_jitter() gives is a picture with as

@@ -60,6 +60,35 @@ typedef struct fnl_anisotropy_params {
     fnl_image_id image; /**< red and green: the direction, as -1..1, before it is turned; blue: strength */
 } fnl_anisotropy_params;
 
+/**
+ * What is behind the surface shows through it, tinted by the base colour, in place of the colour of its own (KHR_materials_transmission): panes,
+ * bottles, water. Rough surfaces blur it. Metals let nothing through. Surfaces in front of each other are seen through each other
+ * (fnl_frame.transmission_layers).
+ */
+typedef struct fnl_transmission_params {
+    float strength;     /**< 0..1; 0: none */
+    fnl_image_id image; /**< red */
+} fnl_transmission_params;
+
+/**
+ * What lies below a surface with transmission or diffuse transmission (KHR_materials_volume): it refracts by the index of refraction, and takes
+ * some of the light on its way. All-zero: the surface is a thin sheet, which does neither.
+ */
+typedef struct fnl_volume_params {
+    float thickness;            /**< metres of the mesh, before the instance's scale, >= 0; 0: a thin sheet. fnl_scene_trace goes by the mesh instead */
+    float attenuation_distance; /**< metres after which white light has attenuation_color, > 0; 0: it never has */
+    float attenuation_color[3]; /**< linear, 0..1 */
+    fnl_image_id image;         /**< green: thickness */
+} fnl_volume_params;
+
+/** Diffuse light from behind, as through paper, leaves or wax (KHR_materials_diffuse_transmission). */
+typedef struct fnl_diffuse_transmission_params {
+    float strength;     /**< 0..1: the part of diffuse light that goes through; 0: none */
+    float color[3];     /**< linear, 0..1, of what went through */
+    fnl_image_id image; /**< alpha: strength */
+    fnl_image_id color_image;
+} fnl_diffuse_transmission_params;
+
 /** A glTF 2.0 metallic-roughness material. Textures multiply their factors; an all-zero id is no texture. */
 typedef struct fnl_material_params {
     float base_color[4];       /**< linear RGB and alpha, 0..1; default 1, 1, 1, 1 */
@@ -76,10 +105,14 @@ typedef struct fnl_material_params {
     bool double_sided;         /**< default false */
     bool unlit;                /**< the base colour is shown without lighting; default false */
     fnl_image_id base_color_image, metallic_roughness_image, normal_image, occlusion_image, emissive_image;
-    fnl_clearcoat_params clearcoat; /**< all four: all-zero (default) is off, costs nothing and leaves the picture as it is, to the bit */
+    fnl_clearcoat_params clearcoat; /**< this and all below: all-zero (default) is off, costs nothing and leaves the picture as it is, to the bit */
     fnl_sheen_params sheen;
     fnl_iridescence_params iridescence;
     fnl_anisotropy_params anisotropy;
+    fnl_transmission_params transmission;
+    fnl_volume_params volume;
+    float dispersion; /**< of a volume with transmission: 20 over its Abbe number, >= 0 (KHR_materials_dispersion) */
+    fnl_diffuse_transmission_params diffuse_transmission;
 } fnl_material_params;
 
 static inline fnl_material_params fnl_material_params_default(void) {

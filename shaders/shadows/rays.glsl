@@ -88,10 +88,15 @@ vec4 ray_color(rays_block b, uint material, uvec3 corners, vec3 weights) {
 // What part of the light a surface of this material takes where the ray meets it.
 float ray_coverage(rays_block b, uint material, uvec3 corners, vec3 weights) {
     uint flags = b.rays.scene.scene.materials.at[material].flags;
-    if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND)) == 0u) return 1.0;
-    float alpha = ray_color(b, material, corners, weights).a;
-    if ((flags & GPU_MATERIAL_MASK) != 0u) return alpha < b.rays.scene.scene.materials.at[material].alpha_cutoff ? 0.0 : 1.0;
-    return clamp(alpha, 0.0, 1.0);
+    if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND | GPU_MATERIAL_TRANSMISSIVE)) == 0u) return 1.0;
+    float cover = 1.0;
+    if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND)) != 0u) {
+        float alpha = ray_color(b, material, corners, weights).a;
+        if ((flags & GPU_MATERIAL_MASK) != 0u) cover = alpha < b.rays.scene.scene.materials.at[material].alpha_cutoff ? 0.0 : 1.0;
+        else cover = clamp(alpha, 0.0, 1.0);
+    }
+    if ((flags & GPU_MATERIAL_TRANSMISSIVE) != 0u) cover *= 1.0 - b.rays.scene.scene.materials.at[material].layers.layers.transmission;
+    return cover;
 }
 
 // What a surface leaves of the light. Tinted: its part as alpha, and as RGB the part of each colour: glass is as bright as it lets light through, and has the
@@ -102,7 +107,7 @@ vec4 ray_left(rays_block b, uint material, uvec3 corners, vec3 weights) {
     float open = 1.0 - ray_coverage(b, material, corners, weights);
     if (!(open > 0.0)) return vec4(0.0);
     vec3 color = ray_color(b, material, corners, weights).rgb;
-    if ((b.rays.scene.scene.materials.at[material].flags & GPU_MATERIAL_BLEND) == 0u || !(max_component(color) > 0.0)) color = vec3(1.0);
+    if ((b.rays.scene.scene.materials.at[material].flags & (GPU_MATERIAL_BLEND | GPU_MATERIAL_TRANSMISSIVE)) == 0u || !(max_component(color) > 0.0)) color = vec3(1.0);
     return vec4(color / max_component(color), 1.0) * open;
 }
 bool ray_is_dark(vec4 open) { return open.a <= 0.0; }

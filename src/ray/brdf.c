@@ -63,7 +63,8 @@ static dvec3 base_cos(const struct ray_surface *s, dvec3 v, dvec3 l, dvec3 h) {
         fresnel = dvec3_lerp(fresnel, s->layers.film_dielectric, s->layers.film);
         metal = dvec3_lerp(metal, s->layers.film_metal, s->layers.film);
     }
-    dvec3 dielectric = dvec3_add_scaled(dvec3_scale(s->base_color, (1 - dvec3_max(fresnel)) / DPI), fresnel, lobe);
+    const double own = s->layered ? (1 - s->layers.transmission) * (1 - s->layers.diffuse_transmission) : 1;
+    dvec3 dielectric = dvec3_add_scaled(dvec3_scale(s->base_color, (1 - dvec3_max(fresnel)) * own / DPI), fresnel, lobe);
     return dvec3_scale(dvec3_lerp(dielectric, dvec3_scale(metal, lobe), s->metallic), n_l);
 }
 
@@ -89,8 +90,36 @@ static double sheen_lobe(double roughness, double n_l, double n_v, double n_h) {
     return distribution / ((1 + sheen_masking(facing, alpha) + sheen_masking(n_l, alpha)) * 4 * n_l * facing);
 }
 
+bool ray_lets_through(const struct ray_surface *s) { return s->layered && (s->layers.transmission > 0 || s->layers.diffuse_transmission > 0); }
+
+/* What gets below the surface by a microfacet, of the dielectric part. */
+static double below(const struct ray_surface *s, dvec3 v, dvec3 h) {
+    const dvec3 f90 = {s->f90, s->f90, s->f90};
+    dvec3 fresnel = dvec3_lerp(s->f0, f90, pow(1 - clamp01(dvec3_dot(h, v)), 5));
+    fresnel = dvec3_lerp(fresnel, s->layers.film_dielectric, s->layers.film);
+    return (1 - dvec3_max(fresnel)) * (1 - s->metallic) * s->layers.below_sheen * s->layers.below_coat;
+}
+
+dvec3 ray_through_weight(const struct ray_surface *s, dvec3 v, dvec3 h) { return dvec3_scale(s->base_color, below(s, v, h) * s->layers.transmission); }
+
+/* By the mirror image of the light, in front of the surface. */
+static dvec3 behind_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
+    dvec3 image = dvec3_add_scaled(l, s->normal, -2 * dvec3_dot(s->normal, l)), h = dvec3_normalize(dvec3_add(image, v));
+    double n_l = dvec3_dot(s->normal, image);
+    struct ray_surface sheet = *s;
+    sheet.layers.anisotropy = 0;
+    const double slope = s->layers.thickness > 0 ? fmin(fmax((s->layers.ior - 1) * 0.7071, 0), 1) : 1;
+    sheet.roughness = s->layers.transmission > 0 ? sqrt(fmax(alpha_of(s) * slope, 1e-3)) : s->roughness;
+    dvec3 attenuated = {exp(-s->layers.absorption.x * s->layers.thickness), exp(-s->layers.absorption.y * s->layers.thickness),
+                        exp(-s->layers.absorption.z * s->layers.thickness)};
+    dvec3 straight = dvec3_scale(dvec3_mul(s->base_color, attenuated), s->layers.transmission * specular_lobe(&sheet, v, image, h));
+    dvec3 diffuse = dvec3_scale(s->layers.diffuse_transmission_color, s->layers.diffuse_transmission * (1 - s->layers.transmission) / DPI);
+    return dvec3_scale(dvec3_add(straight, diffuse), below(s, v, h) * n_l);
+}
+
 dvec3 ray_brdf_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
     const dvec3 none = {0, 0, 0};
+    if (ray_lets_through(s) && dvec3_dot(s->normal, l) < 0) return behind_cos(s, v, l);
     dvec3 h = dvec3_add(l, v);
     if (dvec3_length(h) == 0) return none;
     h = dvec3_normalize(h);
@@ -193,6 +222,12 @@ static double mirror_density(const struct mirror *m, dvec3 to_view, dvec3 to_lig
     return h.z > 0 ? 1 / (DPI * m->alphas[0] * m->alphas[1] * f * f) / (2 * (v.z + sqrt(across + v.z * v.z))) : 0;
 }
 
+dvec3 ray_microfacet_sample(const struct ray_surface *s, dvec3 to_view, const double random[2]) {
+    struct mirror m = {.normal = s->normal, .alphas = {alpha_of(s), alpha_of(s)}};
+    dvec3_basis(s->normal, &m.side, &m.up);
+    return dvec3_combine(m.side, m.up, m.normal, visible_normal(m.alphas, mirror_view(&m, to_view), random[0], random[1]));
+}
+
 dvec3 ray_brdf_sample(const struct ray_surface *s, dvec3 to_view, const double random[3], dvec3 *to_light) {
     const dvec3 none = {0, 0, 0};
     const struct mirror base = mirror_of(s);
@@ -206,7 +241,19 @@ dvec3 ray_brdf_sample(const struct ray_surface *s, dvec3 to_view, const double r
         even_share = dvec3_max(s->layers.sheen_color) > 0 ? 0.3 * (1 - coat_share) : 0;
     }
     const double rest = 1 - coat_share - even_share;
-    double chosen = random[0];
+    /* Diffuse light from below is none of the others'. */
+    const double behind_share = s->layered && s->layers.diffuse_transmission > 0 ? 0.4 : 0;
+    if (random[0] < behind_share) {
+        const double z = sqrt(fmax(1 - random[1], 0)), radius = sqrt(random[1]), angle = 2 * DPI * random[2];
+        dvec3 side, up;
+        dvec3_basis(s->normal, &side, &up);
+        *to_light = dvec3_combine(side, up, s->normal, dvec3_make(radius * cos(angle), radius * sin(angle), -z));
+        struct ray_surface paper = *s;
+        paper.layers.transmission = 0;
+        const double part = (1 - s->layers.transmission) * DPI / (behind_share * fmax(z, 1e-6));
+        return dvec3_scale(behind_cos(&paper, to_view, *to_light), part);
+    }
+    double chosen = (random[0] - behind_share) / (1 - behind_share);
     if (chosen < coat_share) {
         *to_light = mirror_sample(&coat, to_view, random[1], random[2]);
     } else if (chosen - coat_share < share * rest) {
@@ -220,9 +267,10 @@ dvec3 ray_brdf_sample(const struct ray_surface *s, dvec3 to_view, const double r
     }
     /* Any of them may have given it. */
     const double n_l = dvec3_dot(s->normal, *to_light), up = fmax(n_l, 0);
-    double density = rest * ((1 - share) * up / DPI + share * mirror_density(&base, to_view, *to_light));
-    if (coat_share > 0) density += coat_share * mirror_density(&coat, to_view, *to_light);
-    if (n_l > 0) density += even_share / (2 * DPI);
+    double density = (1 - behind_share) * rest * ((1 - share) * up / DPI + share * mirror_density(&base, to_view, *to_light));
+    if (coat_share > 0) density += (1 - behind_share) * coat_share * mirror_density(&coat, to_view, *to_light);
+    if (n_l > 0) density += (1 - behind_share) * even_share / (2 * DPI);
+    if (!(n_l > 0) && s->layered) return none; /* light from below has ways of its own */
     return density > 0 ? dvec3_scale(dvec3_add_scaled(ray_brdf_cos(s, to_view, *to_light), s->again, up / DPI), 1 / density) : none;
 }
 
@@ -385,7 +433,9 @@ dvec3 ray_layers_ambient(const struct ray_albedos *albedos, const struct ray_sur
     const dvec3 around = ray_sky(s->normal, sky, ground), seen = ray_sky(lobe_direction(normal, s->roughness, v), sky, ground);
     const dvec3 f90 = {s->f90, s->f90, s->f90}, white = {1, 1, 1};
     dvec3 dielectric = ambient_lobe(dvec3_lerp(s->f0, l->film_dielectric, l->film), dvec3_lerp(f90, l->film_dielectric, l->film), albedo, seen, around, &taken);
-    dielectric = dvec3_add(dielectric, dvec3_mul(dvec3_scale(s->base_color, 1 - dvec3_max(taken)), around));
+    dvec3 base = dvec3_scale(dvec3_mul(s->base_color, around), 1 - l->diffuse_transmission);
+    base = dvec3_add_scaled(base, dvec3_mul(l->diffuse_transmission_color, ray_sky(dvec3_scale(s->normal, -1), sky, ground)), l->diffuse_transmission);
+    dielectric = dvec3_add_scaled(dielectric, base, (1 - l->transmission) * (1 - dvec3_max(taken)));
     const dvec3 metal = ambient_lobe(dvec3_lerp(s->base_color, l->film_metal, l->film), dvec3_lerp(white, l->film_metal, l->film), albedo, seen, around, &taken);
     dvec3 light = dvec3_scale(dvec3_lerp(dielectric, metal, s->metallic), l->below_sheen);
     light = dvec3_add(light, dvec3_mul(dvec3_scale(l->sheen_color, sheen_albedo_at(albedos, l->sheen_roughness, n_v)), around));

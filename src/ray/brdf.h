@@ -15,6 +15,11 @@ struct ray_layers {
     dvec3 sheen_color;
     double sheen_roughness;
     double film, film_ior, film_thickness; /* nanometres */
+    double transmission, thickness; /* thickness: 0: a sheet; else rays go through the mesh */
+    dvec3 absorption;               /* per metre */
+    double ior, dispersion;
+    double diffuse_transmission;
+    dvec3 diffuse_transmission_color;
     double anisotropy;
     dvec3 tangent; /* unit, at right angles to the normal: along it highlights are stretched */
     /* For one viewer (ray_layers_prepare): the parts of light that get below the coat and the fibres, and what the film reflects. */
@@ -52,7 +57,7 @@ void ray_layers_prepare(const struct ray_albedos *albedos, struct ray_surface *s
 double ray_coat_albedo(const struct ray_albedos *albedos, double roughness, double n_v);
 void ray_specular_albedo(const struct ray_albedos *albedos, double roughness, double n_v, double out[2]);
 
-/** f(l, v) times the cosine; 0 for light from below. The smallest alpha is 0.001, so that mirrors show point lights. */
+/** f(l, v) times the cosine; 0 for light from below, unless some goes through the surface, as through a sheet. The smallest alpha is 0.001, so that mirrors show point lights. */
 dvec3 ray_brdf_cos(const struct ray_surface *surface, dvec3 to_view, dvec3 to_light);
 /**
  * What a surface sends of ambient light that nothing shadows: the light blends from ground to sky by height; the reflected part comes from the
@@ -63,6 +68,13 @@ dvec3 ray_ambient(const struct ray_surface *surface, dvec3 to_view, dvec3 sky, d
 dvec3 ray_layers_ambient(const struct ray_albedos *albedos, const struct ray_surface *surface, dvec3 to_view, dvec3 sky, dvec3 ground);
 /** Ambient light from a direction. */
 dvec3 ray_sky(dvec3 direction, dvec3 sky, dvec3 ground);
+
+/** Whether light from below shines through. */
+bool ray_lets_through(const struct ray_surface *surface);
+/** The part of what is behind that the base shows (KHR_materials_transmission) along a normal of its microfacets. */
+dvec3 ray_through_weight(const struct ray_surface *surface, dvec3 to_view, dvec3 microfacet);
+/** A microfacet that the viewer sees, by two numbers in [0, 1); `shadowed`: the part of what it mirrors or refracts that gets away. */
+dvec3 ray_microfacet_sample(const struct ray_surface *surface, dvec3 to_view, const double random[2]);
 
 /**
  * Chooses a direction from which light may come, by three numbers in [0, 1): returns f cos / density for it, 0 where there is none. The lobes are

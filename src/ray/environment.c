@@ -38,6 +38,7 @@ void ray_environment_again(const struct ray_environment *e, struct ray_surface *
         below = s->layers.below_coat * s->layers.below_sheen;
     }
     const dvec3 metal = again_of(metal_f0, metal_f90, albedo), coat = again_of(f0, f90, albedo);
-    const dvec3 dielectric = dvec3_add_scaled(coat, s->base_color, -dvec3_max(coat)); /* does not get below */
+    const double own = s->layered ? (1 - s->layers.transmission) * (1 - s->layers.diffuse_transmission) : 1;
+    const dvec3 dielectric = dvec3_add_scaled(coat, s->base_color, -dvec3_max(coat) * own); /* does not get below */
     s->again = dvec3_scale(dvec3_lerp(dielectric, metal, s->metallic), below);
 }

@@ -9,7 +9,7 @@ struct context {
     const fnl_trace_params *params;
     struct random_state *random;
     struct ray_walk *walk;
-    dvec3 sky, ground;
+    dvec3 sky, ground, background;
     const struct ray_environment *environment;
 };
 
@@ -37,9 +37,12 @@ static dvec3 source_point(const struct context *c, const struct ray_light *light
     return dvec3_combine(side, up, point, dvec3_make(radius * cos(angle), radius * sin(angle), 1));
 }
 
-static double light_visibility(const struct context *c, const struct ray_surface *s, const struct ray_light *light,
+static double light_visibility(const struct context *c, const struct ray_surface *lit, const struct ray_light *light,
                                dvec3 to_light, double distance) {
     enum { FAR = 1 }; /* metres: directional lights are aimed at over this */
+    struct ray_surface turned = *lit;
+    const struct ray_surface *s = &turned;
+    if (ray_lets_through(lit) && dvec3_dot(lit->normal, to_light) < 0) turned.geometric = dvec3_scale(lit->geometric, -1);
     const bool infinite = isinf(distance);
     dvec3 to = source_point(c, light, s->position, to_light, infinite ? FAR : distance);
     if (!(dvec3_dot(s->geometric, dvec3_sub(to, s->position)) > 0))
@@ -71,6 +74,88 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
     return out;
 }
 
+/* ---- what is behind ---- */
+
+enum { SEEN_THROUGH = 16 }; /* surfaces, or reflections within a volume */
+
+static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum, uint32_t depth);
+
+/* What is seen from a point outside. */
+static dvec3 seen_from(const struct context *c, dvec3 origin, dvec3 direction, uint32_t depth) {
+    struct ray_hit hit;
+    c->walk->key = random_bits(c->random);
+    if (!ray_find(c->scene, RAY_THROUGH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
+        return ray_environment_is(c->environment) && c->environment->scene->background ? ray_environment_from(c->environment, direction) : c->background;
+    struct ray_surface s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
+    return outgoing(c, &s, dvec3_scale(direction, -1), NULL, depth + 1);
+}
+
+/* False: total reflection. `eta`: index on the side that light comes from over that behind; `normal` is on that side. */
+static bool refract_at(dvec3 direction, dvec3 normal, double eta, dvec3 *out) {
+    const double cosine = -dvec3_dot(direction, normal), sine2 = eta * eta * (1 - cosine * cosine);
+    if (sine2 > 1) return false;
+    *out = dvec3_normalize(dvec3_add_scaled(dvec3_scale(direction, eta), normal, eta * cosine - sqrt(1 - sine2)));
+    return true;
+}
+
+static dvec3 attenuated(dvec3 absorption, double way) {
+    return dvec3_make(exp(-absorption.x * way), exp(-absorption.y * way), exp(-absorption.z * way));
+}
+
+static dvec3 microfacet(const struct context *c, const struct ray_surface *s, dvec3 to_view) {
+    const double random[2] = {chance(c), chance(c)};
+    return ray_microfacet_sample(s, to_view, random);
+}
+
+/* Within a volume, from its surface on: refracted and reflected by the mesh until it is left. Another object in it is seen from there. */
+static dvec3 seen_within(const struct context *c, const struct ray_surface *entered, dvec3 direction, double ior, uint32_t depth) {
+    dvec3 origin = dvec3_add_scaled(entered->position, entered->geometric, -entered->offset), left = {1, 1, 1};
+    for (uint32_t i = 0; i < SEEN_THROUGH; i++) {
+        struct ray_hit hit;
+        c->walk->key = random_bits(c->random);
+        if (!ray_find(c->scene, RAY_PATH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
+            return dvec3_mul(attenuated(entered->layers.absorption, (double)FLT_MAX), surroundings(c, direction));
+        struct ray_surface s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
+        left = dvec3_mul(left, attenuated(entered->layers.absorption, hit.distance));
+        const dvec3 to_view = dvec3_scale(direction, -1);
+        if (hit.front) return dvec3_mul(left, outgoing(c, &s, to_view, NULL, depth + 1));
+        const dvec3 h = microfacet(c, &s, to_view);
+        dvec3 out;
+        if (refract_at(direction, h, ior, &out) && dvec3_dot(s.geometric, out) < 0)
+            return dvec3_mul(left, seen_from(c, dvec3_add_scaled(s.position, s.geometric, -s.offset), out, depth));
+        direction = dvec3_normalize(dvec3_add_scaled(direction, h, -2 * dvec3_dot(direction, h)));
+        if (!(dvec3_dot(s.geometric, direction) > 0)) break;
+        origin = dvec3_add_scaled(s.position, s.geometric, s.offset);
+    }
+    return (dvec3){0, 0, 0};
+}
+
+/* A sheet turns light as a mirror does, and to the other side; a volume refracts it. Faces through which a volume is left reflect in full or not at
+ * all: the model of glTF has the loss at the first one alone. */
+static dvec3 seen_through(const struct context *c, const struct ray_surface *s, dvec3 to_view, uint32_t depth) {
+    const dvec3 none = {0, 0, 0}, h = microfacet(c, s, to_view), view = dvec3_scale(to_view, -1);
+    const dvec3 weight = ray_through_weight(s, to_view, h);
+    if (depth >= SEEN_THROUGH || !(dvec3_max(weight) > 0)) return none;
+    if (s->layers.thickness > 0) {
+        const uint32_t channel = (uint32_t)fmin(3 * chance(c), 2);
+        double ior = s->layers.ior;
+        if (s->layers.dispersion > 0) ior = fmax(ior + (ior - 1) * 0.025 * s->layers.dispersion * ((double)channel - 1), 1);
+        dvec3 inside;
+        if (!refract_at(view, h, 1 / ior, &inside) || !(dvec3_dot(s->geometric, inside) < 0)) return none;
+        const dvec3 seen = dvec3_mul(weight, seen_within(c, s, inside, ior, depth));
+        if (!(s->layers.dispersion > 0)) return seen;
+        return channel == 0 ? dvec3_make(3 * seen.x, 0, 0) : channel == 1 ? dvec3_make(0, 3 * seen.y, 0) : dvec3_make(0, 0, 3 * seen.z);
+    }
+    dvec3 direction = dvec3_add_scaled(view, h, -2 * dvec3_dot(view, h));
+    const double n_l = dvec3_dot(s->normal, direction), alpha2 = fmax(pow(s->roughness, 4), 1e-6);
+    if (!(n_l > 0)) return none;
+    const double open = 2 * n_l / (n_l + sqrt(alpha2 + (1 - alpha2) * n_l * n_l)); /* of the light, by Smith */
+    direction = dvec3_add_scaled(direction, s->normal, -2 * n_l);
+    if (!(dvec3_dot(s->geometric, direction) < 0)) return none;
+    const dvec3 origin = dvec3_add_scaled(s->position, s->geometric, -s->offset);
+    return dvec3_scale(dvec3_mul(weight, seen_from(c, origin, direction, depth)), open);
+}
+
 /* ---- paths ---- */
 
 /* Without bounces: of light from all around alone, what no surface stops. */
@@ -83,7 +168,9 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
         ray_environment_again(c->environment, &s, to_view);
         for (int i = 0; i < 3; i++) random[i] = chance(c);
         carried = dvec3_mul(carried, ray_brdf_sample(&s, to_view, random, &direction));
-        if (!(dvec3_max(carried) > 0) || !(dvec3_dot(s.geometric, direction) > 0)) return out;
+        if (!(dvec3_max(carried) > 0)) return out;
+        if (ray_lets_through(&s) && dvec3_dot(s.normal, direction) < 0) s.geometric = dvec3_scale(s.geometric, -1);
+        if (!(dvec3_dot(s.geometric, direction) > 0)) return out;
         if (c->params->russian_roulette && bounce > 1) {
             double stays = fmin(dvec3_max(carried), 0.95);
             if (chance(c) >= stays) return out;
@@ -104,8 +191,10 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
     }
 }
 
-static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum) {
+/* `depth`: surfaces that it is seen through. */
+static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum, uint32_t depth) {
     dvec3 out = dvec3_add(s->emissive, direct_light(c, s, to_view, sum));
+    if (s->layered && s->layers.transmission > 0) out = dvec3_add(out, seen_through(c, s, to_view, depth));
     if (c->params->bounces || ray_environment_is(c->environment)) return dvec3_add(out, indirect_light(c, s, to_view));
     if (s->layered) return dvec3_add(out, ray_layers_ambient(c->environment->albedos, s, to_view, c->sky, c->ground));
     return dvec3_add(out, ray_ambient(s, to_view, c->sky, c->ground));
@@ -114,11 +203,11 @@ static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec
 void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x,
                    double y, struct random_state *random, struct ray_walk *walk, struct ray_sum *sum) {
     struct context c = {.scene = scene, .params = params, .random = random, .walk = walk};
-    dvec3 origin, direction, background, radiance = {0, 0, 0};
+    dvec3 origin, direction, radiance = {0, 0, 0};
     double low, high, unused, rest = 1;
     struct ray_neighbours neighbours;
     struct ray_hit hit;
-    ray_scene_surroundings(scene, &c.sky, &c.ground, &background);
+    ray_scene_surroundings(scene, &c.sky, &c.ground, &c.background);
     c.environment = ray_scene_environment(scene);
     ray_camera_ray(camera, x, y, &origin, &direction, &low, &high);
     ray_camera_ray(camera, x + 1, y, &neighbours.origin[0], &neighbours.direction[0], &unused, &unused);
@@ -128,15 +217,16 @@ void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params
     const uint32_t layer_count = walk->layers.count; /* the rays that follow do not touch them: they belong to paths */
     for (uint32_t i = 0; i < layer_count; i++) {
         struct ray_surface s = ray_surface_at(scene, &walk->layers.data[i], origin, direction, &neighbours);
-        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, i == 0 ? sum : NULL), rest * s.alpha);
+        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, i == 0 ? sum : NULL, 0), rest * s.alpha);
         rest *= 1 - s.alpha;
     }
     if (found) {
         struct ray_surface s = ray_surface_at(scene, &hit, origin, direction, &neighbours);
-        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, layer_count ? NULL : sum), rest);
+        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, layer_count ? NULL : sum, 0), rest);
     } else {
-        if (ray_environment_is(c.environment) && c.environment->scene->background) background = ray_environment_from(c.environment, direction);
-        radiance = dvec3_add_scaled(radiance, background, rest);
+        dvec3 seen = c.background;
+        if (ray_environment_is(c.environment) && c.environment->scene->background) seen = ray_environment_from(c.environment, direction);
+        radiance = dvec3_add_scaled(radiance, seen, rest);
     }
     sum->radiance = dvec3_add(sum->radiance, radiance);
 }

@@ -49,7 +49,7 @@ void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
     const struct query *query = (const struct query *)(const void *)arguments->context;
     const struct scene_material *m = part->material;
     const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments)); /* in the space of the instance */
-    if (query->kind == RAY_CAMERA && !hit.front && !m->double_sided) {
+    if (query->kind != RAY_PATH && !hit.front && !m->double_sided) {
         arguments->valid[0] = 0;
         return;
     }
@@ -61,7 +61,7 @@ void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
     if (m->alpha_mode == FNL_ALPHA_BLEND) {
         struct ray_walk *walk = query->walk;
         if (query->kind == RAY_CAMERA && !array_push(&part->scene->scene->host, &walk->layers, hit)) walk->failed = true;
-        if (query->kind == RAY_PATH && chance_of(walk->key, hit.instance, hit.part, hit.triangle) < cover) return;
+        if (query->kind != RAY_CAMERA && chance_of(walk->key, hit.instance, hit.part, hit.triangle) < cover) return;
         cover = 0;
     }
     if (cover == 0) arguments->valid[0] = 0;
@@ -73,6 +73,7 @@ void ray_filter_shadow(const struct RTCFilterFunctionNArguments *arguments) {
     const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments));
     struct ray_walk *walk = query->walk;
     double cover = ray_coverage(part, NULL, hit.triangle, hit.u, hit.v, NULL);
+    if (scene_material_transmissive(part->material)) cover *= 1 - (double)part->material->transmission.strength;
     for (uint32_t i = 0; i < walk->crossed.count && cover < 1; i++)
         if (is_same_crossing(&hit, &walk->crossed.data[i])) cover = 0;
     query->visibility *= 1 - cover;

@@ -33,6 +33,7 @@ struct ray_hit {
 enum ray_kind {
     RAY_CAMERA, /* not the backs of single-sided materials; blended surfaces on the way are listed */
     RAY_PATH,   /* both sides; a blended surface stops it by the chance of its coverage */
+    RAY_THROUGH, /* of what is seen through a surface: sides as for the camera, blended surfaces as for paths */
 };
 
 /** Working memory of one thread. */
@@ -42,7 +43,7 @@ struct ray_walk {
     uint64_t ray_count;
     ARRAY(uint32_t) lights; /* of ray_scene_find_lights */
     bool failed;            /* memory ran out */
-    uint64_t key;           /* RAY_PATH: of the chances */
+    uint64_t key;           /* RAY_PATH, RAY_THROUGH: of the chances */
 };
 
 /** Neighbours of a camera's ray, one pixel to the right and one down, which textures are filtered by. */

@@ -158,6 +158,21 @@ static void find_layers(const struct ray_scene *s, const struct scene_material *
     l->film_ior = (double)m->iridescence.ior;
     SAMPLE(IRIDESCENCE_THICKNESS);
     l->film_thickness = (double)m->iridescence.thickness_minimum + (double)(m->iridescence.thickness_maximum - m->iridescence.thickness_minimum) * texel[1];
+    SAMPLE(TRANSMISSION);
+    l->transmission = (double)m->transmission.strength * texel[0];
+    SAMPLE(THICKNESS);
+    l->thickness = (double)m->volume.thickness * texel[1];
+    const float *attenuated = m->volume.attenuation_color;
+    const double distance = (double)m->volume.attenuation_distance;
+    l->absorption = dvec3_make(-log(fmax((double)attenuated[0], 1e-6)) / distance, -log(fmax((double)attenuated[1], 1e-6)) / distance,
+                               -log(fmax((double)attenuated[2], 1e-6)) / distance);
+    l->ior = m->ior > 0 ? (double)m->ior : 1.5;
+    l->dispersion = (double)m->dispersion;
+    SAMPLE(DIFFUSE_TRANSMISSION);
+    l->diffuse_transmission = (double)m->diffuse_transmission.strength * texel[3];
+    SAMPLE(DIFFUSE_TRANSMISSION_COLOR);
+    const float *through = m->diffuse_transmission.color;
+    l->diffuse_transmission_color = dvec3_mul(dvec3_make((double)through[0], (double)through[1], (double)through[2]), rgb(texel));
     l->anisotropy = (double)m->anisotropy.strength;
     double along[2] = {1, 0}, c = cos((double)m->anisotropy.rotation), turn = sin((double)m->anisotropy.rotation);
     if (ray_texture_exists(s->images, m, SCENE_TEXTURE_ANISOTROPY)) {

@@ -60,6 +60,11 @@ static void grow_blend_pool(fnl_renderer *r, const struct frame_counts *counts) 
         r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
 }
 
+/* Each layer is a few passes: frames begin with one. */
+static void grow_transmission(fnl_renderer *r, const struct frame_counts *counts) {
+    r->transmission_layers = MAX(r->transmission_layers, MIN(counts->transmission.longest, (uint32_t)TRANSMISSION_LAYERS_MAX));
+}
+
 static void grow_dais_pools(fnl_renderer *r, const struct frame_counts *counts) {
     uint64_t limit = gpu_info(r->device)->memory_bytes / 8 / 4;
     if (counts->dais[DAIS_OVERFLOW] == 0) return;
@@ -86,6 +91,7 @@ void pools_grow(fnl_renderer *r, const struct frame_counts *counts) {
     grow_pool(r, counts);
     grow_blend_pool(r, counts);
     grow_decal_pool(r, counts);
+    grow_transmission(r, counts);
     pools_grow_clusters(r, counts);
     grow_dais_pools(r, counts);
     grow_shadow_pairs(r, counts);

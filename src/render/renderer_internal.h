@@ -7,6 +7,7 @@
 #include "passes/debug/debug.h"
 #include "passes/decals/decals_gbuffer.h"
 #include "passes/geometry/clusters_shared.h"
+#include "passes/transmission/transmission.h"
 #include "passes/transparency/transparency.h"
 #include "passes/shade/coarse_shared.h"
 #include "passes/shade/edges_shared.h"
@@ -33,6 +34,7 @@ struct frame_counts {
     uint32_t visible[GPU_CLASSES][2]; /* first and end of what visibility shading lists, by class */
     uint32_t coarse[COARSE_COUNTS];
     struct linked_totals blend;
+    struct transmission_totals transmission;
     struct gpu_cluster_totals clusters;
     uint32_t hidden_items;
     uint32_t dais[DAIS_COUNTS];
@@ -69,6 +71,7 @@ struct renderer_view {
     struct light_totals known_totals;
     bool totals_known;
     uint32_t forward_layouts; /* frame_state.forward_layouts */
+    uint32_t transmission_layers, transmission_limit; /* drawn, and how many there may be; 0: nothing is transmissive */
     uint64_t fixed_bytes; /* of the lists: what their pools do not hold */
     uint32_t entry_bytes, blend_entry_bytes;
 };
@@ -121,6 +124,7 @@ struct fnl_renderer {
     uint64_t mapless_version; /* light_version of the scene + 1 at which it was asked whether it has lights without maps: shadows.c */
     bool mapless;
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
+    uint32_t transmission_layers; /* that frames draw: as many as the last ones needed */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;  /* of what holds decals */
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */

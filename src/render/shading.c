@@ -7,6 +7,7 @@
 #include "passes/lights/sprites.h"
 #include "passes/shade/gbuffer_layouts.h"
 #include "passes/sky/sky.h"
+#include "passes/transmission/transmission.h"
 
 /* ---- the table ---- */
 
@@ -123,20 +124,20 @@ fnl_result order_check_primitive_ids(const struct call *call, const fnl_renderer
 
 /* ---- blended surfaces ---- */
 
-static void add_transparency(struct frame_state *f, const struct shade_input *input) {
+static void add_transparency(struct frame_state *f, const struct shade_input *input, graph_image depth) {
     fnl_renderer *r = f->r;
     if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
         struct linked_params params = {r->blend_capacity};
-        struct linked_lists linked = linked_add(f->graph, input, &params, f->radiance, f->depth);
+        struct linked_lists linked = linked_add(f->graph, input, &params, f->radiance, depth);
         COUNTERS_COPY(f, linked.totals, 0, blend);
         counters_note(f, "transparency.bytes", linked.byte_count);
     } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
         bool half = renderer_tests(r).weighted_half || weighted_needs_half(r->device);
-        weighted_add(f->graph, input, half, f->radiance, f->depth);
+        weighted_add(f->graph, input, half, f->radiance, depth);
         uint64_t samples = (uint64_t)f->frame->width * f->frame->height * f->frame->msaa;
         counters_note(f, "transparency.bytes", samples * weighted_bytes(half));
     } else {
-        forward_add(f->graph, input, GEOMETRY_BLEND, false, f->radiance, f->depth);
+        forward_add(f->graph, input, GEOMETRY_BLEND, false, f->radiance, depth);
     }
 }
 
@@ -224,6 +225,29 @@ static void add_layered(struct frame_state *f, const struct shade_input *input) 
     f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(GEOMETRY_LAYERED));
 }
 
+bool shading_has_glass(const struct frame_state *f) { return geometry_draw_count(&f->scene->geometry, GEOMETRY_GLASS) > 0; }
+
+/* Over everything opaque. What blends is drawn over it in front of the nearest of these surfaces: its depth comes back. */
+static graph_image add_glass(struct frame_state *f, const struct shade_input *input) {
+    f->kept->transmission_layers = 0;
+    if (!shading_has_glass(f)) return f->depth;
+    graph_push_names(f->graph, "transmission");
+    const struct light_list lights = order_add_fallback_lists(f); /* the order's own may be of other depths, or none at all */
+    graph_pop_names(f->graph);
+    struct shade_input glass = *input;
+    glass.lights = &lights;
+    if (!f->frame->count_lights) glass.counters = (graph_buffer){0};
+    const uint32_t layers = MIN(MAX(f->r->transmission_layers, 1u), f->frame->transmission_layers);
+    struct transmission drawn = transmission_add(f->graph, f->r->device, &glass, layers, f->radiance, f->depth);
+    f->kept->transmission_layers = layers;
+    f->kept->transmission_limit = f->frame->transmission_layers;
+    COUNTERS_COPY(f, drawn.totals, 0, transmission);
+    counters_note(f, "transmission.layers", layers);
+    counters_note(f, "transmission.bytes", drawn.byte_count);
+    f->opaque_draws += (2 * layers + 1) * geometry_draw_count(input->scene, GEOMETRY_GLASS);
+    return drawn.nearest;
+}
+
 void shading_add(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
@@ -238,10 +262,11 @@ void shading_add(struct frame_state *f) {
     decals_redraw(f, &input);
     if (shading_shows_sky(f)) sky_add(f->graph, &f->scene->lights.environment, f->view_address, f->radiance, f->depth);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
+    const graph_image depth = add_glass(f, &input);
     if (order_has_blend(f) && !f->blended) {
         blend.lights = &f->blend_lights;
         if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
-        add_transparency(f, &blend);
+        add_transparency(f, &blend, depth);
     }
 }
 
@@ -255,11 +280,18 @@ static bool find_forward_items(const struct counted *counted, uint64_t *value) {
     uint32_t layouts = counted->view->forward_layouts;
     for (uint32_t b = 0; b < counted->r->counted_buckets.count && layouts; b++) {
         const struct geometry_bucket *bucket = &counted->r->counted_buckets.data[b];
-        bool forward = !bucket->blend && bucket->forward_layouts & layouts;
+        bool forward = geometry_bucket_opaque(bucket) && bucket->forward_layouts & layouts;
         for (uint32_t i = 0; i < bucket->group_count && forward; i++)
             *value += draws[bucket->first_group + i].instance_count;
     }
     return layouts;
+}
+
+/* Surfaces that were left out for want of layers, and for which the next frame has some. */
+static bool find_left_out(const struct counted *counted, uint64_t *value) {
+    const uint64_t longest = MIN(counted->counts->transmission.longest, counted->view->transmission_limit);
+    *value = longest - MIN(longest, counted->view->transmission_layers);
+    return counted->view->transmission_layers > 0;
 }
 
 static const struct counter counters[] = {
@@ -283,5 +315,11 @@ static const struct counter counters[] = {
      .needs = "transparency=linked"},
     {"transparency.overflow-pixels", "pixels", "pixels drawn as sorted because the pool was too small",
      COUNTED(blend.overflow_pixels), .needs = "transparency=linked", .kind = FNL_COUNTER_OVERFLOW},
+    {"transmission.layers", "layers", "of surfaces that show what is behind them, drawn one over the other", NOTED},
+    {"transmission.bytes", "bytes", "memory for the depth of these layers and for what is behind", NOTED},
+    {"transmission.fragments", "fragments", "of such surfaces that nothing opaque occludes", COUNTED(transmission.fragments)},
+    {"transmission.longest", "fragments", "most of them in one pixel", COUNTED(transmission.longest)},
+    {"transmission.overflow-layers", "layers", "that were left out and that the next frame has (transmission-layers at most)",
+     .find = find_left_out, .kind = FNL_COUNTER_OVERFLOW},
 };
 const struct counter_table shading_counters = {counters, COUNT_OF(counters)};

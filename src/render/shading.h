@@ -40,6 +40,8 @@ bool frame_is(const fnl_frame *frame, uint32_t traits);
 bool shading_shows_volumes(const fnl_frame *frame);
 /** Whether the environment is seen behind everything. */
 bool shading_shows_sky(const struct frame_state *f);
+/** Whether the scene has surfaces that show what is behind them. */
+bool shading_has_glass(const struct frame_state *f);
 /** Whether layered materials are drawn over the order's picture. */
 bool shading_draws_layered(const struct frame_state *f);
 /** The format of the radiance target. */

@@ -34,13 +34,13 @@ static const struct known_extension known_extensions[] = {
     {"FNL_decal", FULL, true, {"/nodes/#"}},
     {"KHR_materials_anisotropy", FULL, true, {"/materials/#"}},
     {"KHR_materials_clearcoat", FULL, true, {"/materials/#"}},
-    {"KHR_materials_diffuse_transmission", MATERIAL_FALLBACK, true, {"/materials/#"}},
-    {"KHR_materials_dispersion", MATERIAL_FALLBACK, true, {"/materials/#"}},
+    {"KHR_materials_diffuse_transmission", FULL, true, {"/materials/#"}},
+    {"KHR_materials_dispersion", FULL, true, {"/materials/#"}},
     {"KHR_materials_iridescence", FULL, true, {"/materials/#"}},
     {"KHR_materials_pbrSpecularGlossiness", MATERIAL_FALLBACK, true, {"/materials/#"}},
     {"KHR_materials_sheen", FULL, true, {"/materials/#"}},
-    {"KHR_materials_transmission", MATERIAL_FALLBACK, true, {"/materials/#"}},
-    {"KHR_materials_volume", MATERIAL_FALLBACK, true, {"/materials/#"}},
+    {"KHR_materials_transmission", FULL, true, {"/materials/#"}},
+    {"KHR_materials_volume", FULL, true, {"/materials/#"}},
     {"KHR_animation_pointer", FULL, true, {"/animations/#/channels/#/target"}},
 };
 

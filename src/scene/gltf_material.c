@@ -120,6 +120,33 @@ static void load_anisotropy(struct gltf *g, json_t *object, const struct at *at,
     load_texture(g, object, at, "anisotropyTexture", SCENE_TEXTURE_ANISOTROPY, material);
 }
 
+static void load_transmission(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    gltf_float(g, object, at, "transmissionFactor", false, 0, 1, &material->transmission.strength);
+    load_texture(g, object, at, "transmissionTexture", SCENE_TEXTURE_TRANSMISSION, material);
+}
+
+static void load_volume(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    fnl_volume_params *volume = &material->volume;
+    for (int i = 0; i < 3; i++) volume->attenuation_color[i] = 1;
+    gltf_float(g, object, at, "thicknessFactor", false, 0, FLT_MAX, &volume->thickness);
+    gltf_float(g, object, at, "attenuationDistance", false, 1e-30, FLT_MAX, &volume->attenuation_distance);
+    gltf_floats(g, object, at, "attenuationColor", 3, 0, 1, volume->attenuation_color);
+    load_texture(g, object, at, "thicknessTexture", SCENE_TEXTURE_THICKNESS, material);
+}
+
+static void load_dispersion(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    gltf_float(g, object, at, "dispersion", false, 0, FLT_MAX, &material->dispersion);
+}
+
+static void load_diffuse_transmission(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
+    fnl_diffuse_transmission_params *through = &material->diffuse_transmission;
+    for (int i = 0; i < 3; i++) through->color[i] = 1;
+    gltf_float(g, object, at, "diffuseTransmissionFactor", false, 0, 1, &through->strength);
+    gltf_floats(g, object, at, "diffuseTransmissionColorFactor", 3, 0, 1, through->color);
+    load_texture(g, object, at, "diffuseTransmissionTexture", SCENE_TEXTURE_DIFFUSE_TRANSMISSION, material);
+    load_texture(g, object, at, "diffuseTransmissionColorTexture", SCENE_TEXTURE_DIFFUSE_TRANSMISSION_COLOR, material);
+}
+
 static void load_layers(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
     static const struct {
         const char *name;
@@ -127,7 +154,11 @@ static void load_layers(struct gltf *g, json_t *object, const struct at *at, str
     } layers[] = {{"KHR_materials_clearcoat", load_clearcoat},
                   {"KHR_materials_sheen", load_sheen},
                   {"KHR_materials_iridescence", load_iridescence},
-                  {"KHR_materials_anisotropy", load_anisotropy}};
+                  {"KHR_materials_anisotropy", load_anisotropy},
+                  {"KHR_materials_transmission", load_transmission},
+                  {"KHR_materials_volume", load_volume},
+                  {"KHR_materials_dispersion", load_dispersion},
+                  {"KHR_materials_diffuse_transmission", load_diffuse_transmission}};
     struct gltf_extension_place place;
     for (uint32_t i = 0; i < COUNT_OF(layers); i++) {
         json_t *extension = gltf_extension(object, at, layers[i].name, &place);

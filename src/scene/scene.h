@@ -58,13 +58,17 @@ enum scene_texture_slot {
     SCENE_TEXTURE_IRIDESCENCE,
     SCENE_TEXTURE_IRIDESCENCE_THICKNESS,
     SCENE_TEXTURE_ANISOTROPY,
+    SCENE_TEXTURE_TRANSMISSION,
+    SCENE_TEXTURE_THICKNESS,
+    SCENE_TEXTURE_DIFFUSE_TRANSMISSION,
+    SCENE_TEXTURE_DIFFUSE_TRANSMISSION_COLOR,
     SCENE_TEXTURE_SLOT_COUNT,
 };
 
 /** Whether a texture holds colours, not numbers: it is stored by the transfer function of sRGB. */
 static inline bool scene_texture_is_color(enum scene_texture_slot slot) {
     return slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR ||
-           slot == SCENE_TEXTURE_SHEEN_COLOR;
+           slot == SCENE_TEXTURE_SHEEN_COLOR || slot == SCENE_TEXTURE_DIFFUSE_TRANSMISSION_COLOR;
 }
 
 /** uv' = (u, v, 1) through the 2x3 matrix of KHR_texture_transform. */
@@ -99,6 +103,10 @@ struct scene_material {
     fnl_sheen_params sheen;
     fnl_iridescence_params iridescence;
     fnl_anisotropy_params anisotropy;
+    fnl_transmission_params transmission;
+    fnl_volume_params volume; /* attenuation_distance: infinite where light is not attenuated */
+    float dispersion;
+    fnl_diffuse_transmission_params diffuse_transmission;
     struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
     struct scene_material_parts parts; /* as the file or an animation said last: calls change only what they make */
     bool animated; /* within animation_apply: it has new values */
@@ -363,6 +371,8 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
 struct scene_material scene_material_default(void);
 /** Whether it has more than glTF's core material with KHR_materials_ior and _specular. */
 bool scene_material_layered(const struct scene_material *material);
+/** Whether what is behind shows through it, which makes it a layered one. */
+bool scene_material_transmissive(const struct scene_material *material);
 uint32_t scene_take_generation(fnl_scene *scene);
 struct scene_texture scene_texture_none(void);
 /** The matrix of a texture: scaled, then turned counter-clockwise in a picture whose v points down, then moved. */

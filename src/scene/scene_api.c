@@ -65,6 +65,11 @@ static struct scene_material material_of(const fnl_material_params *p) {
     material.sheen = p->sheen;
     material.iridescence = p->iridescence;
     material.anisotropy = p->anisotropy;
+    material.transmission = p->transmission;
+    material.volume = p->volume;
+    material.dispersion = p->dispersion;
+    material.diffuse_transmission = p->diffuse_transmission;
+    if (material.volume.attenuation_distance == 0) material.volume.attenuation_distance = INFINITY;
     if (material.clearcoat.normal_scale == 0) material.clearcoat.normal_scale = 1;
     if (material.iridescence.ior == 0) material.iridescence.ior = 1.3f;
     if (material.iridescence.thickness_minimum == 0 && material.iridescence.thickness_maximum == 0) {
@@ -77,8 +82,10 @@ static struct scene_material material_of(const fnl_material_params *p) {
 bool scene_material_layered(const struct scene_material *m) {
     const float *sheen = m->sheen.color;
     return !m->unlit && (m->clearcoat.strength > 0 || sheen[0] > 0 || sheen[1] > 0 || sheen[2] > 0 || m->iridescence.strength > 0 ||
-                         m->anisotropy.strength > 0);
+                         m->anisotropy.strength > 0 || m->transmission.strength > 0 || m->diffuse_transmission.strength > 0);
 }
+
+bool scene_material_transmissive(const struct scene_material *m) { return !m->unlit && m->transmission.strength > 0; }
 
 struct scene_material scene_material_default(void) {
     fnl_material_params params = fnl_material_params_default();
@@ -103,7 +110,15 @@ static fnl_result check_layers(const struct call *call, const fnl_material_param
     TRY(check_range(call, "iridescence.thickness_minimum", (double)p->iridescence.thickness_minimum, 0, infinite, " nm"));
     TRY(check_range(call, "iridescence.thickness_maximum", (double)p->iridescence.thickness_maximum, 0, infinite, " nm"));
     TRY(check_range(call, "anisotropy.strength", (double)p->anisotropy.strength, 0, 1, ""));
-    return check_range(call, "anisotropy.rotation", (double)p->anisotropy.rotation, -infinite, infinite, " radians");
+    TRY(check_range(call, "anisotropy.rotation", (double)p->anisotropy.rotation, -infinite, infinite, " radians"));
+    TRY(check_range(call, "transmission.strength", (double)p->transmission.strength, 0, 1, ""));
+    TRY(check_range(call, "volume.thickness", (double)p->volume.thickness, 0, infinite, " m"));
+    if (!(p->volume.attenuation_distance == INFINITY))
+        TRY(check_range(call, "volume.attenuation_distance", (double)p->volume.attenuation_distance, 0, infinite, " m"));
+    TRY(check_floats(call, "volume.attenuation_color", p->volume.attenuation_color, 3, 0, 1, ""));
+    TRY(check_range(call, "dispersion", (double)p->dispersion, 0, infinite, ""));
+    TRY(check_range(call, "diffuse_transmission.strength", (double)p->diffuse_transmission.strength, 0, 1, ""));
+    return check_floats(call, "diffuse_transmission.color", p->diffuse_transmission.color, 3, 0, 1, "");
 }
 
 /* The images of a material, by their slots. */
@@ -126,6 +141,10 @@ static const struct image_row {
     ROW(IRIDESCENCE, iridescence.image),
     ROW(IRIDESCENCE_THICKNESS, iridescence.thickness_image),
     ROW(ANISOTROPY, anisotropy.image),
+    ROW(TRANSMISSION, transmission.image),
+    ROW(THICKNESS, volume.image),
+    ROW(DIFFUSE_TRANSMISSION, diffuse_transmission.image),
+    ROW(DIFFUSE_TRANSMISSION_COLOR, diffuse_transmission.color_image),
 #undef ROW
 };
 
@@ -242,7 +261,12 @@ fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_
                                  .clearcoat = m->clearcoat,
                                  .sheen = m->sheen,
                                  .iridescence = m->iridescence,
-                                 .anisotropy = m->anisotropy};
+                                 .anisotropy = m->anisotropy,
+                                 .transmission = m->transmission,
+                                 .volume = m->volume,
+                                 .dispersion = m->dispersion,
+                                 .diffuse_transmission = m->diffuse_transmission};
+    if (m->volume.attenuation_distance == INFINITY) out->volume.attenuation_distance = 0;
     for (size_t i = 0; i < COUNT_OF(image_rows); i++)
         *(fnl_image_id *)(void *)((char *)out + image_rows[i].offset) = image_of(m, image_rows[i].slot);
     return FNL_OK;

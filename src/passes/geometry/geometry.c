@@ -10,7 +10,7 @@ _Static_assert(FEATURES_ID == GPU_FEATURES_ID, "src/gpu gives the features this 
 
 static bool bucket_in_set(const struct geometry_bucket *bucket, enum geometry_set set) {
     bool wanted = set < GEOMETRY_NOT_IN_FIRST || bucket->forward_layouts >> ((int)set - GEOMETRY_NOT_IN_FIRST) & 1;
-    return wanted && bucket->blend == (set == GEOMETRY_BLEND);
+    return wanted && (set == GEOMETRY_BLEND ? bucket->blend : set == GEOMETRY_GLASS || geometry_bucket_opaque(bucket));
 }
 
 /* Materials without layers are shaded by pipelines that know of none. */

@@ -15,8 +15,8 @@
 enum { GEOMETRY_UV1 = 1, GEOMETRY_COLORS = 2 };
 
 /* Bits of gpu_material.forward_layouts and geometry_bucket.forward_layouts behind those of the G-buffer layouts and VIRTUAL_FORWARD: the materials
- * have layers. */
-enum { GEOMETRY_LAYERED = 9 };
+ * have layers; what is behind shows through them. */
+enum { GEOMETRY_LAYERED = 9, GEOMETRY_TRANSMISSIVE = 10 };
 
 struct geometry_bucket {
     VkPrimitiveTopology topology;
@@ -25,9 +25,13 @@ struct geometry_bucket {
     uint32_t first_item, item_count, first_group, group_count;
 };
 
+/** Opaque or cutout: neither blended nor transmissive, which are drawn over it. */
+static inline bool geometry_bucket_opaque(const struct geometry_bucket *bucket) {
+    return !bucket->blend && !(bucket->forward_layouts >> GEOMETRY_TRANSMISSIVE & 1);
+}
 /** Whether clusters_add culls the bucket by clusters: it has triangles, opaque or cutout. */
 static inline bool geometry_bucket_clustered(const struct geometry_bucket *bucket) {
-    return !bucket->blend && bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    return geometry_bucket_opaque(bucket) && bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
 }
 
 /** The scene on the device, as the passes of one frame see it. Blended triangles are the last items and groups. */
@@ -44,6 +48,7 @@ struct geometry_scene {
     uint32_t most_triangles;                     /* of one item; lines and points count too */
     uint32_t material_count, material_classes;   /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
+    uint32_t caster_count;                       /* items before this one cast shadows, if they are opaque triangles */
     uint32_t features;                           /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
     graph_buffer feature_buffers[6];             /* what they read for it; id 0: none */
     uint64_t cluster_count, triangle_count;      /* of all items that are culled by clusters */
@@ -85,6 +90,8 @@ enum geometry_set {
 };
 /* Opaque and cutout items that a G-buffer layout (fnl_gbuffer) cannot hold. */
 #define GEOMETRY_NOT_IN(layout) ((enum geometry_set)(GEOMETRY_NOT_IN_FIRST + (int)(layout)))
+/* Items that what is behind shows through, in the order of opaque ones; in no other set. */
+#define GEOMETRY_GLASS GEOMETRY_NOT_IN(GEOMETRY_TRANSMISSIVE)
 
 /** Declares the buffers that a drawing pass reads. */
 void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,

@@ -24,7 +24,7 @@ static void execute_gbuffer(const struct graph_context *context, const void *dat
 /* Whether some material of the scene is lit forward with this layout. */
 static bool needs_mask(const struct geometry_scene *scene, fnl_gbuffer layout) {
     for (uint32_t i = 0; i < scene->bucket_count; i++)
-        if (!scene->buckets[i].blend && scene->buckets[i].forward_layouts >> layout & 1) return true;
+        if (geometry_bucket_opaque(&scene->buckets[i]) && scene->buckets[i].forward_layouts >> layout & 1) return true;
     return false;
 }
 

@@ -90,7 +90,7 @@ static void draw_key(const struct graph_context *context, const struct draw_data
     params.vertex = &shader_geometry_vert;
     for (uint32_t i = 0; i < scene->bucket_count; i++) {
         const struct geometry_bucket *bucket = &scene->buckets[i];
-        if (bucket->blend) continue;
+        if (!geometry_bucket_opaque(bucket)) continue;
         params.topology = bucket->topology;
         params.cull = bucket->double_sided ? VK_CULL_MODE_NONE
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT

@@ -130,7 +130,7 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
     struct gpu_fill_push push = {.rays = in->rays->address,
                                  .page_limit = in->page_limit,
                                  .pair_capacity = capacity,
-                                 .caster_count = scene->blend_item_count ? scene->blend_first_item : scene->item_count,
+                                 .caster_count = scene->caster_count,
                                  .group_count = scene->group_count};
     const uint32_t page_groups = DIVIDE_UP(in->page_limit + 1, 64u);
     if (in->all_changed || in->moved) add_marks(graph, in, &push);

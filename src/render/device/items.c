@@ -6,11 +6,12 @@ static const struct scene_material *material_of(const fnl_scene *scene, const st
     return p->material == SCENE_NONE ? standard : &scene->materials.data[p->material];
 }
 
-enum { BUCKET_SORTED = 1 << 16, BUCKET_TOPOLOGY = 4, BUCKET_LAYOUTS = 6 };
+enum { BUCKET_SORTED = 1 << 20, BUCKET_TOPOLOGY = 4, BUCKET_LAYOUTS = 6 }; /* what is transmissive has the highest bit of the others: it comes behind them */
+_Static_assert(BUCKET_LAYOUTS + GEOMETRY_TRANSMISSIVE < 20, "a bucket has bits for all layouts");
 
 static uint32_t bucket_bits(const struct scene_material *m, uint32_t forward_layouts, enum scene_topology topology,
                             bool mirrored) {
-    bool blend = m->alpha_mode == FNL_ALPHA_BLEND, sorted = blend && topology == SCENE_TOPOLOGY_TRIANGLES;
+    bool blend = m->alpha_mode == FNL_ALPHA_BLEND && !scene_material_transmissive(m), sorted = blend && topology == SCENE_TOPOLOGY_TRIANGLES;
     /* Blended triangles form one bucket at the end: they are drawn in one order over all states. */
     if (sorted) return BUCKET_SORTED;
     return (blend ? 0 : forward_layouts) << BUCKET_LAYOUTS | (uint32_t)topology << BUCKET_TOPOLOGY | (uint32_t)blend << 3 |
@@ -112,12 +113,13 @@ static fnl_result add_to_bucket(struct device_scene *d, uint32_t index) {
     bucket->item_count += group->count;
     bucket->group_count++;
     if (sorted) d->blend_item_count += group->count;
+    if (!sorted && !(bucket->forward_layouts >> GEOMETRY_TRANSMISSIVE & 1)) d->caster_count = group->first + group->count;
     return FNL_OK;
 }
 
 /* What follows from the lists: buckets, sums, and what the device has. */
 fnl_result device_items_send(struct device_scene *d) {
-    d->buckets.count = d->most_triangles = d->blend_item_count = 0;
+    d->buckets.count = d->most_triangles = d->blend_item_count = d->caster_count = 0;
     d->cluster_count = d->triangle_count = 0;
     d->group_count = d->group_list.count;
     d->item_count = d->item_list.count;

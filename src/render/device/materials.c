@@ -52,6 +52,7 @@ uint32_t device_material_forward_layouts(const struct device_scene *d, const str
     const bool layered = scene_material_layered(m);
     for (uint32_t i = 0; i < FNL_GBUFFER_COUNT; i++) bits |= (uint32_t)(layered || !gbuffer_holds((fnl_gbuffer)i, &material)) << i;
     if (layered) bits |= 1u << GEOMETRY_LAYERED;
+    if (scene_material_transmissive(m)) bits |= 1u << GEOMETRY_TRANSMISSIVE;
     if (!device_virtual_holds(d, m)) bits |= 1u << VIRTUAL_FORWARD;
     return bits;
 }
@@ -85,6 +86,13 @@ static struct gpu_texture device_texture(struct device_scene *d, const struct sc
     return out;
 }
 
+/* Beer's law, per metre: white light has the colour after the distance. */
+static vec3 absorption_of(const fnl_volume_params *volume) {
+    float out[3];
+    for (int i = 0; i < 3; i++) out[i] = -logf(fmaxf(volume->attenuation_color[i], 1e-6f)) / volume->attenuation_distance;
+    return vec3_make(out[0], out[1], out[2]);
+}
+
 static struct gpu_layers device_layers(struct device_scene *d, const struct scene_material *m) {
     struct gpu_layers g = {.sheen_color = vec3_make(m->sheen.color[0], m->sheen.color[1], m->sheen.color[2]),
                            .sheen_roughness = m->sheen.roughness,
@@ -96,7 +104,15 @@ static struct gpu_layers device_layers(struct device_scene *d, const struct scen
                            .film_thinnest = m->iridescence.thickness_minimum,
                            .film_thickest = m->iridescence.thickness_maximum,
                            .anisotropy = m->anisotropy.strength,
-                           .anisotropy_turn = {cosf(m->anisotropy.rotation), sinf(m->anisotropy.rotation)}};
+                           .anisotropy_turn = {cosf(m->anisotropy.rotation), sinf(m->anisotropy.rotation)},
+                           .transmission = m->transmission.strength,
+                           .thickness = m->volume.thickness,
+                           .absorption = absorption_of(&m->volume),
+                           .ior = m->ior > 0 ? m->ior : 1.5f,
+                           .dispersion = m->dispersion,
+                           .diffuse_transmission = m->diffuse_transmission.strength,
+                           .diffuse_transmission_color = vec3_make(m->diffuse_transmission.color[0], m->diffuse_transmission.color[1],
+                                                                   m->diffuse_transmission.color[2])};
     for (int i = 0; i < GPU_LAYER_TEXTURE_COUNT; i++) g.textures[i] = device_texture(d, m, (enum scene_texture_slot)(SCENE_TEXTURE_CORE_COUNT + i));
     return g;
 }
@@ -120,6 +136,7 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
                                       (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) |
                                       (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0) |
                                       (scene_material_layered(m) ? GPU_MATERIAL_LAYERED : 0) |
+                                      (scene_material_transmissive(m) ? GPU_MATERIAL_TRANSMISSIVE : 0) |
                                       material_class(d, m) << GPU_MATERIAL_CLASS_SHIFT,
                              .forward_layouts = device_material_forward_layouts(d, m, id)};
     for (int slot = 0; slot < SCENE_TEXTURE_CORE_COUNT; slot++) g.textures[slot] = device_texture(d, m, (enum scene_texture_slot)slot);
@@ -168,7 +185,7 @@ fnl_result device_materials_upload(struct device_scene *d, bool *out_regroup) {
     for (uint32_t i = 0; i < count && result == FNL_OK; i++) {
         const struct scene_material *m = i + 1 < count ? &d->scene->materials.data[i] : &standard;
         materials[i] = device_material(d, m, i);
-        d->material_classes |= 1u << material_class(d, m);
+        if (!scene_material_transmissive(m)) d->material_classes |= 1u << material_class(d, m); /* no order but its own shades it */
         struct gbuffer_material held = gbuffer_material(d, m, i);
         entries[i] = gbuffer_entry(&held);
     }

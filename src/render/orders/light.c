@@ -126,7 +126,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     lights->view = slice.address;
     f->frame = &low_frame;
 
-    bool blend = order_has_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED;
+    bool blend = order_has_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED && !shading_has_glass(f); /* which comes before */
     struct shade_input low = *input;
     low.view = slice.address;
     low.width = low_frame.width;
