@@ -56,9 +56,11 @@ struct gpu_view {
     uint samples;        /* of a pixel */
     uint turn;           /* another number in each frame that is collected with others (TAA); else 0 */
     ADDRESS(frame_block) frame;
+    uint glass;          /* sampled: what is drawn lies behind this depth, that of the nearest glass; of lists with GPU_LIST_BEHIND_GLASS */
+    uint pad;
     uvec2 decals;        /* address of a struct gpu_decal_set, whose list is of this view; read only where a shader's features say that there is one */
 };
-#define GPU_VIEW_BYTES 440
+#define GPU_VIEW_BYTES 448
 #ifndef GL_core_profile
 _Static_assert(sizeof(struct gpu_view) == GPU_VIEW_BYTES, "views stand one after the other as view_at() of view.glsl expects");
 #endif

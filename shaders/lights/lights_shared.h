@@ -58,6 +58,8 @@ struct gpu_light {
 #define GPU_LIST_ENVIRONMENT 0x40000u
 /* Beside the kind: some surfaces have layers (shaders/layers.glsl). */
 #define GPU_LIST_LAYERS 0x80000u
+/* Blended surfaces that are drawn before glass: those in front of gpu_view.glass are left out. */
+#define GPU_LIST_BEHIND_GLASS 0x400000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

@@ -149,7 +149,10 @@ static dvec3 seen_through(const struct context *c, const struct ray_surface *s, 
     dvec3 direction = dvec3_add_scaled(view, h, -2 * dvec3_dot(view, h));
     const double n_l = dvec3_dot(s->normal, direction), alpha2 = fmax(pow(s->roughness, 4), 1e-6);
     if (!(n_l > 0)) return none;
-    const double open = 2 * n_l / (n_l + sqrt(alpha2 + (1 - alpha2) * n_l * n_l)); /* of the light, by Smith */
+    /* What microfacets shadow (by Smith) is not lost: it goes through others, and the whole lobe gets it back. */
+    double albedo[2];
+    ray_specular_albedo(c->environment->albedos, s->roughness, dvec3_dot(s->normal, to_view), albedo);
+    const double open = 2 * n_l / (n_l + sqrt(alpha2 + (1 - alpha2) * n_l * n_l)) / (albedo[0] + albedo[1]);
     direction = dvec3_add_scaled(direction, s->normal, -2 * n_l);
     if (!(dvec3_dot(s->geometric, direction) < 0)) return none;
     const dvec3 origin = dvec3_add_scaled(s->position, s->geometric, -s->offset);

@@ -55,8 +55,8 @@ static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
 }
 
 static void grow_blend_pool(fnl_renderer *r, const struct frame_counts *counts) {
-    uint64_t needed = counts->blend.fragments;
-    if (counts->blend.overflow_pixels > 0)
+    uint64_t needed = MAX(counts->blend.fragments, counts->blend_behind.fragments);
+    if (counts->blend.overflow_pixels > 0 || counts->blend_behind.overflow_pixels > 0)
         r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
 }
 

@@ -33,7 +33,7 @@ struct frame_counts {
     uint32_t visible_fragments;
     uint32_t visible[GPU_CLASSES][2]; /* first and end of what visibility shading lists, by class */
     uint32_t coarse[COARSE_COUNTS];
-    struct linked_totals blend;
+    struct linked_totals blend, blend_behind; /* and of those behind glass */
     struct transmission_totals transmission;
     struct gpu_cluster_totals clusters;
     uint32_t hidden_items;

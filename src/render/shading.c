@@ -129,13 +129,16 @@ static void add_transparency(struct frame_state *f, const struct shade_input *in
     if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
         struct linked_params params = {r->blend_capacity};
         struct linked_lists linked = linked_add(f->graph, input, &params, f->radiance, depth);
-        COUNTERS_COPY(f, linked.totals, 0, blend);
-        counters_note(f, "transparency.bytes", linked.byte_count);
+        if (input->glass.id)
+            COUNTERS_COPY(f, linked.totals, 0, blend_behind);
+        else
+            COUNTERS_COPY(f, linked.totals, 0, blend);
+        if (!input->glass.id) counters_note(f, "transparency.bytes", linked.byte_count);
     } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
         bool half = renderer_tests(r).weighted_half || weighted_needs_half(r->device);
         weighted_add(f->graph, input, half, f->radiance, depth);
         uint64_t samples = (uint64_t)f->frame->width * f->frame->height * f->frame->msaa;
-        counters_note(f, "transparency.bytes", samples * weighted_bytes(half));
+        if (!input->glass.id) counters_note(f, "transparency.bytes", samples * weighted_bytes(half));
     } else {
         forward_add(f->graph, input, GEOMETRY_BLEND, false, f->radiance, depth);
     }
@@ -227,25 +230,54 @@ static void add_layered(struct frame_state *f, const struct shade_input *input) 
 
 bool shading_has_glass(const struct frame_state *f) { return geometry_draw_count(&f->scene->geometry, GEOMETRY_GLASS) > 0; }
 
-/* Over everything opaque. What blends is drawn over it in front of the nearest of these surfaces: its depth comes back. */
-static graph_image add_glass(struct frame_state *f, const struct shade_input *input) {
-    f->kept->transmission_layers = 0;
-    if (!shading_has_glass(f)) return f->depth;
-    graph_push_names(f->graph, "transmission");
-    const struct light_list lights = order_add_fallback_lists(f); /* the order's own may be of other depths, or none at all */
-    graph_pop_names(f->graph);
-    struct shade_input glass = *input;
-    glass.lights = &lights;
-    if (!f->frame->count_lights) glass.counters = (graph_buffer){0};
+static struct transmission find_glass(struct frame_state *f, const struct shade_input *input) {
     const uint32_t layers = MIN(MAX(f->r->transmission_layers, 1u), f->frame->transmission_layers);
-    struct transmission drawn = transmission_add(f->graph, f->r->device, &glass, layers, f->radiance, f->depth);
+    const struct transmission found = transmission_find(f->graph, input, layers, f->depth);
     f->kept->transmission_layers = layers;
     f->kept->transmission_limit = f->frame->transmission_layers;
-    COUNTERS_COPY(f, drawn.totals, 0, transmission);
+    COUNTERS_COPY(f, found.totals, 0, transmission);
     counters_note(f, "transmission.layers", layers);
-    counters_note(f, "transmission.bytes", drawn.byte_count);
+    counters_note(f, "transmission.bytes", found.byte_count);
     f->opaque_draws += (2 * layers + 1) * geometry_draw_count(input->scene, GEOMETRY_GLASS);
-    return drawn.nearest;
+    return found;
+}
+
+/* Blended surfaces between what is opaque and the nearest glass: all others come last. */
+static void add_behind_glass(struct frame_state *f, const struct shade_input *blend, graph_image nearest) {
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
+    if (!slice.data) return; /* the error sticks to the device */
+    memcpy(slice.data, &f->view, sizeof f->view);
+    graph_put_sampled(f->graph, &((struct gpu_view *)slice.data)->glass, nearest);
+    struct light_list lights = *blend->lights;
+    struct shade_input behind = *blend;
+    lights.kind |= GPU_LIST_BEHIND_GLASS;
+    behind.lights = &lights;
+    behind.view = slice.address;
+    behind.glass = nearest;
+    graph_push_names(f->graph, "behind glass");
+    add_transparency(f, &behind, f->depth);
+    graph_pop_names(f->graph);
+}
+
+/* What shows what is behind it, after that and before blended surfaces in front of it. */
+static void add_over(struct frame_state *f, const struct shade_input *input) {
+    const bool glass = shading_has_glass(f), blends = order_has_blend(f) && !f->blended;
+    struct shade_input blend = *input;
+    struct transmission found;
+    blend.lights = &f->blend_lights;
+    if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
+    f->kept->transmission_layers = 0;
+    if (glass) {
+        found = find_glass(f, input);
+        if (blends) add_behind_glass(f, &blend, found.depths[0]);
+        graph_push_names(f->graph, "transmission");
+        const struct light_list lights = order_add_fallback_lists(f); /* the order's own may be of other depths, or none at all */
+        graph_pop_names(f->graph);
+        struct shade_input over = blend;
+        over.lights = &lights;
+        transmission_add(f->graph, f->r->device, &over, &found, f->radiance, f->depth);
+    }
+    if (blends) add_transparency(f, &blend, glass ? found.depths[0] : f->depth);
 }
 
 void shading_add(struct frame_state *f) {
@@ -254,7 +286,7 @@ void shading_add(struct frame_state *f) {
     if (!f->drawn) shading_draw(f);
     shadows_add(f);
     const struct shade_input input = input_of(f);
-    struct shade_input opaque = input, blend = input;
+    struct shade_input opaque = input;
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
     f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
     order->add(f, &opaque, frame_is(f->frame, SHADING_PREPASS));
@@ -262,12 +294,7 @@ void shading_add(struct frame_state *f) {
     decals_redraw(f, &input);
     if (shading_shows_sky(f)) sky_add(f->graph, &f->scene->lights.environment, f->view_address, f->radiance, f->depth);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
-    const graph_image depth = add_glass(f, &input);
-    if (order_has_blend(f) && !f->blended) {
-        blend.lights = &f->blend_lights;
-        if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
-        add_transparency(f, &blend, depth);
-    }
+    add_over(f, &input);
 }
 
 uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws + f->opaque_draws + blend_draw_count(f); }
@@ -285,6 +312,13 @@ static bool find_forward_items(const struct counted *counted, uint64_t *value) {
             *value += draws[bucket->first_group + i].instance_count;
     }
     return layouts;
+}
+
+static bool find_overflow(const struct counted *counted, uint64_t *value) {
+    if (!COUNTED_HAS(counted, blend)) return false;
+    *value = counted->counts->blend.overflow_pixels;
+    if (COUNTED_HAS(counted, blend_behind)) *value += counted->counts->blend_behind.overflow_pixels;
+    return true;
 }
 
 /* Surfaces that were left out for want of layers, and for which the next frame has some. */
@@ -314,7 +348,7 @@ static const struct counter counters[] = {
     {"transparency.longest", "fragments", "most blended fragments in one pixel", COUNTED(blend.longest),
      .needs = "transparency=linked"},
     {"transparency.overflow-pixels", "pixels", "pixels drawn as sorted because the pool was too small",
-     COUNTED(blend.overflow_pixels), .needs = "transparency=linked", .kind = FNL_COUNTER_OVERFLOW},
+     .find = find_overflow, .needs = "transparency=linked", .kind = FNL_COUNTER_OVERFLOW},
     {"transmission.layers", "layers", "of surfaces that show what is behind them, drawn one over the other", NOTED},
     {"transmission.bytes", "bytes", "memory for the depth of these layers and for what is behind", NOTED},
     {"transmission.fragments", "fragments", "of such surfaces that nothing opaque occludes", COUNTED(transmission.fragments)},

@@ -8,6 +8,15 @@
 #include "shade.glsl"
 #include "passes/geometry/geometry_shared.h"
 
+// Of the sample where it is farthest: fragments are not cut within a pixel, and at its edges none is drawn twice.
+float nearest_glass(view_block v) {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    if (v.view.samples == 1u) return texelFetch(textures[v.view.glass], pixel, 0).r;
+    float depth = 1.0;
+    for (uint i = 0u; i < v.view.samples; i++) depth = min(depth, texelFetch(textures_multisampled[v.view.glass], pixel, int(i)).r);
+    return depth;
+}
+
 // Radiance times coverage, and coverage. Leaves where there is a hole, or the back of a single-sided surface. `view_depth` is that of the
 // point that is shaded.
 vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
@@ -19,6 +28,7 @@ vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
     hole = false;
 #endif
     if (material_culled(materials, in_ids.x) || hole) discard;
+    if (LIST_BEHIND_GLASS && gl_FragCoord.z >= nearest_glass(push.view)) discard;
     // Of the point that is shaded, not of gl_FragCoord: where MSAA covers a pixel in part, that may lie far off along the plane, and beside
     // the pixel.
     vec3 view_position = (push.view.view.world_to_view * vec4(s.position, 1.0)).xyz;

@@ -21,6 +21,7 @@ struct shade_input {
     VkDeviceAddress view;
     uint32_t width, height;
     uint32_t light_count; /* a pixel visits no more local lights */
+    graph_image glass;     /* of lists with GPU_LIST_BEHIND_GLASS: gpu_view.glass */
     graph_buffer counters; /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
     struct environment_light environment; /* for passes without lists; or ids 0 */
     float background[3];

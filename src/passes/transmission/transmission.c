@@ -212,20 +212,21 @@ static void add_draw(struct graph *graph, gpu_device *device, const struct shade
     graph_depth_read_only(pass, depth);
 }
 
-struct transmission transmission_add(struct graph *graph, gpu_device *device, const struct shade_input *input, uint32_t layers,
-                                     graph_image radiance, graph_image depth) {
-    graph_image depths[TRANSMISSION_LAYERS_MAX + 1];
-    uint32_t mips = 1;
-    while (MAX(input->width, input->height) >> mips && mips < TRANSMISSION_MIPS) mips++;
-    struct transmission out = {.totals = add_count(graph, input, depth)};
-    for (uint32_t i = 0; i < layers; i++) depths[i] = add_depth(graph, input, i, i ? depths[i - 1] : (graph_image){0}, depth);
-    depths[layers] = depth;
-    for (uint32_t i = layers; i-- > 0;) {
-        graph_image behind = add_behind(graph, input, i, mips, radiance, depths[i + 1]);
-        add_draw(graph, device, input, i, mips, behind, radiance, depths[i]);
-    }
-    out.nearest = depths[0];
+struct transmission transmission_find(struct graph *graph, const struct shade_input *input, uint32_t layers, graph_image depth) {
+    struct transmission out = {.layers = layers, .totals = add_count(graph, input, depth)};
+    for (uint32_t i = 0; i < layers; i++) out.depths[i] = add_depth(graph, input, i, i ? out.depths[i - 1] : (graph_image){0}, depth);
     const uint64_t pixels = (uint64_t)input->width * input->height;
     out.byte_count = pixels * (layers * 4ull * MAX(graph_image_info(graph, depth).samples, 1u) + 2 * 32 / 3 + 4);
     return out;
+}
+
+void transmission_add(struct graph *graph, gpu_device *device, const struct shade_input *input, const struct transmission *found,
+                      graph_image radiance, graph_image depth) {
+    uint32_t mips = 1;
+    while (MAX(input->width, input->height) >> mips && mips < TRANSMISSION_MIPS) mips++;
+    for (uint32_t i = found->layers; i-- > 0;) {
+        /* As far as what is opaque: through a layer behind this one that is what one sees. */
+        graph_image behind = add_behind(graph, input, i, mips, radiance, depth);
+        add_draw(graph, device, input, i, mips, behind, radiance, found->depths[i]);
+    }
 }

@@ -17,15 +17,18 @@ struct transmission_totals {
     uint32_t fragments, longest; /* that nothing opaque hides; most of them in one pixel */
 };
 struct transmission {
-    graph_image nearest; /* depth of the nearest layer, or of what is opaque where there is none */
+    graph_image depths[TRANSMISSION_LAYERS_MAX]; /* of the layers, the nearest first: or of what is opaque where there is none */
+    uint32_t layers;
     graph_buffer totals; /* struct transmission_totals */
     uint64_t byte_count; /* of depths and of the copy */
 };
+/** Finds the layers, at most `layers` of them; `depth` is that of all that is opaque. Cost: geometry once for each, and once more. */
+struct transmission transmission_find(struct graph *graph, const struct shade_input *input, uint32_t layers, graph_image depth);
 /**
- * Draws GEOMETRY_GLASS over `radiance`; `depth` is that of all that is opaque. input->lights serves any depth. Cost: geometry twice for each layer
- * and once more, a shading per fragment, 8 * 4/3 bytes per pixel for the copy and one depth per sample and layer.
+ * Draws GEOMETRY_GLASS over `radiance`, which shows all that is behind. input->lights serves any depth. Cost: geometry and a copy of the picture with its
+ * mips for each layer, a shading per fragment.
  */
-struct transmission transmission_add(struct graph *graph, gpu_device *device, const struct shade_input *input, uint32_t layers,
-                                     graph_image radiance, graph_image depth);
+void transmission_add(struct graph *graph, gpu_device *device, const struct shade_input *input, const struct transmission *found,
+                      graph_image radiance, graph_image depth);
 
 #endif

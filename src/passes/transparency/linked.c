@@ -106,6 +106,7 @@ static void add_fill(struct graph *graph, const struct shade_input *input, const
     struct graph_pass *pass = graph_add_pass(graph, "linked fill", GRAPH_QUEUE_GRAPHICS, execute_fill, &fill, sizeof fill);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_BLEND);
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    if (input->glass.id) graph_use_image(pass, input->glass, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_use_buffer(pass, lists->sums, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, lists->written, GRAPH_READ_WRITE_FRAGMENT);

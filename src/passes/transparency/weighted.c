@@ -94,6 +94,7 @@ struct weighted_sums weighted_sums_add(struct graph *graph, const struct shade_i
         graph_add_pass(graph, "weighted blend", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_BLEND);
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    if (input->glass.id) graph_use_image(pass, input->glass, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, sum, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
     graph_color(pass, density, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
