@@ -152,10 +152,11 @@ static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns, g
     struct light_list list = without_shadows(*surfaces);
     COUNTERS_COPY(f, list.totals, 0, surface_lights);
     graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);
-    if (order_has_blend(f)) { /* in front of what depth shows */
-        list = without_shadows(order_add_fallback_lists(f));
-        shadow_requests_blend_add(f->graph, &list, suns, wanted, &f->scene->geometry, &f->draws, f->view_address, depth);
-    }
+    const bool blend = order_has_blend(f), glass = shading_has_glass(f);
+    const struct geometry_scene *scene = &f->scene->geometry;
+    if (blend || glass) list = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
+    if (blend) shadow_requests_blend_add(f->graph, &list, suns, wanted, scene, &f->draws, false, f->view_address, depth);
+    if (glass) shadow_requests_blend_add(f->graph, &list, suns, wanted, scene, &f->draws, true, f->view_address, depth);
     return shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
                             &(struct shadow_pages_input){.wanted = wanted, .suns = suns, .lights = lights});
 }

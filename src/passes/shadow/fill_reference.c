@@ -52,7 +52,7 @@ void triangles_gather(struct triangles *out, const struct device_scene *d) {
                                                  : mesh->first_primitive + d->item_list.data[i].primitive - own;
         const struct scene_primitive *p = &scene->primitives.data[index];
         const struct scene_material *material = p->material == SCENE_NONE ? NULL : &scene->materials.data[p->material];
-        if (p->topology != SCENE_TOPOLOGY_TRIANGLES || (material && material->alpha_mode == FNL_ALPHA_BLEND)) continue;
+        if (p->topology != SCENE_TOPOLOGY_TRIANGLES || (material && (material->alpha_mode == FNL_ALPHA_BLEND || scene_material_transmissive(material)))) continue;
         for (uint32_t t = 0; t + 2 < p->index_count; t += 3) {
             assert_true(out->count < MOST);
             struct triangle *triangle = &out->data[out->count++];

@@ -58,6 +58,7 @@ struct blend_data {
     VkDeviceAddress view, lights;
     graph_buffer wanted;
     uint32_t kind, samples;
+    enum geometry_set set;
 };
 
 static void execute_blend(const struct graph_context *context, const void *data) {
@@ -69,21 +70,23 @@ static void execute_blend(const struct graph_context *context, const void *data)
                                         .depth_test = true,
                                         .depth_compare = VK_COMPARE_OP_GREATER,
                                         .samples = d->samples};
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_BLEND, &state, NULL,
+    geometry_draw(context, d->scene, &d->draws, d->set, &state, NULL,
                   (struct gpu_geometry_push){.view = d->view, .lights = d->lights, .counters = graph_address(context, d->wanted)});
 }
 
 void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted,
-                               const struct geometry_scene *scene, const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth) {
-    struct blend_data data = {.scene = scene,
+                               const struct geometry_scene *scene, const struct geometry_draws *draws, bool glass, VkDeviceAddress view,
+                               graph_image depth) {
+    struct blend_data data = {.set = glass ? GEOMETRY_GLASS : GEOMETRY_BLEND,
+                              .scene = scene,
                               .draws = *draws,
                               .view = view,
                               .lights = list->header,
                               .wanted = wanted,
                               .kind = list->kind,
                               .samples = MAX(graph_image_info(graph, depth).samples, 1u)};
-    struct graph_pass *pass = graph_add_pass(graph, "shadow requests blend", GRAPH_QUEUE_GRAPHICS, execute_blend, &data, sizeof data);
-    geometry_use(pass, scene, draws, GEOMETRY_BLEND);
+    struct graph_pass *pass = graph_add_pass(graph, glass ? "shadow requests glass" : "shadow requests blend", GRAPH_QUEUE_GRAPHICS, execute_blend, &data, sizeof data);
+    geometry_use(pass, scene, draws, data.set);
     light_list_use(pass, list, GRAPH_READ_FRAGMENT);
     if (suns.id) graph_use_buffer(pass, suns, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, wanted, GRAPH_READ_WRITE_FRAGMENT);

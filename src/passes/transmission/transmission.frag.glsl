@@ -44,14 +44,14 @@ vec3 seen_behind(surface s, view_block v, vec3 to_view, vec3 leaves) {
     if (alpha <= 2.0 * ALPHA_MIN) return behind_at(uv, 0.0).rgb;
     vec3 ahead = -to_viewer(v, leaves);
     // How far what is behind is: a guess by what is straight behind, then the mean over what the lobe covers.
-    float own_depth = -(v.view.world_to_view * vec4(leaves, 1.0)).z, along = max(-dot(v.view.back, ahead), 1e-3), away = 0.0, lod = 0.0;
+    float own_depth = -(v.view.world_to_view * vec4(leaves, 1.0)).z, away = 0.0, lod = 0.0; // along the view axis
     for (int i = 0; i < 2; i++) {
         float depth = 1.0 / max(behind_at(uv, lod).a, 1e-5);
-        away = max(depth - own_depth, 0.0) / along;
+        away = max(depth - own_depth, 0.0);
         lod = clamp(log2(max(2.0 * alpha * away / pixel_width(v, depth), 1e-6)), 0.0, push.last_mip);
     }
     // Half vectors of the lobe, evenly by its distribution: what is mirrored by them is turned to the other side.
-    const float COUNT = 24.0, TURN = 2.39996323;
+    const float COUNT = 16.0, TURN = 2.39996323;
     vec3 side = normalize(abs(s.normal.y) < 0.9 ? cross(s.normal, vec3(0.0, 1.0, 0.0)) : cross(s.normal, vec3(1.0, 0.0, 0.0))), up = cross(s.normal, side);
     vec3 viewer = -ahead, sum = vec3(0.0);
     float n_v = dot(s.normal, viewer), weights = 0.0;
@@ -66,11 +66,13 @@ vec3 seen_behind(surface s, view_block v, vec3 to_view, vec3 leaves) {
         if (v_h <= 0.0 || n_l <= 0.0) continue;
         l -= 2.0 * n_l * s.normal; // through
         vec2 at;
-        vec3 point = leaves + l * away;
-        float weight = v_h / dot(s.normal, h); // as much as the viewer sees of them (their slopes are chosen by what lies flat)
+        float way = away / max(-dot(v.view.back, l), 0.1);
+        vec3 point = leaves + l * way;
+        // As much as the viewer sees of them (their slopes are chosen by what lies flat), and as others leave open of their light.
+        float weight = v_h / dot(s.normal, h) * n_l / (n_l + sqrt(alpha * alpha + (1.0 - alpha * alpha) * n_l * n_l));
         if (!screen_of(v, point, at)) continue;
         float n_h = dot(s.normal, h), d = n_h * n_h * (alpha * alpha - 1.0) + 1.0, density = alpha * alpha * n_h / (PI * d * d) / (4.0 * v_h);
-        float depth = -(v.view.world_to_view * vec4(point, 1.0)).z, wide = away * inversesqrt(COUNT * density) / pixel_width(v, max(depth, 1e-6));
+        float depth = -(v.view.world_to_view * vec4(point, 1.0)).z, wide = way * inversesqrt(COUNT * density) / pixel_width(v, max(depth, 1e-6));
         sum += weight * behind_at(at, clamp(log2(max(wide, 1e-6)), 0.0, push.last_mip)).rgb;
         weights += weight;
     }
