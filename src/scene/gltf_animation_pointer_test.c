@@ -17,7 +17,8 @@ static struct test_log file_log;
 static const char head[] =
     "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_animation_pointer\",\"KHR_texture_transform\",\"KHR_lights_punctual\","
     "\"KHR_node_visibility\",\"KHR_materials_emissive_strength\",\"KHR_materials_ior\",\"KHR_materials_specular\",\"KHR_materials_clearcoat\","
-    "\"KHR_materials_sheen\",\"KHR_materials_iridescence\",\"KHR_materials_anisotropy\"],\"extensionsRequired\":[\"KHR_animation_pointer\"],"
+    "\"KHR_materials_sheen\",\"KHR_materials_iridescence\",\"KHR_materials_anisotropy\","
+    "\"KHR_materials_transmission\",\"KHR_materials_volume\",\"KHR_materials_dispersion\",\"KHR_materials_diffuse_transmission\"],\"extensionsRequired\":[\"KHR_animation_pointer\"],"
     "\"buffers\":[{\"byteLength\":216}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":216}],\"accessors\":["
     "{\"bufferView\":0,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":3,\"min\":[1],\"max\":[4]},"
     FLOATS("SCALAR", 3, 12) "," FLOATS("VEC2", 3, 12) "," FLOATS("VEC3", 3, 12) "," FLOATS("VEC4", 3, 12) ","
@@ -35,7 +36,10 @@ static const char parts[] = "\"materials\":[{},"
     "\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{" TURNED "},\"clearcoatRoughnessTexture\":{" TURNED "},\"clearcoatNormalTexture\":{" TURNED "}},"
     "\"KHR_materials_sheen\":{\"sheenColorTexture\":{" TURNED "},\"sheenRoughnessTexture\":{" TURNED "}},"
     "\"KHR_materials_iridescence\":{\"iridescenceTexture\":{" TURNED "},\"iridescenceThicknessTexture\":{" TURNED "}},"
-    "\"KHR_materials_anisotropy\":{\"anisotropyTexture\":{" TURNED "}}}},{}],"
+    "\"KHR_materials_anisotropy\":{\"anisotropyTexture\":{" TURNED "}},"
+    "\"KHR_materials_transmission\":{\"transmissionTexture\":{" TURNED "}},\"KHR_materials_volume\":{\"thicknessTexture\":{" TURNED "}},"
+    "\"KHR_materials_dispersion\":{},\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionTexture\":{" TURNED "},"
+    "\"diffuseTransmissionColorTexture\":{" TURNED "}}}},{}],"
     "\"meshes\":[{\"weights\":[0.5,0.25],\"primitives\":[{\"attributes\":{\"POSITION\":11},\"targets\":[{\"POSITION\":11},{\"POSITION\":11}]}]}],"
     "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.5}},"
     "{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,\"ymag\":1,\"znear\":0.5,\"zfar\":50}}],"
@@ -144,6 +148,13 @@ static void test_materials(void **state) {
         LOOK("extensions/KHR_materials_iridescence/iridescenceThicknessMaximum", iridescence.thickness_maximum, 200),
         LOOK("extensions/KHR_materials_anisotropy/anisotropyStrength", anisotropy.strength, 0.125f),
         LOOK("extensions/KHR_materials_anisotropy/anisotropyRotation", anisotropy.rotation, -2),
+        LOOK("extensions/KHR_materials_transmission/transmissionFactor", transmission.strength, 0.125f),
+        LOOK("extensions/KHR_materials_volume/thicknessFactor", volume.thickness, 2),
+        LOOK("extensions/KHR_materials_volume/attenuationDistance", volume.attenuation_distance, 3),
+        LOOK("extensions/KHR_materials_volume/attenuationColor", volume.attenuation_color, 0.125f),
+        LOOK("extensions/KHR_materials_dispersion/dispersion", dispersion, 2),
+        LOOK("extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor", diffuse_transmission.strength, 0.125f),
+        LOOK("extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorFactor", diffuse_transmission.color, 0.125f),
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         const struct property *c = &cases[i];
@@ -215,7 +226,10 @@ static void test_texture_transforms(void **state) {
         "extensions/KHR_materials_clearcoat/clearcoatTexture", "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
         "extensions/KHR_materials_clearcoat/clearcoatNormalTexture", "extensions/KHR_materials_sheen/sheenColorTexture",
         "extensions/KHR_materials_sheen/sheenRoughnessTexture", "extensions/KHR_materials_iridescence/iridescenceTexture",
-        "extensions/KHR_materials_iridescence/iridescenceThicknessTexture", "extensions/KHR_materials_anisotropy/anisotropyTexture"};
+        "extensions/KHR_materials_iridescence/iridescenceThicknessTexture", "extensions/KHR_materials_anisotropy/anisotropyTexture",
+        "extensions/KHR_materials_transmission/transmissionTexture", "extensions/KHR_materials_volume/thicknessTexture",
+        "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture",
+        "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture"};
     static const char *const names[] = {"offset", "scale", "rotation"};
     for (uint32_t slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++)
         for (uint32_t n = 0; n < COUNT_OF(names); n++) {

@@ -473,7 +473,8 @@ static void test_broken_metadata(void **state) {
     "\"textures\":[{\"source\":0},{\"source\":0}],"
 #define LAYERS                                                                                                              \
     "\"extensionsUsed\":[\"KHR_materials_clearcoat\",\"KHR_materials_sheen\",\"KHR_materials_iridescence\","              \
-    "\"KHR_materials_anisotropy\",\"KHR_materials_unlit\"],"
+    "\"KHR_materials_anisotropy\",\"KHR_materials_transmission\",\"KHR_materials_volume\",\"KHR_materials_dispersion\"," \
+    "\"KHR_materials_diffuse_transmission\",\"KHR_materials_unlit\"],"
 #define TEXTURE(name, number) "\"" name "Texture\":{\"index\":0,\"texCoord\":" number "}"
 
 static void test_layers_of_materials_MA_7(void **state) {
@@ -486,9 +487,15 @@ static void test_layers_of_materials_MA_7(void **state) {
         TEXTURE("sheenRoughness", "0") "},"
         "\"KHR_materials_iridescence\":{\"iridescenceFactor\":0.6,\"iridescenceIor\":1.7,\"iridescenceThicknessMinimum\":50,"
         "\"iridescenceThicknessMaximum\":900," TEXTURE("iridescence", "1") "," TEXTURE("iridescenceThickness", "0") "},"
-        "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.8,\"anisotropyRotation\":2," TEXTURE("anisotropy", "1") "}}},"
+        "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.8,\"anisotropyRotation\":2," TEXTURE("anisotropy", "1") "},"
+        "\"KHR_materials_transmission\":{\"transmissionFactor\":0.7," TEXTURE("transmission", "1") "},"
+        "\"KHR_materials_volume\":{\"thicknessFactor\":3,\"attenuationDistance\":2,\"attenuationColor\":[0.1,0.5,0.9]," TEXTURE("thickness", "0") "},"
+        "\"KHR_materials_dispersion\":{\"dispersion\":0.6},"
+        "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.35,\"diffuseTransmissionColorFactor\":[0.2,0.4,0.6],"
+        TEXTURE("diffuseTransmission", "1") "," TEXTURE("diffuseTransmissionColor", "0") "}}},"
         "{\"extensions\":{\"KHR_materials_clearcoat\":{},\"KHR_materials_sheen\":{},\"KHR_materials_iridescence\":{},"
-        "\"KHR_materials_anisotropy\":{}}},"
+        "\"KHR_materials_anisotropy\":{},\"KHR_materials_transmission\":{},\"KHR_materials_volume\":{},\"KHR_materials_dispersion\":{},"
+        "\"KHR_materials_diffuse_transmission\":{}}},"
         "{\"extensions\":{\"KHR_materials_iridescence\":{\"iridescenceFactor\":1},\"KHR_materials_unlit\":{}}}]}",
         NULL, 0);
     const struct scene_material *m = &scene->materials.data[0];
@@ -497,23 +504,33 @@ static void test_layers_of_materials_MA_7(void **state) {
     assert_true(m->iridescence.strength == 0.6f && m->iridescence.ior == 1.7f && m->iridescence.thickness_minimum == 50 &&
                 m->iridescence.thickness_maximum == 900);
     assert_true(m->anisotropy.strength == 0.8f && m->anisotropy.rotation == 2);
+    assert_true(m->transmission.strength == 0.7f && m->dispersion == 0.6f && scene_material_transmissive(m));
+    assert_true(m->volume.thickness == 3 && m->volume.attenuation_distance == 2 && m->volume.attenuation_color[1] == 0.5f);
+    assert_true(m->diffuse_transmission.strength == 0.35f && m->diffuse_transmission.color[2] == 0.6f);
     for (int slot = SCENE_TEXTURE_CORE_COUNT; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
         const struct scene_texture *t = &m->textures[slot];
         const bool second = slot == SCENE_TEXTURE_CLEARCOAT || slot == SCENE_TEXTURE_CLEARCOAT_NORMAL || slot == SCENE_TEXTURE_SHEEN_COLOR ||
-                            slot == SCENE_TEXTURE_IRIDESCENCE || slot == SCENE_TEXTURE_ANISOTROPY;
+                            slot == SCENE_TEXTURE_IRIDESCENCE || slot == SCENE_TEXTURE_ANISOTROPY || slot == SCENE_TEXTURE_TRANSMISSION ||
+                            slot == SCENE_TEXTURE_DIFFUSE_TRANSMISSION;
         if (t->image == SCENE_NONE || t->uv_set != second) fail_msg("slot %d: image %d, uv %u", slot, (int)t->image, t->uv_set);
-        assert_true(scene->images.data[t->image].color == (slot == SCENE_TEXTURE_SHEEN_COLOR));
+        assert_true(scene->images.data[t->image].color == (slot == SCENE_TEXTURE_SHEEN_COLOR || slot == SCENE_TEXTURE_DIFFUSE_TRANSMISSION_COLOR));
     }
     assert_true(scene_material_layered(m));
     m = &scene->materials.data[1];
     assert_true(!scene_material_layered(m) && m->iridescence.ior == 1.3f && m->iridescence.thickness_minimum == 100 &&
                 m->iridescence.thickness_maximum == 400 && m->clearcoat.normal_scale == 1);
+    assert_true(!scene_material_transmissive(m) && m->volume.thickness == 0 && m->volume.attenuation_distance == INFINITY &&
+                m->volume.attenuation_color[2] == 1 && m->diffuse_transmission.color[0] == 1);
     assert_false(scene_material_layered(&scene->materials.data[2])); /* unlit surfaces reflect nothing */
     fnl_scene_destroy(&scene);
     scene = load("{" ASSET "," LAYERS "\"materials\":[{\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1.5},"
-                 "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0]},\"KHR_materials_iridescence\":{\"iridescenceIor\":0.5}}}]}",
+                 "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0]},\"KHR_materials_iridescence\":{\"iridescenceIor\":0.5},"
+                 "\"KHR_materials_transmission\":{\"transmissionFactor\":-1},\"KHR_materials_volume\":{\"attenuationDistance\":0,"
+                 "\"thicknessFactor\":-2},\"KHR_materials_dispersion\":{\"dispersion\":\"x\"}}}]}",
                  NULL, 0);
-    static const char *const lines[] = {"/materials/0/extensions/KHR_materials_clearcoat/clearcoatFactor", "/KHR_materials_sheen/sheenColorFactor",
+    static const char *const lines[] = {"/KHR_materials_transmission/transmissionFactor", "/KHR_materials_volume/attenuationDistance",
+                                        "/KHR_materials_volume/thicknessFactor", "/KHR_materials_dispersion/dispersion",
+                                        "/materials/0/extensions/KHR_materials_clearcoat/clearcoatFactor", "/KHR_materials_sheen/sheenColorFactor",
                                         "/KHR_materials_iridescence/iridescenceIor"};
     expect_lines(lines, COUNT_OF(lines));
     fnl_scene_destroy(&scene);
@@ -533,8 +550,15 @@ static void test_layers_by_the_api_MA_7(void **state) {
     p.iridescence.strength = 0.4f;
     p.sheen = (fnl_sheen_params){.color = {0.5f, 0, 0}, .roughness_image = image};
     p.anisotropy = (fnl_anisotropy_params){.strength = 0.3f, .rotation = -1, .image = image};
+    p.transmission = (fnl_transmission_params){.strength = 0.6f, .image = image};
+    p.volume = (fnl_volume_params){.thickness = 2, .attenuation_color = {0.5f, 1, 1}};
+    p.dispersion = 3;
+    p.diffuse_transmission = (fnl_diffuse_transmission_params){.strength = 0.2f, .color = {0, 1, 0}, .color_image = image};
     assert_int_equal(fnl_scene_add_material(scene, &p, &id), FNL_OK);
     assert_int_equal(fnl_scene_query_material(scene, id.index, &told), FNL_OK);
+    assert_true(told.transmission.strength == 0.6f && told.transmission.image.generation && told.volume.thickness == 2 &&
+                told.volume.attenuation_distance == 0 && told.dispersion == 3 && told.diffuse_transmission.color[1] == 1 &&
+                told.diffuse_transmission.color_image.generation);
     assert_true(told.clearcoat.strength == 0.5f && told.clearcoat.normal_scale == 1 && told.clearcoat.normal_image.index == image.index &&
                 told.clearcoat.normal_image.generation && !told.clearcoat.image.generation);
     assert_true(told.iridescence.ior == 1.3f && told.iridescence.thickness_minimum == 100 && told.iridescence.thickness_maximum == 400);
@@ -558,7 +582,14 @@ static void test_layers_by_the_api_MA_7(void **state) {
                {"iridescence.thickness_minimum", offsetof(fnl_material_params, iridescence.thickness_minimum), -1},
                {"iridescence.thickness_maximum", offsetof(fnl_material_params, iridescence.thickness_maximum), INFINITY},
                {"anisotropy.strength", offsetof(fnl_material_params, anisotropy.strength), 2},
-               {"anisotropy.rotation", offsetof(fnl_material_params, anisotropy.rotation), NAN}};
+               {"anisotropy.rotation", offsetof(fnl_material_params, anisotropy.rotation), NAN},
+               {"transmission.strength", offsetof(fnl_material_params, transmission.strength), 1.1f},
+               {"volume.thickness", offsetof(fnl_material_params, volume.thickness), -1},
+               {"volume.attenuation_distance", offsetof(fnl_material_params, volume.attenuation_distance), -1},
+               {"volume.attenuation_color", offsetof(fnl_material_params, volume.attenuation_color), 2},
+               {"dispersion", offsetof(fnl_material_params, dispersion), NAN},
+               {"diffuse_transmission.strength", offsetof(fnl_material_params, diffuse_transmission.strength), 7},
+               {"diffuse_transmission.color", offsetof(fnl_material_params, diffuse_transmission.color), -1}};
     for (uint32_t i = 0; i < COUNT_OF(bad); i++) {
         p = fnl_material_params_default();
         memcpy((char *)&p + bad[i].offset, &bad[i].value, sizeof(float));
