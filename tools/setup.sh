@@ -7,7 +7,7 @@ set -euo pipefail
 packages=(
     gcc libc6-dev cmake ninja-build pkg-config glslang-tools spirv-tools             # to build
     libvulkan-dev libjansson-dev libzstd-dev libmeshoptimizer-dev                    # what it is made of
-    libspng-dev libjpeg-dev libwebp-dev libopenexr-dev libembree-dev
+    libspng-dev libjpeg-dev libwebp-dev zlib1g-dev libopenexr-dev libembree-dev
     libjs-chart.js                                                                   # the plots of 'fanal bench'
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
 )

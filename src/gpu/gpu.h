@@ -231,6 +231,13 @@ fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, c
 fnl_result gpu_upload_image_rows(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
                                  uint32_t first, uint32_t count, bool generate_mips, bool color);
 /**
+ * The same of one mip, `pixels`: mip after mip from 0 on, of compressed formats in rows of blocks. The last part of the last mip leaves the layout.
+ * gpu_mip_rows() says how many rows a mip has.
+ */
+fnl_result gpu_upload_image_mip(gpu_device *device, const struct gpu_image *image, uint32_t mip, const void *pixels, uint64_t size, uint32_t first,
+                                uint32_t count);
+uint32_t gpu_mip_rows(const struct gpu_image *image, uint32_t mip);
+/**
  * Makes a device buffer larger: its first `used` bytes are copied on the device, and the old memory goes when the frames under way are over.
  * `buffer` may have no handle; then it is created. On errors it stays what it was.
  */

@@ -339,27 +339,35 @@ static void blit_mip(gpu_device *device, VkCommandBuffer commands, const struct 
                             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_LINEAR);
 }
 
-static fnl_result upload_rows(gpu_device *device, const struct gpu_image *image, const char *pixels, uint64_t row_bytes,
-                              uint32_t first, uint32_t end, bool generate_mips) {
+/* Rows `first` .. `end` - 1 of a mip; `side`: texels of a row's height, 1 or 4. */
+struct rows {
+    const char *pixels;
+    uint64_t row_bytes;
+    uint32_t mip, first, end, count, side;
+    bool last; /* no mips are sent behind this one */
+};
+
+static fnl_result upload_rows(gpu_device *device, const struct gpu_image *image, const struct rows *part, bool generate_mips) {
     const VkImageLayout to_write = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, to_read = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-    const uint32_t mips = image->params.mips;
+    const uint32_t mips = image->params.mips, side = part->side;
+    const uint32_t width = MAX(image->params.width >> part->mip, 1u), height = MAX(image->params.height >> part->mip, 1u);
     VkCommandBuffer commands = VK_NULL_HANDLE;
-    for (uint32_t row = first; row < end;) {
+    for (uint32_t row = part->first; row < part->end;) {
         uint64_t piece, staging;
-        TRY(take_staging(device, (end - row) * row_bytes, row_bytes, &piece, &staging, &commands));
-        if (row == 0) transition(device, commands, image, 0, mips, VK_IMAGE_LAYOUT_UNDEFINED, to_write);
-        memcpy((char *)device->uploads.ring.mapped + staging, pixels + row * row_bytes, (size_t)piece);
-        uint32_t rows = (uint32_t)(piece / row_bytes);
+        TRY(take_staging(device, (part->end - row) * part->row_bytes, part->row_bytes, &piece, &staging, &commands));
+        if (row == 0 && part->mip == 0) transition(device, commands, image, 0, mips, VK_IMAGE_LAYOUT_UNDEFINED, to_write);
+        memcpy((char *)device->uploads.ring.mapped + staging, part->pixels + row * part->row_bytes, (size_t)piece);
+        uint32_t rows = (uint32_t)(piece / part->row_bytes);
         VkBufferImageCopy region = {
             .bufferOffset = staging,
-            .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-            .imageOffset = {0, (int32_t)row, 0},
-            .imageExtent = {image->params.width, rows, 1},
+            .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, part->mip, 0, 1},
+            .imageOffset = {0, (int32_t)(row * side), 0},
+            .imageExtent = {width, MIN(rows * side, height - row * side), 1},
         };
         device->vk.CmdCopyBufferToImage(commands, device->uploads.ring.handle, image->handle, to_write, 1, &region);
         row += rows;
     }
-    if (end < image->params.height) return FNL_OK;
+    if (part->end < part->count || !part->last) return FNL_OK;
     const VkImageLayout final_layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     if (generate_mips && mips > 1) {
         for (uint32_t mip = 1; mip < mips; mip++) {
@@ -374,17 +382,56 @@ static fnl_result upload_rows(gpu_device *device, const struct gpu_image *image,
     return FNL_OK;
 }
 
-fnl_result gpu_upload_image_rows(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
-                                 uint32_t first, uint32_t count, bool generate_mips, bool color) {
-    const fnl_host *host = &device->host;
+/* Of 4 x 4 texels; 0: the format is not compressed. */
+static uint32_t block_size(VkFormat format) {
+    switch (format) {
+    case VK_FORMAT_BC1_RGB_UNORM_BLOCK:
+    case VK_FORMAT_BC1_RGBA_UNORM_BLOCK:
+    case VK_FORMAT_BC4_UNORM_BLOCK:
+        return 8;
+    case VK_FORMAT_BC3_UNORM_BLOCK:
+    case VK_FORMAT_BC5_UNORM_BLOCK:
+    case VK_FORMAT_BC7_UNORM_BLOCK:
+        return 16;
+    default:
+        return 0;
+    }
+}
+
+uint32_t gpu_mip_rows(const struct gpu_image *image, uint32_t mip) {
+    const uint32_t height = MAX(image->params.height >> mip, 1u);
+    return block_size(image->params.format) ? DIVIDE_UP(height, 4u) : height;
+}
+
+static struct rows rows_of(const struct gpu_image *image, uint32_t mip, const void *pixels, uint32_t first, uint32_t count) {
+    const uint32_t width = MAX(image->params.width >> mip, 1u), block = block_size(image->params.format);
+    return (struct rows){.pixels = pixels,
+                         .row_bytes = block ? (uint64_t)DIVIDE_UP(width, 4u) * block : (uint64_t)width * texel_size(image->params.format),
+                         .mip = mip,
+                         .first = first,
+                         .end = first + count,
+                         .count = gpu_mip_rows(image, mip),
+                         .side = block ? 4 : 1,
+                         .last = true};
+}
+
+static fnl_result check_rows(const fnl_host *host, const struct gpu_image *image, const struct rows *rows, uint64_t size) {
     const struct gpu_image_params *params = &image->params;
-    uint64_t row_bytes = (uint64_t)params->width * texel_size(params->format);
     REQUIRE(host, image->handle != VK_NULL_HANDLE);
     REQUIRE(host, params->usage & VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     REQUIRE(host, params->usage & VK_IMAGE_USAGE_SAMPLED_BIT);
     REQUIRE(host, params->samples == 1);
-    REQUIRE(host, row_bytes > 0 && size == row_bytes * params->height);
-    REQUIRE(host, first < params->height && count > 0 && count <= params->height - first);
+    REQUIRE(host, rows->row_bytes > 0 && size == rows->row_bytes * rows->count);
+    REQUIRE(host, rows->first < rows->count && rows->end > rows->first && rows->end <= rows->count);
+    return FNL_OK;
+}
+
+fnl_result gpu_upload_image_rows(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
+                                 uint32_t first, uint32_t count, bool generate_mips, bool color) {
+    const fnl_host *host = &device->host;
+    const struct gpu_image_params *params = &image->params;
+    const struct rows rows = rows_of(image, 0, pixels, first, count);
+    TRY(check_rows(host, image, &rows, size));
     if (generate_mips && params->mips > 1) {
         REQUIRE(host, params->usage & VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
         REQUIRE(host, color == params->srgb_view); /* the image's own format decides how blits average */
@@ -396,7 +443,19 @@ fnl_result gpu_upload_image_rows(gpu_device *device, const struct gpu_image *ima
         }
     }
     pthread_mutex_lock(&device->uploads.mutex);
-    fnl_result result = upload_rows(device, image, pixels, row_bytes, first, first + count, generate_mips);
+    fnl_result result = upload_rows(device, image, &rows, generate_mips);
+    pthread_mutex_unlock(&device->uploads.mutex);
+    return result;
+}
+
+fnl_result gpu_upload_image_mip(gpu_device *device, const struct gpu_image *image, uint32_t mip, const void *pixels, uint64_t size, uint32_t first,
+                                uint32_t count) {
+    REQUIRE(&device->host, mip < image->params.mips);
+    struct rows rows = rows_of(image, mip, pixels, first, count);
+    rows.last = mip + 1 == image->params.mips;
+    TRY(check_rows(&device->host, image, &rows, size));
+    pthread_mutex_lock(&device->uploads.mutex);
+    fnl_result result = upload_rows(device, image, &rows, false);
     pthread_mutex_unlock(&device->uploads.mutex);
     return result;
 }

@@ -54,10 +54,19 @@ fnl_result image_hdr_decode(const struct image_source *source, fnl_image *out);
 /** RGBA32F; alpha is dropped, what RGBE cannot hold (negative, NaN, tiny, huge) goes to the nearest it can. */
 fnl_result image_hdr_write(struct file_writer *writer, const fnl_image *image);
 
+/** Supercompression of KTX2. */
+enum ktx2_scheme { KTX2_PLAIN, KTX2_BASIS_LZ, KTX2_ZSTD, KTX2_ZLIB };
+
 /** Where the parts of a texture lie in its file. All of them lie inside of it. */
 struct texture_layout {
-    struct texture texture; /* without bytes */
-    size_t offsets[TEXTURE_MIPS_MAX][6];
+    struct texture texture; /* without bytes; of ETC1S RGBA8, as which it is read */
+    size_t offsets[TEXTURE_MIPS_MAX][6]; /* of all faces the same where a mip is supercompressed */
+    uint32_t scheme;                     /* ktx2_scheme; of the rest: */
+    size_t lengths[TEXTURE_MIPS_MAX];    /* of mips in the file */
+    size_t global, global_size;          /* BasisLZ's */
+    bool alpha;                          /* ETC1S has slices of alpha */
+    bool flip_x, flip_y;                 /* rows go left, or up */
+    char swizzle[4];                     /* of r g b a 0 1; zeros are as "rgba" */
 };
 bool image_is_dds(const void *bytes, size_t size);
 fnl_result image_dds_find(const struct image_source *source, struct texture_layout *out);
@@ -69,9 +78,9 @@ void image_ktx2_write(struct file_writer *writer, const struct texture *texture)
 fnl_result texture_check(const struct image_source *source, const struct texture *texture);
 fnl_result texture_fail_cut_off(const struct image_source *source, uint32_t mip, uint32_t face);
 
-/** The greatest mip of either kind of file as a picture; the faces of a cube map stand one below the other. */
+/** The greatest mip of either kind of file as a picture, RGBA8 or RGBA32F; the faces of a cube map stand one below the other. */
 fnl_result image_texture_peek(const struct image_source *source, struct image_file_info *out);
-fnl_result image_texture_decode(const struct image_source *source, fnl_image *out);
+fnl_result image_texture_decode(const struct image_source *source, bool force_rgba8, fnl_image *out);
 
 static inline uint32_t little32(const unsigned char *bytes) {
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;

@@ -100,7 +100,7 @@ fnl_result image_exr_peek(const struct image_source *source, struct image_file_i
     struct reader reader = {.source = source, .stream = {.bytes = source->bytes, .size = source->size}};
     fnl_result result = read_header(&reader);
     exr_finish(&reader.exr);
-    if (result == FNL_OK) *out = (struct image_file_info){IMAGE_FILE_EXR, reader.width, reader.height};
+    if (result == FNL_OK) *out = (struct image_file_info){.kind = IMAGE_FILE_EXR, .width = reader.width, .height = reader.height};
     return result;
 }
 

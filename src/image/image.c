@@ -56,7 +56,8 @@ static enum image_file_kind recognise(const unsigned char *bytes, size_t size) {
     if (size >= 12 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0) return IMAGE_FILE_WEBP;
     if (size >= 4 && memcmp(bytes, "\x76\x2f\x31\x01", 4) == 0) return IMAGE_FILE_EXR;
     if (image_is_hdr(bytes, size)) return IMAGE_FILE_HDR;
-    if (image_is_dds(bytes, size) || image_is_ktx2(bytes, size)) return IMAGE_FILE_TEXTURE;
+    if (image_is_dds(bytes, size)) return IMAGE_FILE_DDS;
+    if (image_is_ktx2(bytes, size)) return IMAGE_FILE_KTX2;
     return IMAGE_FILE_UNKNOWN;
 }
 
@@ -79,7 +80,8 @@ fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, cons
         return image_hdr_peek(&source, out);
     case IMAGE_FILE_EXR:
         return image_exr_peek(&source, out);
-    case IMAGE_FILE_TEXTURE:
+    case IMAGE_FILE_DDS:
+    case IMAGE_FILE_KTX2:
         return image_texture_peek(&source, out);
     case IMAGE_FILE_UNKNOWN:
         break;
@@ -92,9 +94,9 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
     *out = (fnl_image){0};
     struct image_source source = {host, bytes, size, name};
     enum image_file_kind kind = recognise(bytes, size);
-    if (force_rgba8 && (kind == IMAGE_FILE_HDR || kind == IMAGE_FILE_EXR || kind == IMAGE_FILE_TEXTURE))
+    if (force_rgba8 && (kind == IMAGE_FILE_HDR || kind == IMAGE_FILE_EXR))
         return image_fail(&source, FNL_ERROR_UNSUPPORTED,
-                          "floating-point pictures cannot be used here, only PNG, JPEG and WebP");
+                          "floating-point pictures cannot be used here, only PNG, JPEG, WebP, DDS and KTX2");
     switch (kind) {
     case IMAGE_FILE_PNG:
         return image_png_decode(&source, force_rgba8, out);
@@ -106,8 +108,9 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
         return image_hdr_decode(&source, out);
     case IMAGE_FILE_EXR:
         return image_exr_decode(&source, out);
-    case IMAGE_FILE_TEXTURE:
-        return image_texture_decode(&source, out);
+    case IMAGE_FILE_DDS:
+    case IMAGE_FILE_KTX2:
+        return image_texture_decode(&source, force_rgba8, out);
     case IMAGE_FILE_UNKNOWN:
         break;
     }

@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "base/check.h"
 #include "fanal/image.h"
+#include "image/texture.h"
 
 enum image_file_kind {
     IMAGE_FILE_UNKNOWN,
@@ -14,12 +15,16 @@ enum image_file_kind {
     IMAGE_FILE_WEBP,
     IMAGE_FILE_HDR,
     IMAGE_FILE_EXR,
-    IMAGE_FILE_TEXTURE, /* DDS or KTX2 */
+    IMAGE_FILE_DDS,
+    IMAGE_FILE_KTX2,
 };
 
 struct image_file_info {
     enum image_file_kind kind;
     uint32_t width, height;
+    /* Of DDS and KTX2: */
+    bool cube, is_float;
+    enum texture_transfer transfer; /* what the file says */
 };
 
 /** No image side may be longer than this: a broken header cannot ask for all memory. */
@@ -36,7 +41,7 @@ fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, cons
 
 /**
  * Decodes a whole file in memory, to the formats that fnl_image_load documents, or with `force_rgba8` always to RGBA8
- * (16-bit values are rounded; HDR and EXR are then refused). Thread-safe.
+ * (16-bit values are rounded; pictures of floats and cube maps are then refused). Thread-safe.
  */
 fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool force_rgba8,
                         fnl_image *out);

@@ -31,17 +31,17 @@ struct image_queue {
     uint64_t waiting_bytes; /* of answers */
 };
 
-static uint64_t bytes_of(const fnl_image *image) { return (uint64_t)image->width * image->height * 4; }
+static uint64_t bytes_of(const struct texture *texture) { return texture->bytes ? texture_offset(texture, texture->mips, 0) : 0; }
 
 static void decode_one(void *context, uint32_t i) {
     struct image_queue *queue = context;
     const struct image_request *request = &queue->batch[i];
     struct image_answer answer = {.id = request->id, .result = FNL_ERROR_CANCELLED};
     if (!atomic_load(&queue->stop))
-        answer.result = image_decode(&queue->host, request->bytes, request->size, request->name, true, &answer.pixels);
+        answer.result = texture_decode(&queue->host, request->bytes, request->size, request->name, true, request->keep, &answer.texture);
     pthread_mutex_lock(&queue->mutex);
     queue->answers.data[queue->answers.count++] = answer;
-    queue->waiting_bytes += bytes_of(&answer.pixels);
+    queue->waiting_bytes += bytes_of(&answer.texture);
     queue->working--;
     pthread_mutex_unlock(&queue->mutex);
 }
@@ -105,7 +105,7 @@ void image_queue_destroy(struct image_queue **handle) {
     jobs_destroy(&queue->jobs);
     fnl_host host = queue->host;
     for (uint32_t i = queue->first_answer; i < queue->answers.count; i++)
-        if (queue->answers.data[i].result == FNL_OK) fnl_image_free(&host, &queue->answers.data[i].pixels);
+        if (queue->answers.data[i].result == FNL_OK) texture_free(&host, &queue->answers.data[i].texture);
     array_free(&host, &queue->asked);
     array_free(&host, &queue->answers);
     pthread_cond_destroy(&queue->changed);
@@ -130,7 +130,7 @@ bool image_queue_take(struct image_queue *queue, struct image_answer *out) {
     bool found = queue->first_answer < queue->answers.count;
     if (found) {
         *out = queue->answers.data[queue->first_answer];
-        queue->waiting_bytes -= bytes_of(&out->pixels);
+        queue->waiting_bytes -= bytes_of(&out->texture);
         if (++queue->first_answer == queue->answers.count) queue->first_answer = queue->answers.count = 0;
         pthread_cond_signal(&queue->changed);
     }

@@ -6,23 +6,24 @@
 #ifndef FNL_IMAGE_IMAGE_QUEUE_H
 #define FNL_IMAGE_IMAGE_QUEUE_H
 
-#include "fanal/image.h"
+#include "image/texture.h"
 
 struct image_queue;
 
-/** A file of a picture, to be decoded as RGBA8. Its bytes and its name must stay as they are until the queue is destroyed. */
+/** A file of a picture, to be decoded by texture_decode(), with its mips. Its bytes and its name must stay as they are until the queue is destroyed. */
 struct image_request {
     uint32_t id; /* the caller's */
     const void *bytes;
     size_t size;
     const char *name;       /* for messages */
     uint64_t pixel_bytes;   /* about what it takes when it is decoded */
+    uint32_t keep;          /* formats that may stay as they are */
 };
 
 struct image_answer {
     uint32_t id;
     fnl_result result; /* an error was logged, by the thread that met it */
-    fnl_image pixels;  /* of FNL_OK; from the host's allocator */
+    struct texture texture; /* of FNL_OK */
 };
 
 /** `threads`: at most so many decode at once, where the host has no parallel_for; at least 1. */

@@ -114,7 +114,7 @@ static uint32_t sample_count;
 
 static struct image_request request_of(uint32_t id, const struct image_sample *sample) {
     return (struct image_request){
-        id, sample->bytes, sample->size, sample->name, (uint64_t)sample->expected.width * sample->expected.height * 4};
+        id, sample->bytes, sample->size, sample->name, (uint64_t)sample->expected.width * sample->expected.height * 4, 0};
 }
 
 static const struct image_sample *find_sample(enum image_file_kind kind) {
@@ -168,9 +168,9 @@ static void test_answers_are_what_decoding_gives(void **state) {
             assert_int_equal(answer.result,
                              image_decode(&host, sample->bytes, sample->size, sample->name, true, &expected));
             if (answer.result != FNL_OK) continue;
-            assert_int_equal(answer.pixels.width, expected.width);
-            assert_memory_equal(answer.pixels.pixels, expected.pixels, (size_t)expected.width * expected.height * 4);
-            fnl_image_free(&host, &answer.pixels);
+            assert_int_equal(answer.texture.width, expected.width);
+            assert_memory_equal(answer.texture.bytes, expected.pixels, (size_t)expected.width * expected.height * 4);
+            texture_free(&host, &answer.texture);
             fnl_image_free(&host, &expected);
         }
         struct image_answer none;
@@ -200,13 +200,13 @@ static void test_taking_never_waits(void **state) {
     permit(1);
     answer = await(queue);
     assert_int_equal(answer.id, 0);
-    fnl_image_free(&host, &answer.pixels);
+    texture_free(&host, &answer.texture);
     assert_false(image_queue_take(queue, &answer));
     permit(OPEN);
     for (uint32_t i = 1; i < 3; i++) {
         answer = await(queue);
         assert_int_equal(answer.id, i);
-        fnl_image_free(&host, &answer.pixels);
+        texture_free(&host, &answer.texture);
     }
     image_queue_destroy(&queue);
     assert_int_equal(host_state.live, 0);
@@ -216,13 +216,13 @@ static void test_a_broken_file_is_told_once(void **state) {
     UNUSED(state);
     fnl_host host = make_host(true);
     struct image_queue *queue;
-    const struct image_request broken = {7, "no picture", 10, "car.glb: /images/2", 400};
+    const struct image_request broken = {7, "no picture", 10, "car.glb: /images/2", 400, 0};
     assert_int_equal(image_queue_create(&host, 1, &queue), FNL_OK);
     assert_int_equal(image_queue_ask(queue, &broken), FNL_OK);
     struct image_answer answer = await(queue);
     assert_int_equal(answer.id, 7);
     assert_int_equal(answer.result, FNL_ERROR_FORMAT);
-    assert_null(answer.pixels.pixels);
+    assert_null(answer.texture.bytes);
     assert_int_equal(host_state.lines, 1);
     assert_non_null(strstr(host_state.line, "car.glb: /images/2: "));
     image_queue_destroy(&queue);
@@ -247,14 +247,14 @@ static void test_memory_runs_out(void **state) {
     assert_int_equal(image_queue_ask(queue, &request), FNL_OK);
     struct image_answer answer = await(queue);
     assert_int_equal(answer.result, FNL_ERROR_MEMORY);
-    assert_null(answer.pixels.pixels);
+    assert_null(answer.texture.bytes);
     pthread_mutex_lock(&host_state.mutex);
     host_state.fail_size = 0;
     pthread_mutex_unlock(&host_state.mutex);
     assert_int_equal(image_queue_ask(queue, &request), FNL_OK);
     answer = await(queue);
     assert_int_equal(answer.result, FNL_OK);
-    fnl_image_free(&host, &answer.pixels);
+    texture_free(&host, &answer.texture);
     image_queue_destroy(&queue);
     assert_int_equal(host_state.live, 0);
 }
@@ -308,7 +308,7 @@ static void test_little_waits_to_be_taken(void **state) {
     for (uint32_t i = 0; i < COUNT; i++) {
         struct image_answer answer = await(queue);
         assert_int_equal(answer.result, FNL_OK);
-        fnl_image_free(&host, &answer.pixels);
+        texture_free(&host, &answer.texture);
     }
     assert_int_equal(began(), COUNT);
     assert_in_range(host_state.most_live, 32 << 20, 34 << 20);
@@ -320,7 +320,7 @@ static void test_little_waits_to_be_taken(void **state) {
     }
     for (uint32_t i = 0; i < 4; i++) {
         struct image_answer answer = await(queue);
-        fnl_image_free(&host, &answer.pixels);
+        texture_free(&host, &answer.texture);
     }
     assert_int_equal(host_state.most_at_once, 1);
     image_queue_destroy(&queue);
@@ -345,7 +345,7 @@ static void test_without_threads(void **state) {
     for (uint32_t i = 0; i < 20; i++) {
         assert_true(image_queue_take(queue, &answer));
         assert_int_equal(answer.id, i);
-        fnl_image_free(&host, &answer.pixels);
+        texture_free(&host, &answer.texture);
     }
     assert_false(image_queue_take(queue, &answer));
     image_queue_destroy(&queue);

@@ -40,7 +40,7 @@ fnl_result image_png_peek(const struct image_source *source, struct image_file_i
     struct spng_ihdr header;
     TRY(open_png(source, &png, &header));
     spng_ctx_free(png);
-    *out = (struct image_file_info){IMAGE_FILE_PNG, header.width, header.height};
+    *out = (struct image_file_info){.kind = IMAGE_FILE_PNG, .width = header.width, .height = header.height};
     return FNL_OK;
 }
 

@@ -5,7 +5,28 @@
 
 #include "base/base.h"
 
-enum texture_format { TEXTURE_BC6H, TEXTURE_BC6H_SIGNED, TEXTURE_RGBA16F, TEXTURE_RGBA32F, TEXTURE_FORMATS };
+enum texture_format {
+    TEXTURE_BC6H,
+    TEXTURE_BC6H_SIGNED,
+    TEXTURE_RGBA16F,
+    TEXTURE_RGBA32F,
+    TEXTURE_BYTES, /* from here on formats of 8 bits a channel, which are read, not written */
+    TEXTURE_R8 = TEXTURE_BYTES,
+    TEXTURE_RG8,
+    TEXTURE_RGBA8,
+    TEXTURE_BGRA8,
+    TEXTURE_BC1,       /* opaque */
+    TEXTURE_BC1_ALPHA, /* … or clear */
+    TEXTURE_BC3,
+    TEXTURE_BC4,
+    TEXTURE_BC5,
+    TEXTURE_BC7,
+    TEXTURE_UASTC,
+    TEXTURE_FORMATS
+};
+
+/** How a file says that its colours are stored. */
+enum texture_transfer { TEXTURE_TRANSFER_UNKNOWN, TEXTURE_LINEAR, TEXTURE_SRGB };
 
 enum { TEXTURE_MIPS_MAX = 16 };
 
@@ -13,11 +34,14 @@ enum { TEXTURE_MIPS_MAX = 16 };
 struct texture {
     enum texture_format format;
     uint32_t width, height, faces, mips; /* faces: 1, or 6 of a cube map */
+    enum texture_transfer transfer;
     unsigned char *bytes;
 };
 
 /** Texels of a side of a mip. */
 static inline uint32_t texture_side(uint32_t side, uint32_t mip) { return MAX(side >> mip, 1u); }
+/** Floats, of high dynamic range. */
+static inline bool texture_is_float(enum texture_format format) { return format < TEXTURE_BYTES; }
 /** How many mips there can be. */
 uint32_t texture_mips(uint32_t width, uint32_t height);
 /** Of one face of a mip. */
@@ -29,9 +53,16 @@ size_t texture_offset(const struct texture *texture, uint32_t mip, uint32_t face
 fnl_result texture_allocate(const fnl_host *host, struct texture *texture);
 void texture_free(const fnl_host *host, struct texture *texture);
 
-/** Logs what is wrong with a file, with its name. `name` stands for the file in messages. */
+/** Logs what is wrong with a file, with its name. `name` stands for the file in messages. ETC1S comes as RGBA8. */
 fnl_result texture_read(const fnl_host *host, const void *bytes, size_t size, const char *name, struct texture *out);
 fnl_result texture_load(const fnl_host *host, const char *path, struct texture *out);
+/**
+ * A picture of any kind of file as materials use it: RGBA8, with all mips down to 1 x 1 if the file has all of them and `mips` asks for them, else
+ * with one. Pictures of floats and cube maps are refused. `keep`: bit 1 << format, formats (of blocks) that may stay as they are, where the file has all
+ * mips. Logs as image_decode() does. Thread-safe.
+ */
+fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool mips, uint32_t keep, struct texture *out);
+
 /** The extension picks the format: .dds or .ktx2. BC6H alone. The file appears complete or not at all. */
 fnl_result texture_save(const fnl_host *host, const char *path, const struct texture *texture);
 

@@ -60,9 +60,9 @@ static void load_one(void *context, uint32_t i) {
     const struct scene_image *source = &load->scene->images.data[load->indices[i]];
     struct ray_image *image = &load->images[load->indices[i]];
     const fnl_host *host = &load->scene->host;
-    fnl_image pixels = {.width = source->width, .height = source->height, .pixels = source->pixels};
+    struct texture pixels = {.format = TEXTURE_RGBA8, .width = source->width, .height = source->height, .faces = 1, .mips = 1, .bytes = source->pixels};
     if (!source->pixels) {
-        load->results[i] = image_decode(host, source->encoded, source->encoded_size, source->name, true, &pixels);
+        load->results[i] = texture_decode(host, source->encoded, source->encoded_size, source->name, true, 0, &pixels);
         if (load->results[i] != FNL_OK) return;
     }
     *image = (struct ray_image){.width = pixels.width, .height = pixels.height, .color = source->color};
@@ -73,9 +73,10 @@ static void load_one(void *context, uint32_t i) {
     }
     image->pixels = host_allocate(host, image->size);
     load->results[i] = image->pixels ? FNL_OK : FNL_ERROR_MEMORY;
-    if (image->pixels) memcpy(image->pixels, pixels.pixels, 4 * (size_t)image->width * image->height);
-    if (!source->pixels) fnl_image_free(host, &pixels);
-    for (uint32_t level = 1; image->pixels && level < image->level_count; level++) make_level(image, level);
+    if (image->pixels) memcpy(image->pixels, pixels.bytes, texture_offset(&pixels, pixels.mips, 0));
+    const uint32_t own = pixels.mips; /* the file has all, or one */
+    if (!source->pixels) texture_free(host, &pixels);
+    for (uint32_t level = own; image->pixels && level < image->level_count; level++) make_level(image, level);
 }
 
 fnl_result ray_images_create(const fnl_scene *scene, struct jobs *jobs, struct ray_image **out) {

@@ -162,6 +162,7 @@ struct gltf {
     struct gltf_texture *textures;
     uint32_t *image_twin; /* of each image: its copy for the other colour use, or SCENE_NONE */
     bool *image_used;
+    uint8_t *image_transfer; /* enum texture_transfer: how its file says that colours are stored */
     ARRAY(struct gltf_primitive_joints) primitive_joints; /* by scene primitive */
     ARRAY(struct gltf_vertex_map) vertex_map;             /* scratch of gltf_load_indices */
     uint32_t vertex_map_stamp;

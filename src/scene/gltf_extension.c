@@ -31,6 +31,8 @@ static const struct known_extension known_extensions[] = {
     {"EXT_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
     {"EXT_mesh_gpu_instancing", FULL, true, {"/nodes/#"}},
     {"EXT_texture_webp", FULL, true, {"/textures/#"}},
+    {"KHR_texture_basisu", FULL, true, {"/textures/#"}},
+    {"MSFT_texture_dds", FULL, true, {"/textures/#"}},
     {"FNL_decal", FULL, true, {"/nodes/#"}},
     {"KHR_materials_anisotropy", FULL, true, {"/materials/#"}},
     {"KHR_materials_clearcoat", FULL, true, {"/materials/#"}},

@@ -17,9 +17,12 @@ static const char *kind_name(enum image_file_kind kind) {
         return "jpeg";
     case IMAGE_FILE_WEBP:
         return "webp";
+    case IMAGE_FILE_DDS:
+        return "dds";
+    case IMAGE_FILE_KTX2:
+        return "ktx2";
     case IMAGE_FILE_HDR:
     case IMAGE_FILE_EXR:
-    case IMAGE_FILE_TEXTURE:
     case IMAGE_FILE_UNKNOWN:
         break;
     }
@@ -55,7 +58,7 @@ static bool find_bytes(struct gltf *g, json_t *object, const struct at *at, cons
 /** Whether the declared type is that of the bytes, which decide. */
 static void check_mime_type(struct gltf *g, json_t *object, const struct at *at, const char *kind) {
     char expected[32], type[64];
-    snprintf(expected, sizeof expected, "image/%s", kind);
+    snprintf(expected, sizeof expected, "image/%s", strcmp(kind, "dds") == 0 ? "vnd-ms.dds" : kind);
     const char *uri = json_string_value(json_object_get(object, "uri"));
     if (uri && gltf_uri_media_type(uri, type, sizeof type) && strcmp(type, expected) != 0)
         gltf_warn(g, at, "its data URI says %s, but the bytes are %s, as which they are read", type, expected);
@@ -64,7 +67,18 @@ static void check_mime_type(struct gltf *g, json_t *object, const struct at *at,
         gltf_warn(g, at, "its mimeType is '%.100s', but the bytes are %s, as which they are read", declared, expected);
 }
 
-static void load_image(struct gltf *g, json_t *object, const struct at *at, struct scene_image *image) {
+/** Whether the file says that it has pictures of its kind, which core glTF has not. */
+static void check_extension(struct gltf *g, const struct at *at, enum image_file_kind kind) {
+    static const struct {
+        enum image_file_kind kind;
+        const char *name, *extension;
+    } kinds[] = {{IMAGE_FILE_WEBP, "WebP", "EXT_texture_webp"}, {IMAGE_FILE_KTX2, "KTX2", "KHR_texture_basisu"}, {IMAGE_FILE_DDS, "DDS", "MSFT_texture_dds"}};
+    for (uint32_t i = 0; i < COUNT_OF(kinds); i++)
+        if (kinds[i].kind == kind && !gltf_uses(g, kinds[i].extension))
+            gltf_warn(g, at, "is %s, but %s is not in extensionsUsed; it is used all the same", kinds[i].name, kinds[i].extension);
+}
+
+static void load_image(struct gltf *g, json_t *object, const struct at *at, uint32_t index, struct scene_image *image) {
     const unsigned char *data;
     uint64_t size;
     if (!find_bytes(g, object, at, &data, &size)) return;
@@ -75,12 +89,16 @@ static void load_image(struct gltf *g, json_t *object, const struct at *at, stru
     const char *kind = result == FNL_OK ? kind_name(info.kind) : NULL;
     if (result == FNL_ERROR_MEMORY) {
         gltf_fail_memory(g);
-    } else if (!kind) {
-        gltf_warn(g, at, "%s; it is shown as white", result == FNL_OK ? "is neither PNG, JPEG nor WebP" : quiet.line);
+    } else if (!kind || info.cube || info.is_float) {
+        gltf_warn(g, at, "%s; it is shown as white",
+                  result != FNL_OK ? quiet.line
+                  : !kind          ? "is neither PNG, JPEG, WebP, KTX2 nor DDS"
+                  : info.cube      ? "is a cube map, not a picture"
+                                   : "is a picture of floats, not of 8 bits a channel");
     } else {
-        if (info.kind == IMAGE_FILE_WEBP && !gltf_uses(g, "EXT_texture_webp"))
-            gltf_warn(g, at, "is WebP, but EXT_texture_webp is not in extensionsUsed; it is used all the same");
+        check_extension(g, at, info.kind);
         check_mime_type(g, object, at, kind);
+        g->image_transfer[index] = (uint8_t)info.transfer;
         if (!gltf_take_image(g, at, info.width, info.height)) return;
         image->encoded = data;
         image->encoded_size = (size_t)size;
@@ -97,6 +115,7 @@ static void load_images(struct gltf *g) {
     g->image_count = gltf_count(array);
     g->image_twin = gltf_scratch(g, g->image_count, sizeof *g->image_twin);
     g->image_used = gltf_scratch(g, g->image_count, sizeof *g->image_used);
+    g->image_transfer = gltf_scratch(g, g->image_count, sizeof *g->image_transfer);
     for (uint32_t i = 0; i < g->image_count && g->result == FNL_OK; i++) {
         struct scene_image image = {
             .name = arena_format(&g->scene->arena, "%s: /images/%u", g->name, i),
@@ -104,7 +123,7 @@ static void load_images(struct gltf *g) {
         };
         if (!image.name) gltf_fail_memory(g);
         json_t *object = gltf_element(g, array, at, i);
-        if (object) load_image(g, object, AT_INDEX(at, i), &image);
+        if (object) load_image(g, object, AT_INDEX(at, i), i, &image);
         g->image_twin[i] = SCENE_NONE;
         if (scene_add_image(g->scene, &image) == SCENE_NONE) gltf_fail_memory(g);
         gltf_step(g);
@@ -165,6 +184,7 @@ static void load_samplers(struct gltf *g) {
 /* ---- textures ---- */
 
 static void load_textures(struct gltf *g) {
+    static const char *const extensions[] = {"KHR_texture_basisu", "EXT_texture_webp", "MSFT_texture_dds"};
     json_t *array = gltf_array(g, g->root, &g->top, "textures", false);
     const struct at *at = AT_KEY(&g->top, "textures");
     g->texture_count = gltf_count(array);
@@ -175,9 +195,11 @@ static void load_textures(struct gltf *g) {
         json_t *object = gltf_element(g, array, at, i);
         if (!object) continue;
         const struct at *here = AT_INDEX(at, i);
-        struct gltf_extension_place place;
-        json_t *webp = gltf_extension(object, here, "EXT_texture_webp", &place);
-        if (webp) texture->image = gltf_index(g, webp, &place.extension, "source", false, g->image_count);
+        for (uint32_t k = 0; k < COUNT_OF(extensions) && texture->image == SCENE_NONE; k++) {
+            struct gltf_extension_place place;
+            json_t *extension = gltf_extension(object, here, extensions[k], &place);
+            if (extension) texture->image = gltf_index(g, extension, &place.extension, "source", false, g->image_count);
+        }
         uint32_t source = gltf_index(g, object, here, "source", false, g->image_count);
         if (texture->image == SCENE_NONE) texture->image = source;
         uint32_t sampler = gltf_index(g, object, here, "sampler", false, g->sampler_count);

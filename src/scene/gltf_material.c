@@ -1,10 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Materials and their texture references (glTF 2.0, 3.9, and the KHR_materials_* extensions that are shown in full). */
+#include "image/texture.h"
 #include "scene/gltf.h"
 
 /** The image for colour or for data: one that is used for both gets a twin that shares its bytes. */
 static uint32_t image_for(struct gltf *g, const struct at *at, uint32_t index, bool color) {
     struct scene_image *image = &g->scene->images.data[index];
+    const enum texture_transfer transfer = (enum texture_transfer)g->image_transfer[index];
+    if (transfer == (color ? TEXTURE_LINEAR : TEXTURE_SRGB)) { /* KHR_texture_basisu, "MUST match the expected usage" */
+        gltf_warn(g, at, "is a texture of %s, but the file of image %u says that it holds %s; it is taken as what the material needs",
+                  color ? "colours" : "numbers", index, color ? "linear values" : "colours of sRGB");
+        g->image_transfer[index] = TEXTURE_TRANSFER_UNKNOWN; /* once is enough */
+    }
     if (!g->image_used[index]) {
         g->image_used[index] = true;
         image->color = color;

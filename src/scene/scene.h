@@ -24,7 +24,7 @@ struct scene_image {
     const char *name;             /* for messages, such as "car.glb: /images/2" */
     const unsigned char *encoded; /* borrowed from a mapped file or the scene's memory; NULL when pixels are given */
     size_t encoded_size;
-    const char *file_kind;  /* "png", "jpeg", "webp", or "generated" */
+    const char *file_kind;  /* "png", "jpeg", "webp", "ktx2", "dds", or "generated" */
     uint32_t width, height; /* 0x0 for a missing or broken image, which renders as white */
     uint8_t *pixels;        /* RGBA8, owned by the scene, or NULL */
     bool color;             /* used for colour: mips are averaged in linear light */

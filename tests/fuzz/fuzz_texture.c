@@ -9,13 +9,22 @@
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     fnl_host host = fuzz_host();
     struct image_file_info info;
-    if (image_peek(&host, bytes, size, "input", &info) != FNL_OK || info.kind != IMAGE_FILE_TEXTURE ||
+    if (image_peek(&host, bytes, size, "input", &info) != FNL_OK || (info.kind != IMAGE_FILE_DDS && info.kind != IMAGE_FILE_KTX2) ||
         (uint64_t)info.width * info.height > PIXELS_MAX)
         return 0;
+    const bool packed = info.kind == IMAGE_FILE_KTX2 && bytes[44]; /* supercompressed */
     struct texture texture;
-    if (texture_read(&host, bytes, size, "input", &texture) != FNL_OK) abort(); /* what has a header that is whole can be read */
-    if (texture.width != info.width || texture.height * texture.faces != info.height) abort();
-    if (texture_offset(&texture, texture.mips, 0) > size) abort();
+    fnl_result result = texture_read(&host, bytes, size, "input", &texture);
+    if (result != FNL_OK && !packed) abort(); /* what has a header that is whole can be read */
+    if (result != FNL_OK && texture.bytes) abort();
+    if (result == FNL_OK && (texture.width != info.width || texture.height * texture.faces != info.height)) abort();
+    if (result == FNL_OK && !packed && texture_offset(&texture, texture.mips, 0) > size) abort();
     texture_free(&host, &texture);
+    result = texture_decode(&host, bytes, size, "input", true, bytes[size - 1] & 1 ? UINT32_MAX : 0, &texture);
+    if (result == FNL_OK && (info.cube || info.is_float)) abort();
+    if (result == FNL_OK && texture.mips > 1 && texture.mips != texture_mips(info.width, info.height)) abort();
+    texture_free(&host, &texture);
+    fnl_image image;
+    if (image_decode(&host, bytes, size, "input", false, &image) == FNL_OK) fnl_image_free(&host, &image);
     return 0;
 }

@@ -54,15 +54,15 @@ static fnl_result upload_picture(struct device_scene *d, struct decal_picture *p
 }
 
 /* A decal whose picture is broken shows without it. */
-fnl_result device_decals_deliver(struct device_scene *d, uint32_t image, const fnl_image *pixels) {
+fnl_result device_decals_deliver(struct device_scene *d, uint32_t image, const struct texture *texture) {
     for (uint32_t i = 0; i < d->decals.pictures.count; i++) {
         struct decal_picture *picture = &d->decals.pictures.data[i];
         if (picture->image != image || !picture->coming) continue;
         picture->coming = false;
         d->sent.decals = UINT64_MAX; /* it has an index from now on */
-        if (pixels) TRY(upload_picture(d, picture, pixels->width, pixels->height, pixels->pixels));
+        if (texture) TRY(upload_picture(d, picture, texture->width, texture->height, texture->bytes));
     }
-    if (!pixels) d->images.data[image].broken = true;
+    if (!texture) d->images.data[image].broken = true;
     return FNL_OK;
 }
 

@@ -10,20 +10,23 @@ static uint32_t mip_count(uint32_t width, uint32_t height) {
     return count;
 }
 
-static int16_t common_blue(const uint8_t *pixels, uint64_t count) {
-    for (uint64_t i = 1; i < count; i++)
-        if (pixels[4 * i + 2] != pixels[2]) return -1;
+/* Of all mips. */
+static int16_t common_blue(const struct texture *texture) {
+    const uint8_t *pixels = texture->bytes;
+    const size_t size = texture_offset(texture, texture->mips, 0);
+    for (size_t i = 4; i < size; i += 4)
+        if (pixels[i + 2] != pixels[2]) return -1;
     return pixels[2];
 }
 
-static fnl_result create_image(struct device_scene *d, uint32_t index, uint32_t width, uint32_t height, struct gpu_image *out) {
+static fnl_result create_image(struct device_scene *d, uint32_t index, const struct texture *texture, struct gpu_image *out) {
     const struct scene_image *image = &d->scene->images.data[index];
     struct gpu_image_params params = {.name = image->name ? image->name : "image",
                                       .format = VK_FORMAT_R8G8B8A8_UNORM,
-                                      .width = width,
-                                      .height = height,
+                                      .width = texture->width,
+                                      .height = texture->height,
                                       .layers = 1,
-                                      .mips = mip_count(width, height),
+                                      .mips = mip_count(texture->width, texture->height),
                                       .samples = 1,
                                       .srgb_view = image->color,
                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
@@ -31,32 +34,36 @@ static fnl_result create_image(struct device_scene *d, uint32_t index, uint32_t 
     return gpu_image_create(d->device, &params, out);
 }
 
-static fnl_result send_rows(struct device_scene *d, const struct gpu_image *gpu, const void *pixels, uint32_t first, uint32_t count) {
+/* Rows of a mip. Where the file has no smaller mips they are made. */
+static fnl_result send_rows(struct device_scene *d, const struct gpu_image *gpu, const struct texture *texture, uint32_t mip, uint32_t first, uint32_t count) {
     const struct gpu_image_params *params = &gpu->params;
-    d->bytes_uploaded += (uint64_t)params->width * count * 4;
-    return gpu_upload_image_rows(d->device, gpu, pixels, (uint64_t)params->width * params->height * 4, first, count, true,
-                                 params->srgb_view);
+    const uint64_t size = texture_face_bytes(texture, mip);
+    const unsigned char *pixels = texture->bytes + texture_offset(texture, mip, 0);
+    d->bytes_uploaded += size / gpu_mip_rows(gpu, mip) * count;
+    if (texture->mips < params->mips) return gpu_upload_image_rows(d->device, gpu, pixels, size, first, count, true, params->srgb_view);
+    return gpu_upload_image_mip(d->device, gpu, mip, pixels, size, first, count);
 }
 
 /* All its rows are sent. */
-static void put_image(struct device_scene *d, uint32_t index, const struct gpu_image *gpu, const void *pixels) {
+static void put_image(struct device_scene *d, uint32_t index, const struct gpu_image *gpu, const struct texture *texture) {
     struct device_image *own = &d->images.data[index];
     own->gpu = *gpu;
     own->version = d->scene->images.data[index].version;
-    own->blue = common_blue(pixels, (uint64_t)gpu->params.width * gpu->params.height);
+    own->blue = common_blue(texture);
     d->image_upload_count++;
 }
 
-static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t width, uint32_t height, const void *pixels) {
+static fnl_result upload_one(struct device_scene *d, uint32_t index, const struct texture *texture) {
     struct gpu_image gpu;
-    TRY(create_image(d, index, width, height, &gpu));
-    put_image(d, index, &gpu, pixels);
-    return send_rows(d, &gpu, pixels, 0, height);
+    TRY(create_image(d, index, texture, &gpu));
+    put_image(d, index, &gpu, texture);
+    for (uint32_t mip = 0; mip < texture->mips; mip++) TRY(send_rows(d, &gpu, texture, mip, 0, gpu_mip_rows(&gpu, mip)));
+    return FNL_OK;
 }
 
 /* A material goes on without a broken one. */
-static fnl_result deliver(struct device_scene *d, uint32_t index, const fnl_image *pixels) {
-    if (pixels) return upload_one(d, index, pixels->width, pixels->height, pixels->pixels);
+static fnl_result deliver(struct device_scene *d, uint32_t index, const struct texture *texture) {
+    if (texture) return upload_one(d, index, texture);
     d->images.data[index].broken = true;
     return FNL_OK;
 }
@@ -66,7 +73,7 @@ static fnl_result deliver(struct device_scene *d, uint32_t index, const fnl_imag
 struct decode {
     const struct device_scene *d;
     const uint32_t *indices;
-    fnl_image pixels[BATCH];
+    struct texture textures[BATCH];
     fnl_result results[BATCH];
 };
 
@@ -74,7 +81,7 @@ static void decode_one(void *context, uint32_t i) {
     struct decode *decode = context;
     const struct scene_image *image = &decode->d->scene->images.data[decode->indices[i]];
     decode->results[i] =
-        image_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true, &decode->pixels[i]);
+        texture_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true, 0, &decode->textures[i]);
 }
 
 fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, device_image_deliver *to) {
@@ -86,8 +93,8 @@ fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, 
         for (uint32_t i = 0; i < batch; i++) {
             bool decoded = decode.results[i] == FNL_OK;
             if (decode.results[i] == FNL_ERROR_MEMORY && result == FNL_OK) result = FNL_ERROR_MEMORY;
-            if (result == FNL_OK) result = to(d, images[first + i], decoded ? &decode.pixels[i] : NULL);
-            if (decoded) fnl_image_free(&d->host, &decode.pixels[i]);
+            if (result == FNL_OK) result = to(d, images[first + i], decoded ? &decode.textures[i] : NULL);
+            if (decoded) texture_free(&d->host, &decode.textures[i]);
         }
     }
     return result;
@@ -121,27 +128,35 @@ static void arrived(struct device_scene *d, struct device_image *own) {
 /* Sends what there is room for; false: some rows are missing. */
 static fnl_result send_arrival(struct device_scene *d, uint64_t *room, bool *out_whole) {
     struct device_arrival *a = &d->arrival;
-    const fnl_image *pixels = &a->answer.pixels;
+    const struct texture *texture = &a->answer.texture;
     const struct device_image *own = &d->images.data[a->answer.id];
     *out_whole = true;
     if (a->answer.result != FNL_OK) return FNL_OK;
-    const uint64_t row_bytes = pixels->width * 4ull;
-    uint32_t count = pixels->height; /* pictures of decals are small, and go at once */
-    if (own->used) {
-        if (!a->gpu.handle) TRY(create_image(d, a->answer.id, pixels->width, pixels->height, &a->gpu));
-        count = (uint32_t)MIN(pixels->height - a->row_count, MAX(*room / row_bytes, 1));
-        TRY(send_rows(d, &a->gpu, pixels->pixels, a->row_count, count));
-        a->row_count += count;
-        *out_whole = a->row_count == pixels->height;
+    if (!own->used) { /* pictures of decals are small, and go at once */
+        *room -= MIN(*room, texture_face_bytes(texture, 0));
+        return FNL_OK;
     }
-    *room -= MIN(*room, count * row_bytes);
+    if (!a->gpu.handle) TRY(create_image(d, a->answer.id, texture, &a->gpu));
+    while (a->mip < texture->mips && *room > 0) {
+        const uint32_t rows = gpu_mip_rows(&a->gpu, a->mip);
+        const uint64_t row_bytes = texture_face_bytes(texture, a->mip) / rows;
+        const uint32_t count = (uint32_t)MIN(rows - a->row_count, MAX(*room / row_bytes, 1));
+        TRY(send_rows(d, &a->gpu, texture, a->mip, a->row_count, count));
+        a->row_count += count;
+        *room -= MIN(*room, count * row_bytes);
+        if (a->row_count == rows) {
+            a->row_count = 0;
+            a->mip++;
+        }
+    }
+    *out_whole = a->mip == texture->mips;
     return FNL_OK;
 }
 
 static void end_arrival(struct device_scene *d) {
     struct device_arrival *a = &d->arrival;
     if (a->gpu.handle) gpu_image_destroy(d->device, &a->gpu);
-    if (a->busy && a->answer.result == FNL_OK) fnl_image_free(&d->host, &a->answer.pixels);
+    if (a->busy && a->answer.result == FNL_OK) texture_free(&d->host, &a->answer.texture);
     *a = (struct device_arrival){0};
 }
 
@@ -149,15 +164,15 @@ static fnl_result put_arrival(struct device_scene *d) {
     struct device_arrival *a = &d->arrival;
     const uint32_t index = a->answer.id;
     struct device_image *own = &d->images.data[index];
-    const fnl_image *pixels = a->answer.result == FNL_OK ? &a->answer.pixels : NULL;
+    const struct texture *texture = a->answer.result == FNL_OK ? &a->answer.texture : NULL;
     arrived(d, own);
     if (a->answer.result == FNL_ERROR_MEMORY) return FNL_ERROR_MEMORY;
-    if (!pixels) d->texture_version++; /* the textures that were expected are none */
+    if (!texture) d->texture_version++; /* the textures that were expected are none */
     if (a->gpu.handle && own->used) {
-        put_image(d, index, &a->gpu, pixels->pixels);
+        put_image(d, index, &a->gpu, texture);
         a->gpu = (struct gpu_image){0};
     }
-    return device_decals_deliver(d, index, pixels);
+    return device_decals_deliver(d, index, texture);
 }
 
 static fnl_result show_arrivals(struct device_scene *d) {
@@ -231,7 +246,11 @@ static fnl_result need_image(struct device_scene *d, uint32_t index, uint32_t *e
     struct device_image *own = &d->images.data[index];
     forget_changed(d, own, image->version);
     if (!own->used || own->gpu.handle || own->broken || image->width == 0 || image->height == 0) return FNL_OK;
-    if (image->pixels) return upload_one(d, index, image->width, image->height, image->pixels);
+    if (image->pixels) {
+        const struct texture texture = {
+            .format = TEXTURE_RGBA8, .width = image->width, .height = image->height, .faces = 1, .mips = 1, .bytes = image->pixels};
+        return upload_one(d, index, &texture);
+    }
     if (image->encoded && image->async) return device_image_ask(d, index);
     if (image->encoded) encoded[(*encoded_count)++] = index;
     return FNL_OK;

@@ -70,7 +70,7 @@ struct device_arrival {
     bool busy;
     struct image_answer answer;
     struct gpu_image gpu; /* handle 0: none is made yet, or no material uses it */
-    uint32_t row_count;   /* that it has already */
+    uint32_t mip, row_count; /* that it has already: mips, and rows of the next */
 };
 
 /** A picture of a decal: images of materials serve them not, as alpha is multiplied in before mips are made. */
@@ -395,8 +395,8 @@ fnl_result device_images_take(struct device_scene *d);
 void device_images_free(struct device_scene *d);
 /** Has a picture decoded in the background, unless it is already. */
 fnl_result device_image_ask(struct device_scene *d, uint32_t image);
-/** Decodes pictures on all threads. `deliver` is called for each, on this one; its pixels are NULL where it is broken, which is logged. */
-typedef fnl_result device_image_deliver(struct device_scene *d, uint32_t image, const fnl_image *pixels);
+/** Decodes pictures on all threads. `deliver` is called for each, on this one; its texture is NULL where it is broken, which is logged. */
+typedef fnl_result device_image_deliver(struct device_scene *d, uint32_t image, const struct texture *texture);
 fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, device_image_deliver *deliver);
 /** Of a scene's image that is encoded, for the pictures of decals that wait for it (decals.c). */
 device_image_deliver device_decals_deliver;
