@@ -132,7 +132,7 @@ static fnl_result send_arrival(struct device_scene *d, uint64_t *room, bool *out
     const struct device_image *own = &d->images.data[a->answer.id];
     *out_whole = true;
     if (a->answer.result != FNL_OK) return FNL_OK;
-    if (!own->used) { /* pictures of decals are small, and go at once */
+    if (!own->used || own->gpu.handle) { /* pictures of decals are small, and go at once */
         *room -= MIN(*room, texture_face_bytes(texture, 0));
         return FNL_OK;
     }
@@ -178,6 +178,7 @@ static fnl_result put_arrival(struct device_scene *d) {
 static fnl_result show_arrivals(struct device_scene *d) {
     bool regroup;
     d->image_arrivals++;
+    TRY(gpu_upload_submit(d->device)); /* this frame may have sent materials before: only submissions are ordered */
     TRY(device_materials_upload(d, &regroup));
     if (!regroup) return FNL_OK;
     TRY(device_items_upload(d));
