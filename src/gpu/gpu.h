@@ -141,7 +141,7 @@ struct gpu_image_params {
     VkFormat format;
     uint32_t width, height, layers, mips, samples; /* each at least 1 */
     bool cube;                                     /* layers = 6: also seen as a cube map */
-    bool srgb_view;                                /* 8-bit UNORM: also seen as sRGB (image.srgb_index) */
+    bool srgb_view;                                /* 8-bit UNORM, BC1, BC3, BC7: also seen as sRGB (image.srgb_index) */
     /* SAMPLED and STORAGE get bindless indices. STORAGE of a compressed format: shaders store whole blocks to its parts (gpu_image_part), where
        gpu_block_stores_supported() */
     VkImageUsageFlags usage;

@@ -88,6 +88,14 @@ static VkFormat srgb_format(VkFormat format) {
         return VK_FORMAT_R8G8B8A8_SRGB;
     case VK_FORMAT_B8G8R8A8_UNORM:
         return VK_FORMAT_B8G8R8A8_SRGB;
+    case VK_FORMAT_BC1_RGB_UNORM_BLOCK:
+        return VK_FORMAT_BC1_RGB_SRGB_BLOCK;
+    case VK_FORMAT_BC1_RGBA_UNORM_BLOCK:
+        return VK_FORMAT_BC1_RGBA_SRGB_BLOCK;
+    case VK_FORMAT_BC3_UNORM_BLOCK:
+        return VK_FORMAT_BC3_SRGB_BLOCK;
+    case VK_FORMAT_BC7_UNORM_BLOCK:
+        return VK_FORMAT_BC7_SRGB_BLOCK;
     default:
         return VK_FORMAT_UNDEFINED;
     }

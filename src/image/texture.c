@@ -350,6 +350,44 @@ fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, 
     return result;
 }
 
+fnl_result texture_unpack(const fnl_host *host, const struct texture *texture, struct texture *out) {
+    *out = *texture;
+    out->format = TEXTURE_RGBA8;
+    out->mips = 1;
+    TRY(texture_allocate(host, out));
+    decode_bytes(texture->format, texture->bytes, texture->width, texture->height, out->bytes);
+    return FNL_OK;
+}
+
+static bool has_blue(const uint8_t *texels, uint32_t count, uint8_t blue) {
+    for (uint32_t i = 0; i < count; i++)
+        if (texels[4 * i + 2] != blue) return false;
+    return true;
+}
+
+int16_t texture_common_blue(const struct texture *texture) {
+    const uint32_t size = block_bytes(texture->format);
+    uint8_t texels[16][4], blue = 0;
+    if (!size) {
+        blue = texture->bytes[2];
+        for (size_t i = 0; i < texture_offset(texture, texture->mips, 0); i += 4)
+            if (texture->bytes[i + 2] != blue) return -1;
+        return blue;
+    }
+    for (uint32_t mip = 0; mip < texture->mips; mip++) {
+        const unsigned char *block = texture->bytes + texture_offset(texture, mip, 0);
+        const uint32_t width = texture_side(texture->width, mip), height = texture_side(texture->height, mip);
+        for (uint32_t y = 0; y < height; y += 4)
+            for (uint32_t x = 0; x < width; x += 4, block += size) {
+                if (!block_decode(texture->format, block, texels)) return -1;
+                if (x + y + mip == 0) blue = texels[0][2];
+                for (uint32_t row = 0; row < MIN(height - y, 4u); row++)
+                    if (!has_blue(texels[4 * row], MIN(width - x, 4u), blue)) return -1;
+            }
+    }
+    return blue;
+}
+
 /* ---- writing ---- */
 
 fnl_result texture_save(const fnl_host *host, const char *path, const struct texture *texture) {

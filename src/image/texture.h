@@ -63,6 +63,11 @@ fnl_result texture_load(const fnl_host *host, const char *path, struct texture *
  */
 fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool mips, uint32_t keep, struct texture *out);
 
+/** The greatest mip of a texture of 8 bits a channel as RGBA8. */
+fnl_result texture_unpack(const fnl_host *host, const struct texture *texture, struct texture *out);
+/** The blue of all texels of all its mips, or -1 where it varies. */
+int16_t texture_common_blue(const struct texture *texture);
+
 /** The extension picks the format: .dds or .ktx2. BC6H alone. The file appears complete or not at all. */
 fnl_result texture_save(const fnl_host *host, const char *path, const struct texture *texture);
 

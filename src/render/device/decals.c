@@ -60,7 +60,12 @@ fnl_result device_decals_deliver(struct device_scene *d, uint32_t image, const s
         if (picture->image != image || !picture->coming) continue;
         picture->coming = false;
         d->sent.decals = UINT64_MAX; /* it has an index from now on */
-        if (texture) TRY(upload_picture(d, picture, texture->width, texture->height, texture->bytes));
+        if (!texture) continue;
+        struct texture plain = *texture;
+        if (texture->format != TEXTURE_RGBA8) TRY(texture_unpack(&d->host, texture, &plain));
+        fnl_result result = upload_picture(d, picture, plain.width, plain.height, plain.bytes);
+        if (texture->format != TEXTURE_RGBA8) texture_free(&d->host, &plain);
+        TRY(result);
     }
     if (!texture) d->images.data[image].broken = true;
     return FNL_OK;
@@ -397,7 +402,7 @@ static fnl_result decode_pictures(struct device_scene *d) {
         else if (!array_push(&d->host, &images, pictures[i].image))
             result = FNL_ERROR_MEMORY;
     }
-    if (result == FNL_OK) result = device_images_decode(d, images.data, images.count, device_decals_deliver);
+    if (result == FNL_OK) result = device_images_decode(d, images.data, images.count, false, device_decals_deliver);
     array_free(&d->host, &images);
     return result;
 }

@@ -10,27 +10,45 @@ static uint32_t mip_count(uint32_t width, uint32_t height) {
     return count;
 }
 
-/* Of all mips. */
-static int16_t common_blue(const struct texture *texture) {
-    const uint8_t *pixels = texture->bytes;
-    const size_t size = texture_offset(texture, texture->mips, 0);
-    for (size_t i = 4; i < size; i += 4)
-        if (pixels[i + 2] != pixels[2]) return -1;
-    return pixels[2];
+/* Formats of files that the device may sample as they are. Those of one or two channels have none for colours. */
+static const struct {
+    enum texture_format format;
+    VkFormat vulkan;
+    bool data_only;
+} block_formats[] = {
+    {TEXTURE_BC1, VK_FORMAT_BC1_RGB_UNORM_BLOCK, false}, {TEXTURE_BC1_ALPHA, VK_FORMAT_BC1_RGBA_UNORM_BLOCK, false},
+    {TEXTURE_BC3, VK_FORMAT_BC3_UNORM_BLOCK, false},     {TEXTURE_BC4, VK_FORMAT_BC4_UNORM_BLOCK, true},
+    {TEXTURE_BC5, VK_FORMAT_BC5_UNORM_BLOCK, true},      {TEXTURE_BC7, VK_FORMAT_BC7_UNORM_BLOCK, false},
+};
+
+static VkFormat vulkan_format(enum texture_format format) {
+    for (uint32_t i = 0; i < COUNT_OF(block_formats); i++)
+        if (block_formats[i].format == format) return block_formats[i].vulkan;
+    return VK_FORMAT_R8G8B8A8_UNORM;
+}
+
+/* Bits of enum texture_format. */
+static uint32_t kept_formats(const struct device_scene *d, const struct scene_image *image) {
+    uint32_t bits = 0;
+    for (uint32_t i = 0; gpu_info(d->device)->texture_compression && i < COUNT_OF(block_formats); i++)
+        if (!(image->color && block_formats[i].data_only) &&
+            gpu_format_supports(d->device, block_formats[i].vulkan, VK_FORMAT_FEATURE_2_SAMPLED_IMAGE_FILTER_LINEAR_BIT | VK_FORMAT_FEATURE_2_TRANSFER_DST_BIT))
+            bits |= 1u << block_formats[i].format;
+    return bits;
 }
 
 static fnl_result create_image(struct device_scene *d, uint32_t index, const struct texture *texture, struct gpu_image *out) {
     const struct scene_image *image = &d->scene->images.data[index];
     struct gpu_image_params params = {.name = image->name ? image->name : "image",
-                                      .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                      .format = vulkan_format(texture->format),
                                       .width = texture->width,
                                       .height = texture->height,
                                       .layers = 1,
                                       .mips = mip_count(texture->width, texture->height),
                                       .samples = 1,
                                       .srgb_view = image->color,
-                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                               VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    if (texture->format == TEXTURE_RGBA8) params.usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT; /* mips are made by blits */
     return gpu_image_create(d->device, &params, out);
 }
 
@@ -49,7 +67,7 @@ static void put_image(struct device_scene *d, uint32_t index, const struct gpu_i
     struct device_image *own = &d->images.data[index];
     own->gpu = *gpu;
     own->version = d->scene->images.data[index].version;
-    own->blue = common_blue(texture);
+    own->blue = texture_common_blue(texture);
     d->image_upload_count++;
 }
 
@@ -73,6 +91,7 @@ static fnl_result deliver(struct device_scene *d, uint32_t index, const struct t
 struct decode {
     const struct device_scene *d;
     const uint32_t *indices;
+    bool blocks;
     struct texture textures[BATCH];
     fnl_result results[BATCH];
 };
@@ -81,13 +100,14 @@ static void decode_one(void *context, uint32_t i) {
     struct decode *decode = context;
     const struct scene_image *image = &decode->d->scene->images.data[decode->indices[i]];
     decode->results[i] =
-        texture_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true, 0, &decode->textures[i]);
+        texture_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true,
+                       decode->blocks ? kept_formats(decode->d, image) : 0, &decode->textures[i]);
 }
 
-fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, device_image_deliver *to) {
+fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, bool blocks, device_image_deliver *to) {
     fnl_result result = FNL_OK;
     for (uint32_t first = 0; first < count && result == FNL_OK; first += BATCH) {
-        struct decode decode = {.d = d, .indices = images + first};
+        struct decode decode = {.d = d, .indices = images + first, .blocks = blocks};
         uint32_t batch = MIN(count - first, (uint32_t)BATCH);
         jobs_parallel_for(gpu_jobs(d->device), batch, decode_one, &decode);
         for (uint32_t i = 0; i < batch; i++) {
@@ -112,7 +132,8 @@ fnl_result device_image_ask(struct device_scene *d, uint32_t index) {
                                           .bytes = image->encoded,
                                           .size = image->encoded_size,
                                           .name = image->name,
-                                          .pixel_bytes = (uint64_t)image->width * image->height * 4};
+                                          .pixel_bytes = (uint64_t)image->width * image->height * 4,
+                                          .keep = own->used && !own->gpu.handle ? kept_formats(d, image) : 0};
     TRY(image_queue_ask(d->image_queue, &request));
     own->version = image->version;
     own->coming = true;
@@ -268,7 +289,7 @@ fnl_result device_images_upload(struct device_scene *d) {
     if (!encoded) return FNL_ERROR_MEMORY;
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < count && result == FNL_OK; i++) result = need_image(d, i, encoded, &encoded_count);
-    if (result == FNL_OK) result = device_images_decode(d, encoded, encoded_count, deliver);
+    if (result == FNL_OK) result = device_images_decode(d, encoded, encoded_count, true, deliver);
     host_free(&d->host, encoded, MAX(count, 1u) * sizeof *encoded);
     return result;
 }

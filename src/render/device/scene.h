@@ -395,9 +395,12 @@ fnl_result device_images_take(struct device_scene *d);
 void device_images_free(struct device_scene *d);
 /** Has a picture decoded in the background, unless it is already. */
 fnl_result device_image_ask(struct device_scene *d, uint32_t image);
-/** Decodes pictures on all threads. `deliver` is called for each, on this one; its texture is NULL where it is broken, which is logged. */
+/**
+ * Decodes pictures on all threads, to RGBA8, or with `blocks` also to blocks that the device samples. `deliver` is called for each, on this one; its
+ * texture is NULL where it is broken, which is logged.
+ */
 typedef fnl_result device_image_deliver(struct device_scene *d, uint32_t image, const struct texture *texture);
-fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, device_image_deliver *deliver);
+fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, bool blocks, device_image_deliver *deliver);
 /** Of a scene's image that is encoded, for the pictures of decals that wait for it (decals.c). */
 device_image_deliver device_decals_deliver;
 
