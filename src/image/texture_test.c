@@ -34,21 +34,30 @@ static uint32_t random_next(void) {
 
 /* ---- Basis Universal ---- */
 
-static void source_pixel(int x, int y, int width, int height, bool alpha, int out[4]) {
+enum source { OPAQUE, ALPHA, RUNS };
+
+/* RUNS: a flat half, and blocks that repeat down the diagonal: for runs of selectors and endpoints of the block above to the left. */
+static void source_pixel(int x, int y, int width, int height, enum source source, int out[4]) {
+    if (source == RUNS) {
+        const int column = x / 4, row = y / 4;
+        out[0] = out[1] = out[2] = row < 8 ? 90 : 40 + 36 * ((column - row + 16) % 6) + ((x ^ y) & 1 ? 12 : -12);
+        out[3] = 255;
+        return;
+    }
     const int dx = 2 * x - width, dy = 2 * y - height;
     const bool disc = dx * dx + dy * dy < height * height / 4;
     out[0] = disc ? 220 : 255 * x / width;
     out[1] = disc ? 60 + 100 * y / height : 255 * y / height;
     out[2] = disc ? 40 : 160;
-    out[3] = !alpha || disc ? 255 : (255 * width - 120 * x) / width;
+    out[3] = source == OPAQUE || disc ? 255 : (255 * width - 120 * x) / width;
 }
 
-static double psnr(const struct texture *t, bool alpha) {
+static double psnr(const struct texture *t, enum source source) {
     double sum = 0;
     for (int y = 0; y < (int)t->height; y++)
         for (int x = 0; x < (int)t->width; x++) {
             int pixel[4];
-            source_pixel(x, y, (int)t->width, (int)t->height, alpha, pixel);
+            source_pixel(x, y, (int)t->width, (int)t->height, source, pixel);
             for (int c = 0; c < 4; c++) {
                 const int d = pixel[c] - t->bytes[4 * (y * (int)t->width + x) + c];
                 sum += d * d;
@@ -62,13 +71,15 @@ static uint64_t hash_of(const struct texture *t) { return hash_bytes(t->bytes, t
 static const struct {
     const char *path;
     uint32_t width, height, mips;
-    bool alpha;
+    enum source source;
+    enum texture_transfer transfer;
     double least; /* dB */
     uint64_t hash;
 } samples[] = {
-    {"tests/textures/etc1s.ktx2", 48, 32, 6, false, 26, 0xb6bab7f360457c13},
-    {"tests/textures/etc1s_alpha.ktx2", 46, 30, 6, true, 26, 0xafaf422c888fa6fd},
-    {"tests/textures/uastc_zstd.ktx2", 48, 32, 6, true, 44, 0x397562e6ad9ee9e1},
+    {"tests/textures/etc1s.ktx2", 48, 32, 6, OPAQUE, TEXTURE_SRGB, 26, 0xb6bab7f360457c13},
+    {"tests/textures/etc1s_alpha.ktx2", 46, 30, 6, ALPHA, TEXTURE_SRGB, 26, 0xafaf422c888fa6fd},
+    {"tests/textures/uastc_zstd.ktx2", 48, 32, 6, ALPHA, TEXTURE_SRGB, 44, 0x397562e6ad9ee9e1},
+    {"tests/textures/etc1s_runs.ktx2", 128, 64, 1, RUNS, TEXTURE_LINEAR, 40, 0xefc265eac5fc27b2},
 };
 
 static void test_files_of_basis_universal_MA_8(void **state) {
@@ -81,8 +92,8 @@ static void test_files_of_basis_universal_MA_8(void **state) {
         assert_int_equal(file_load(&host, samples[i].path, &view), FNL_OK);
         assert_int_equal(texture_decode(&host, view.data, view.size, samples[i].path, true, 0, &t), FNL_OK);
         assert_true(t.format == TEXTURE_RGBA8 && t.width == samples[i].width && t.height == samples[i].height && t.mips == samples[i].mips);
-        assert_int_equal(t.transfer, TEXTURE_SRGB);
-        assert_true(psnr(&t, samples[i].alpha) > samples[i].least);
+        assert_int_equal(t.transfer, samples[i].transfer);
+        assert_true(psnr(&t, samples[i].source) > samples[i].least);
         assert_true(hash_of(&t) == samples[i].hash);
         /* As a picture it is the greatest mip. */
         assert_int_equal(fnl_image_load(&host, samples[i].path, &image), FNL_OK);
@@ -397,6 +408,29 @@ static void test_memory_of_small_files_MA_8(void **state) {
     }
 }
 
+/* Slices that end too early, as their description says. */
+static void test_short_slices_MA_8(void **state) {
+    UNUSED(state);
+    for (uint32_t i = 0; i < COUNT_OF(samples); i++) {
+        fnl_host host = counting_host();
+        struct file_view view;
+        struct texture out;
+        assert_int_equal(file_load(&host, samples[i].path, &view), FNL_OK);
+        unsigned char *file = malloc(view.size);
+        assert_non_null(file);
+        memcpy(file, view.data, view.size);
+        const uint32_t length_at = (file[64] | (uint32_t)file[65] << 8) + 20 + 8; /* of the first image's colours */
+        const uint32_t length = file[length_at] | (uint32_t)file[length_at + 1] << 8;
+        for (uint32_t less = 2; file[44] == 1 && less < length; less += 3) {
+            test_put32(file + length_at, length - less);
+            assert_int_equal(texture_decode(&host, file, view.size, "short.ktx2", true, 0, &out), FNL_ERROR_FORMAT);
+            assert_non_null(strstr(memory.last_error, "short.ktx2: broken BasisLZ: the colour of image 0 cannot be decoded"));
+        }
+        free(file);
+        file_free(&host, &view);
+    }
+}
+
 /* Cut off anywhere, with any byte changed, or without memory: an error with a name or a texture, and nothing is kept. */
 static void test_broken_files_MA_8(void **state) {
     UNUSED(state);
@@ -455,6 +489,7 @@ int main(void) {
         cmocka_unit_test(test_DDS_MA_8),
         cmocka_unit_test(test_what_is_refused_MA_8),
         cmocka_unit_test(test_memory_of_small_files_MA_8),
+        cmocka_unit_test(test_short_slices_MA_8),
         cmocka_unit_test(test_broken_files_MA_8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,6 +6,7 @@
 #include "fanal/options.h"
 #include "tests/gltf_test_file.h"
 #include "tests/render_harness.h"
+#include "tests/texture_file.h"
 
 #include <dlfcn.h>
 #include <pthread.h>
@@ -481,6 +482,38 @@ static void test_a_frame_takes_up_little(void **state) {
     free(large.data);
 }
 
+/* Blocks that come for a material and decals at once: the material keeps them, the decals have them decoded, as where frames waited for them. */
+static void test_blocks_come_for_decals_too_MA_8(void **state) {
+    UNUSED(state);
+    struct test_ktx2 in = {.format = 138, .width = SIDE, .height = SIDE, .mips = 5, .sizes = {256, 64, 16, 16, 16}}; /* BC3 */
+    unsigned char blocks[368];
+    struct random_state random = {9};
+    for (size_t i = 0; i < sizeof blocks; i++) blocks[i] = (unsigned char)(random_bits(&random) >> 40);
+    in.bytes = blocks;
+    size_t size;
+    unsigned char *file = test_ktx2_make(&in, &size);
+    shut();
+    fnl_scene *scenes[] = {load(&whole, true), load(&whole, false)};
+    for (int i = 0; i < 2; i++) {
+        scenes[i]->images.data[1].encoded = file;
+        scenes[i]->images.data[1].encoded_size = size;
+        add_decals(scenes[i], true);
+    }
+    struct stage stage = open_stage(scenes[0]);
+    assert_int_equal(pending(&stage), IMAGES);
+    permit(OPEN);
+    await_jobs(IMAGES, true);
+    assert_int_equal(jobs_done(), IMAGES); /* decoded once */
+    assert_int_equal(pending(&stage), 0);
+    if (gpu_info(harness_device())->texture_compression)
+        assert_int_equal(stage.renderer->device_scene->images.data[1].gpu.params.format, VK_FORMAT_BC3_UNORM_BLOCK);
+    fnl_image last = picture_of(scenes[1], &stage.frame);
+    expect_equal(&stage, &last, "blocks");
+    free_image(&last);
+    stage_close(&stage);
+    free(file);
+}
+
 /* What a test sees of a broken image. */
 struct broken_case {
     fnl_shading shading;
@@ -766,6 +799,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_frames_go_on_without_images, check),
         cmocka_unit_test_teardown(test_a_frame_takes_up_little, check),
+        cmocka_unit_test_teardown(test_blocks_come_for_decals_too_MA_8, check),
         cmocka_unit_test_teardown(test_a_broken_image, check),
         cmocka_unit_test_teardown(test_memory_runs_out, check),
         cmocka_unit_test_teardown(test_destroyed_while_images_come, check),
