@@ -38,7 +38,8 @@ static inline size_t fnl_pixel_size(fnl_pixel_format format) {
 /**
  * Reads a PNG (8 or 16 bits), JPEG, WebP, Radiance HDR or OpenEXR file, recognised by its contents. PNG of more than 8
  * bits gives RGBA16; HDR and EXR give RGBA32F (of an EXR the channels R, G, B, A; a lone Y is spread; missing alpha is 1).
- * DDS and KTX2 files of BC6H or RGBA floats give the greatest mip as RGBA32F; the six faces of a cube map stand one below the other.
+ * DDS and KTX2 files give the greatest mip, those of BC6H or RGBA floats as RGBA32F, of 8 bits a channel (BC1, BC3, BC4, BC5, BC7, ETC1S, UASTC, R8, RG8,
+ * RGBA8, BGRA8) as RGBA8; the six faces of a cube map stand one below the other.
  * The pixels come from the host's allocator; free them with fnl_image_free.
  */
 FNL_API fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out);

@@ -75,7 +75,7 @@ typedef struct fnl_load_params {
      * Frames do not wait for the images of this file. No image is decoded while a file is loaded, in any case: a renderer decodes those that
      * it needs, before its first frame, on all threads. With `async` it does so in the background, from its first frame (or
      * fnl_renderer_warm) on. Until an image is there, materials show their factors alone, without emission if it is that of an emissive texture, and a
-     * decal that uses it does not show. Each frame takes up at most 8 MiB of what was decoded, as RGBA8: a larger image comes over several frames.
+     * decal that uses it does not show. Each frame takes up at most 8 MiB of what was decoded, as RGBA8 or blocks: a larger image comes over several frames.
      * The counter "images.pending" (fnl_frame_stats) says how many were still missing; once it is 0, frames are equal to the bit to those of a file
      * that was loaded without `async`. Temporal antialiasing starts anew whenever images arrive, and `auto` measures nothing before all
      * have. A broken image is logged when it is decoded, by the thread that does; if memory runs out, the frame that would have taken the

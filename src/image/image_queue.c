@@ -38,7 +38,7 @@ static void decode_one(void *context, uint32_t i) {
     const struct image_request *request = &queue->batch[i];
     struct image_answer answer = {.id = request->id, .result = FNL_ERROR_CANCELLED};
     if (!atomic_load(&queue->stop))
-        answer.result = texture_decode(&queue->host, request->bytes, request->size, request->name, true, request->keep, &answer.texture);
+        answer.result = texture_decode(&queue->host, request->bytes, request->size, request->name, &request->use, &answer.texture);
     pthread_mutex_lock(&queue->mutex);
     queue->answers.data[queue->answers.count++] = answer;
     queue->waiting_bytes += bytes_of(&answer.texture);

@@ -17,7 +17,7 @@ struct image_request {
     size_t size;
     const char *name;       /* for messages */
     uint64_t pixel_bytes;   /* about what it takes when it is decoded */
-    uint32_t keep;          /* formats that may stay as they are */
+    struct texture_use use;
 };
 
 struct image_answer {

@@ -114,7 +114,7 @@ static uint32_t sample_count;
 
 static struct image_request request_of(uint32_t id, const struct image_sample *sample) {
     return (struct image_request){
-        id, sample->bytes, sample->size, sample->name, (uint64_t)sample->expected.width * sample->expected.height * 4, 0};
+        id, sample->bytes, sample->size, sample->name, (uint64_t)sample->expected.width * sample->expected.height * 4, {.mips = true}};
 }
 
 static const struct image_sample *find_sample(enum image_file_kind kind) {
@@ -216,7 +216,7 @@ static void test_a_broken_file_is_told_once(void **state) {
     UNUSED(state);
     fnl_host host = make_host(true);
     struct image_queue *queue;
-    const struct image_request broken = {7, "no picture", 10, "car.glb: /images/2", 400, 0};
+    const struct image_request broken = {7, "no picture", 10, "car.glb: /images/2", 400, {.mips = true}};
     assert_int_equal(image_queue_create(&host, 1, &queue), FNL_OK);
     assert_int_equal(image_queue_ask(queue, &broken), FNL_OK);
     struct image_answer answer = await(queue);

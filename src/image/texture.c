@@ -308,11 +308,22 @@ fnl_result image_texture_decode(const struct image_source *source, bool force_rg
     return result;
 }
 
-static fnl_result decode_mips(struct reader *r, struct texture *out) {
+static bool has_two_channels(enum texture_format format) { return format == TEXTURE_RG8 || format == TEXTURE_BC5; }
+
+/* z of normals of unit length, all of which point out of the surface. */
+static void find_z(uint8_t *rgba, size_t count) {
+    for (size_t i = 0; i < count; i++, rgba += 4) {
+        const float x = (float)rgba[0] / 127.5f - 1, y = (float)rgba[1] / 127.5f - 1;
+        rgba[2] = (uint8_t)(127.5f + 127.5f * sqrtf(fmaxf(1 - x * x - y * y, 0)) + 0.5f);
+    }
+}
+
+static fnl_result decode_mips(struct reader *r, bool normals, struct texture *out) {
     struct texture texture = *out;
     if (texture_allocate(r->source.host, &texture) != FNL_OK) return image_fail(&r->source, FNL_ERROR_MEMORY, "out of memory");
     fnl_result result = FNL_OK;
     for (uint32_t mip = 0; mip < texture.mips && result == FNL_OK; mip++) result = decode_rgba8(r, mip, 0, texture.bytes + texture_offset(&texture, mip, 0));
+    if (normals) find_z(texture.bytes, texture_offset(&texture, texture.mips, 0) / 4);
     if (result == FNL_OK)
         *out = texture;
     else
@@ -320,21 +331,22 @@ static fnl_result decode_mips(struct reader *r, struct texture *out) {
     return result;
 }
 
-static fnl_result decode_reader(struct reader *r, bool mips, uint32_t keep, struct texture *out) {
+static fnl_result decode_reader(struct reader *r, const struct texture_use *use, struct texture *out) {
     const struct texture_layout *layout = &r->layout;
     const bool whole = layout->texture.mips == texture_mips(layout->texture.width, layout->texture.height);
     const bool plain = !layout->flip_x && !layout->flip_y && (!layout->swizzle[0] || memcmp(layout->swizzle, "rgba", 4) == 0);
     TRY(check_use(&r->source, &layout->texture));
-    if (mips && whole && plain && keep >> layout->texture.format & 1) return read_whole(r, out);
+    const bool normals = use->normals && has_two_channels(layout->texture.format);
+    if (use->mips && whole && plain && !normals && use->keep >> layout->texture.format & 1) return read_whole(r, out);
     struct texture texture = layout->texture;
     texture.format = TEXTURE_RGBA8;
-    if (!mips || !whole) texture.mips = 1;
-    TRY(decode_mips(r, &texture));
+    if (!use->mips || !whole) texture.mips = 1;
+    TRY(decode_mips(r, normals, &texture));
     *out = texture;
     return FNL_OK;
 }
 
-fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool mips, uint32_t keep, struct texture *out) {
+fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, const struct texture_use *use, struct texture *out) {
     *out = (struct texture){0};
     if (!image_is_dds(bytes, size) && !image_is_ktx2(bytes, size)) {
         fnl_image image;
@@ -345,7 +357,7 @@ fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, 
     struct image_source source = {host, bytes, size, name};
     struct reader reader;
     fnl_result result = reader_open(&source, &reader);
-    if (result == FNL_OK) result = decode_reader(&reader, mips, keep, out);
+    if (result == FNL_OK) result = decode_reader(&reader, use, out);
     reader_close(&reader);
     return result;
 }

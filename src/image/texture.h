@@ -56,12 +56,13 @@ void texture_free(const fnl_host *host, struct texture *texture);
 /** Logs what is wrong with a file, with its name. `name` stands for the file in messages. ETC1S comes as RGBA8. */
 fnl_result texture_read(const fnl_host *host, const void *bytes, size_t size, const char *name, struct texture *out);
 fnl_result texture_load(const fnl_host *host, const char *path, struct texture *out);
-/**
- * A picture of any kind of file as materials use it: RGBA8, with all mips down to 1 x 1 if the file has all of them and `mips` asks for them, else
- * with one. Pictures of floats and cube maps are refused. `keep`: bit 1 << format, formats (of blocks) that may stay as they are, where the file has all
- * mips. Logs as image_decode() does. Thread-safe.
- */
-fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool mips, uint32_t keep, struct texture *out);
+struct texture_use {
+    bool mips;     /* all of them down to 1 x 1, if the file has all; else one */
+    bool normals;  /* of two channels (RG8, BC5) blue becomes the z of the normal */
+    uint32_t keep; /* bit 1 << format: formats of blocks that may stay as they are, where the file has all mips */
+};
+/** A picture of any kind of file as materials use it, RGBA8. Those of floats and cube maps are refused. Logs as image_decode() does. Thread-safe. */
+fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, const struct texture_use *use, struct texture *out);
 
 /** The greatest mip of a texture of 8 bits a channel as RGBA8. */
 fnl_result texture_unpack(const fnl_host *host, const struct texture *texture, struct texture *out);

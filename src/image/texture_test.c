@@ -15,6 +15,7 @@
 #include <math.h>
 
 static struct test_memory memory;
+static const struct texture_use whole = {.mips = true};
 
 static void keep_line(void *user, fnl_log_level level, const char *line) {
     struct test_memory *m = user;
@@ -90,7 +91,7 @@ static void test_files_of_basis_universal_MA_8(void **state) {
         struct texture t;
         fnl_image image;
         assert_int_equal(file_load(&host, samples[i].path, &view), FNL_OK);
-        assert_int_equal(texture_decode(&host, view.data, view.size, samples[i].path, true, 0, &t), FNL_OK);
+        assert_int_equal(texture_decode(&host, view.data, view.size, samples[i].path, &whole, &t), FNL_OK);
         assert_true(t.format == TEXTURE_RGBA8 && t.width == samples[i].width && t.height == samples[i].height && t.mips == samples[i].mips);
         assert_int_equal(t.transfer, samples[i].transfer);
         assert_true(psnr(&t, samples[i].source) > samples[i].least);
@@ -131,14 +132,14 @@ static void test_blocks_of_UASTC_MA_8(void **state) {
     struct texture t;
     size_t size;
     unsigned char *file = test_ktx2_make(&in, &size);
-    assert_int_equal(texture_decode(&host, file, size, "blocks.ktx2", true, 0, &t), FNL_OK);
+    assert_int_equal(texture_decode(&host, file, size, "blocks.ktx2", &whole, &t), FNL_OK);
     assert_true(hash_of(&t) == 0x04d514efa1d6c844);
     texture_free(&host, &t);
     /* No such mode, and no such pattern. */
     static const unsigned char none[2][16] = {{0x45}, {0x1d, 0, 0xf0, 0x1}};
     for (uint32_t i = 0; i < 2; i++) {
         memcpy(file + size - sizeof blocks + 16 * 77, none[i], 16);
-        assert_int_equal(texture_decode(&host, file, size, "none.ktx2", true, 0, &t), FNL_ERROR_FORMAT);
+        assert_int_equal(texture_decode(&host, file, size, "none.ktx2", &whole, &t), FNL_ERROR_FORMAT);
         assert_non_null(strstr(memory.last_error, "none.ktx2: broken KTX2: mip 0 has a block that is none of UASTC"));
     }
     free(file);
@@ -257,12 +258,12 @@ static void test_formats_of_KTX2_MA_8(void **state) {
         const struct test_ktx2 in = file_of(&t, vulkan, schemes[k % 3]);
         size_t size;
         unsigned char *file = test_ktx2_make(&in, &size);
-        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", true, 0, &decoded), FNL_OK);
+        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", &whole, &decoded), FNL_OK);
         assert_int_equal(decoded.transfer, vulkan == formats[k / 3].srgb ? TEXTURE_SRGB : TEXTURE_LINEAR);
         check_texels(&t, &decoded, false, false, NULL);
         texture_free(&host, &decoded);
         /* Kept as it is where that is allowed. */
-        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", true, 1u << t.format, &kept), FNL_OK);
+        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", &(struct texture_use){.mips = true, .keep = 1u << t.format}, &kept), FNL_OK);
         assert_true(kept.format == t.format && kept.mips == 5);
         assert_memory_equal(kept.bytes, t.bytes, texture_offset(&t, 5, 0));
         texture_free(&host, &kept);
@@ -282,7 +283,7 @@ static void test_mips_are_whole_or_none_MA_8(void **state) {
         size_t size;
         unsigned char *file = test_ktx2_make(&in, &size);
         for (uint32_t k = 0; k < 4; k++) {
-            assert_int_equal(texture_decode(&host, file, size, "a.ktx2", k & 1, k & 2 ? UINT32_MAX : 0, &out), FNL_OK);
+            assert_int_equal(texture_decode(&host, file, size, "a.ktx2", &(struct texture_use){.mips = k & 1, .keep = k & 2 ? UINT32_MAX : 0}, &out), FNL_OK);
             assert_int_equal(out.mips, k & 1 && mips == 5 ? 5 : 1);
             assert_int_equal(out.format, k == 3 && mips == 5 ? TEXTURE_BC3 : TEXTURE_RGBA8);
             texture_free(&host, &out);
@@ -307,12 +308,40 @@ static void test_orientation_and_swizzle_MA_8(void **state) {
         size_t size;
         unsigned char *file = test_ktx2_make(&in, &size);
         /* What would have to be turned on the device is decoded. */
-        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", true, k ? UINT32_MAX : 0, &out), FNL_OK);
+        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", &(struct texture_use){.mips = true, .keep = k ? UINT32_MAX : 0}, &out), FNL_OK);
         check_texels(&t, &out, cases[k].x, cases[k].y, cases[k].swizzle);
         texture_free(&host, &out);
         free(file);
         texture_free(&host, &t);
     }
+}
+
+/* Normal maps of two channels get the third, and are decoded for it; other data does not. */
+static void test_normals_of_two_channels_MA_8(void **state) {
+    UNUSED(state);
+    fnl_host host = counting_host();
+    for (uint32_t k = 0; k < 4; k++) {
+        const enum texture_format formats_of[] = {TEXTURE_RG8, TEXTURE_BC5, TEXTURE_BC5, TEXTURE_BC3};
+        const uint32_t vulkan[] = {16, 141, 141, 137};
+        struct texture t = random_texture(&host, formats_of[k], 5), plain, out;
+        const struct test_ktx2 in = file_of(&t, vulkan[k], 0);
+        size_t size;
+        unsigned char *file = test_ktx2_make(&in, &size);
+        const struct texture_use use = {.mips = true, .normals = k != 2, .keep = k == 3 ? 0 : UINT32_MAX};
+        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", &whole, &plain), FNL_OK);
+        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", &use, &out), FNL_OK);
+        assert_int_equal(out.format, k == 2 ? TEXTURE_BC5 : TEXTURE_RGBA8);
+        for (size_t i = 0; out.format == TEXTURE_RGBA8 && i < texture_offset(&out, 5, 0); i += 4) {
+            const double x = plain.bytes[i] / 127.5 - 1, y = plain.bytes[i + 1] / 127.5 - 1, z = sqrt(fmax(1 - x * x - y * y, 0));
+            assert_true(out.bytes[i] == plain.bytes[i] && out.bytes[i + 1] == plain.bytes[i + 1] && out.bytes[i + 3] == plain.bytes[i + 3]);
+            assert_true(fabs(out.bytes[i + 2] - (k == 3 ? plain.bytes[i + 2] : 127.5 + 127.5 * z)) < 0.501);
+        }
+        texture_free(&host, &plain);
+        texture_free(&host, &out);
+        free(file);
+        texture_free(&host, &t);
+    }
+    assert_int_equal(atomic_load(&memory.live_bytes), 0);
 }
 
 static void test_DDS_MA_8(void **state) {
@@ -340,10 +369,10 @@ static void test_DDS_MA_8(void **state) {
             test_put32(file + 140, 1);
         }
         memcpy(file + head, t.bytes, bytes);
-        assert_int_equal(texture_decode(&host, file, head + bytes, "a.dds", true, 0, &out), FNL_OK);
+        assert_int_equal(texture_decode(&host, file, head + bytes, "a.dds", &whole, &out), FNL_OK);
         check_texels(&t, &out, false, false, NULL);
         texture_free(&host, &out);
-        assert_int_equal(texture_decode(&host, file, head + bytes - 1, "a.dds", true, 0, &out), FNL_ERROR_FORMAT);
+        assert_int_equal(texture_decode(&host, file, head + bytes - 1, "a.dds", &whole, &out), FNL_ERROR_FORMAT);
         assert_non_null(strstr(memory.last_error, "a.dds: broken: mip 4, face 0 is cut off"));
         free(file);
         texture_free(&host, &t);
@@ -363,7 +392,7 @@ static void refuse(struct test_ktx2 in, const char *message) {
     in.width = in.height = 16;
     if (!in.sizes[0]) in.sizes[0] = 16 * 16 * 4;
     unsigned char *file = test_ktx2_make(&in, &size);
-    assert_true(texture_decode(&host, file, size, "a.ktx2", true, 0, &out) != FNL_OK);
+    assert_true(texture_decode(&host, file, size, "a.ktx2", &whole, &out) != FNL_OK);
     if (!strstr(memory.last_error, message)) fail_msg("'%s' is not in '%s'", message, memory.last_error);
     assert_int_equal(strncmp(memory.last_error, "a.ktx2: ", 8), 0);
     assert_int_equal(atomic_load(&memory.live_bytes), 0);
@@ -402,7 +431,7 @@ static void test_memory_of_small_files_MA_8(void **state) {
         test_put32(file + 20, 1 << 14);
         test_put32(file + 24, 1 << 14);
         test_put32(file + 96, 1u << 30);
-        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", true, 0, &out), FNL_ERROR_FORMAT);
+        assert_int_equal(texture_decode(&host, file, size, "a.ktx2", &whole, &out), FNL_ERROR_FORMAT);
         assert_int_equal(atomic_load(&memory.allocations), 0);
         free(file);
     }
@@ -423,7 +452,7 @@ static void test_short_slices_MA_8(void **state) {
         const uint32_t length = file[length_at] | (uint32_t)file[length_at + 1] << 8;
         for (uint32_t less = 2; file[44] == 1 && less < length; less += 3) {
             test_put32(file + length_at, length - less);
-            assert_int_equal(texture_decode(&host, file, view.size, "short.ktx2", true, 0, &out), FNL_ERROR_FORMAT);
+            assert_int_equal(texture_decode(&host, file, view.size, "short.ktx2", &whole, &out), FNL_ERROR_FORMAT);
             assert_non_null(strstr(memory.last_error, "short.ktx2: broken BasisLZ: the colour of image 0 cannot be decoded"));
         }
         free(file);
@@ -448,7 +477,7 @@ static void test_broken_files_MA_8(void **state) {
             unsigned char *exact = malloc(MAX(cut, 1u)); /* sanitizers see what is read behind it */
             assert_non_null(exact);
             memcpy(exact, file, cut);
-            assert_true(texture_decode(&host, exact, cut, "cut.ktx2", true, 0, &out) != FNL_OK);
+            assert_true(texture_decode(&host, exact, cut, "cut.ktx2", &whole, &out) != FNL_OK);
             assert_true(strstr(memory.last_error, "cut.ktx2: ") && !out.bytes);
             free(exact);
         }
@@ -456,14 +485,14 @@ static void test_broken_files_MA_8(void **state) {
             const unsigned char was = file[at];
             memory.last_error[0] = 0;
             file[at] ^= (unsigned char)(1u << at % 8);
-            const fnl_result result = at >= 20 && at < 28 ? FNL_OK : texture_decode(&host, file, view.size, "changed.ktx2", true, 0, &out);
+            const fnl_result result = at >= 20 && at < 28 ? FNL_OK : texture_decode(&host, file, view.size, "changed.ktx2", &whole, &out);
             if (result == FNL_OK && !(at >= 20 && at < 28)) texture_free(&host, &out);
             assert_true(result == FNL_OK || strstr(memory.last_error, "changed.ktx2: "));
             file[at] = was;
         }
         for (long long number = 1;; number++) {
             atomic_store(&memory.fail_at, atomic_load(&memory.allocations) + number);
-            const fnl_result result = texture_decode(&host, file, view.size, "poor.ktx2", true, 0, &out);
+            const fnl_result result = texture_decode(&host, file, view.size, "poor.ktx2", &whole, &out);
             atomic_store(&memory.fail_at, 0);
             if (result == FNL_OK) {
                 assert_true(number > 1);
@@ -486,6 +515,7 @@ int main(void) {
         cmocka_unit_test(test_formats_of_KTX2_MA_8),
         cmocka_unit_test(test_mips_are_whole_or_none_MA_8),
         cmocka_unit_test(test_orientation_and_swizzle_MA_8),
+        cmocka_unit_test(test_normals_of_two_channels_MA_8),
         cmocka_unit_test(test_DDS_MA_8),
         cmocka_unit_test(test_what_is_refused_MA_8),
         cmocka_unit_test(test_memory_of_small_files_MA_8),

@@ -62,7 +62,7 @@ static void load_one(void *context, uint32_t i) {
     const fnl_host *host = &load->scene->host;
     struct texture pixels = {.format = TEXTURE_RGBA8, .width = source->width, .height = source->height, .faces = 1, .mips = 1, .bytes = source->pixels};
     if (!source->pixels) {
-        load->results[i] = texture_decode(host, source->encoded, source->encoded_size, source->name, true, 0, &pixels);
+        load->results[i] = texture_decode(host, source->encoded, source->encoded_size, source->name, &(struct texture_use){.mips = true, .normals = source->normals}, &pixels);
         if (load->results[i] != FNL_OK) return;
     }
     *image = (struct ray_image){.width = pixels.width, .height = pixels.height, .color = source->color};

@@ -233,7 +233,7 @@ static void test_blocks_stay_compressed_MA_8(void **state) {
         struct texture t = make_texture(cases[i].format, WIDTH, HEIGHT, MIPS, false), decoded;
         if (cases[i].format == TEXTURE_BC7) mark_modes(&t);
         struct bytes file = make_file(&t, color ? cases[i].srgb : cases[i].linear);
-        assert_int_equal(texture_decode(&host, file.data, file.size, "blocks", true, 0, &decoded), FNL_OK);
+        assert_int_equal(texture_decode(&host, file.data, file.size, "blocks", &(struct texture_use){.mips = true}, &decoded), FNL_OK);
         struct bytes plain = make_file(&decoded, color ? 43 : 37);
         VkFormat format, plain_format;
         struct shot a = shoot(&(struct board){.file = &file, .color = color, .nearest = true}, &format),

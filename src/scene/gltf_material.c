@@ -21,6 +21,7 @@ static uint32_t image_for(struct gltf *g, const struct at *at, uint32_t index, b
         if (!gltf_take_image(g, at, image->width, image->height)) return SCENE_NONE;
         struct scene_image twin = *image;
         twin.color = color;
+        twin.normals = false;
         g->image_twin[index] = scene_add_image(g->scene, &twin);
         if (g->image_twin[index] == SCENE_NONE) gltf_fail_memory(g);
     }
@@ -65,6 +66,8 @@ static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at,
     texture->uv_set = (uint32_t)uv_set;
     texture->sampler = g->textures[index].sampler;
     texture->image = image_for(g, here, g->textures[index].image, scene_texture_is_color(slot));
+    if (texture->image != SCENE_NONE && (slot == SCENE_TEXTURE_NORMAL || slot == SCENE_TEXTURE_CLEARCOAT_NORMAL))
+        g->scene->images.data[texture->image].normals = true;
     return reference;
 }
 

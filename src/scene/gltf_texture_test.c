@@ -56,12 +56,15 @@ static void test_the_extension_comes_before_the_source_MA_8(void **state) {
     assert_int_equal(color_image(scene), 1);
     const struct scene_image *image = &scene->images.data[1];
     assert_string_equal(image->file_kind, "ktx2");
-    assert_true(image->width == 8 && image->height == 8 && image->color);
+    assert_true(image->width == 8 && image->height == 8 && image->color && !image->normals);
     assert_string_equal(scene->extensions.data[0].name, "KHR_texture_basisu");
     assert_string_equal(scene->extensions.data[0].treatment, "full");
     fnl_scene_destroy(&scene);
     scene = load(USED, BASISU, COLOR, "image/ktx2");
     assert_int_equal(color_image(scene), 1);
+    fnl_scene_destroy(&scene);
+    scene = load(USED, BASISU, NORMAL, "image/ktx2");
+    assert_true(!scene->images.data[1].color && scene->images.data[1].normals);
     fnl_scene_destroy(&scene);
     scene = load(USED, "\"source\":0", COLOR, "image/ktx2");
     assert_int_equal(color_image(scene), 0);

@@ -28,6 +28,7 @@ struct scene_image {
     uint32_t width, height; /* 0x0 for a missing or broken image, which renders as white */
     uint8_t *pixels;        /* RGBA8, owned by the scene, or NULL */
     bool color;             /* used for colour: mips are averaged in linear light */
+    bool normals;           /* a file's material uses it as a normal map */
     bool async;             /* renderers decode it in the background (fnl_load_params.async) */
     uint32_t version;       /* of its pixels: counts their changes */
 };

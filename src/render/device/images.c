@@ -37,6 +37,11 @@ static uint32_t kept_formats(const struct device_scene *d, const struct scene_im
     return bits;
 }
 
+/* `blocks`: those that the device samples may stay. */
+static struct texture_use use_of(const struct device_scene *d, const struct scene_image *image, bool blocks) {
+    return (struct texture_use){.mips = true, .normals = image->normals, .keep = blocks ? kept_formats(d, image) : 0};
+}
+
 static fnl_result create_image(struct device_scene *d, uint32_t index, const struct texture *texture, struct gpu_image *out) {
     const struct scene_image *image = &d->scene->images.data[index];
     struct gpu_image_params params = {.name = image->name ? image->name : "image",
@@ -99,9 +104,8 @@ struct decode {
 static void decode_one(void *context, uint32_t i) {
     struct decode *decode = context;
     const struct scene_image *image = &decode->d->scene->images.data[decode->indices[i]];
-    decode->results[i] =
-        texture_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true,
-                       decode->blocks ? kept_formats(decode->d, image) : 0, &decode->textures[i]);
+    const struct texture_use use = use_of(decode->d, image, decode->blocks);
+    decode->results[i] = texture_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, &use, &decode->textures[i]);
 }
 
 fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, bool blocks, device_image_deliver *to) {
@@ -133,7 +137,7 @@ fnl_result device_image_ask(struct device_scene *d, uint32_t index) {
                                           .size = image->encoded_size,
                                           .name = image->name,
                                           .pixel_bytes = (uint64_t)image->width * image->height * 4,
-                                          .keep = own->used && !own->gpu.handle ? kept_formats(d, image) : 0};
+                                          .use = use_of(d, image, own->used && !own->gpu.handle)};
     TRY(image_queue_ask(d->image_queue, &request));
     own->version = image->version;
     own->coming = true;
