@@ -61,6 +61,7 @@ static fnl_result find_universal(const struct image_source *source, struct textu
         return FNL_OK;
     }
     if (model == MODEL_UASTC) {
+        if (out->scheme == KTX2_BASIS_LZ) return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: UASTC under BasisLZ, which is for ETC1S");
         if (first != 0 && first != 3) return image_fail(source, FNL_ERROR_UNSUPPORTED, "KTX2 of UASTC with channels %u (read are RGB, 0, and RGBA, 3)", first);
         out->texture.format = TEXTURE_UASTC;
         return FNL_OK;

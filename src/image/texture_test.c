@@ -412,6 +412,7 @@ static void test_what_is_refused_MA_8(void **state) {
     refuse((struct test_ktx2){.format = 97, .orientation = "ru", .sizes = {16 * 16 * 8}}, "heeded for pictures of 8 bits alone");
     refuse((struct test_ktx2){.model = 167}, "colour model 167");
     refuse((struct test_ktx2){.model = 166, .channel = 5}, "UASTC with channels 5");
+    refuse((struct test_ktx2){.model = 166, .scheme = 1}, "UASTC under BasisLZ");
     refuse((struct test_ktx2){.model = 163}, "ETC1S with supercompression scheme 0");
     refuse((struct test_ktx2){.model = 163, .scheme = 1, .channel = 4}, "ETC1S with channels 4");
     refuse((struct test_ktx2){.model = 166, .flags = 1}, "multiplied by alpha");
