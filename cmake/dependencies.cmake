@@ -19,6 +19,12 @@ if(FANAL_RAY)
   find_package(embree CONFIG QUIET) # 3 or 4
   fanal_need(embree_FOUND "Embree, or -DFANAL_RAY=OFF" libembree-dev)
 endif()
+if(FANAL_DRACO) # optional, unless a libfanal.a was built with it
+  find_package(draco CONFIG QUIET)
+  if(FANAL_HAS_DRACO)
+    fanal_need(draco_FOUND libdraco libdraco-dev)
+  endif()
+endif()
 find_package(PkgConfig QUIET)
 fanal_need(PkgConfig_FOUND pkg-config pkg-config)
 set(FANAL_PACKAGES jansson spng libjpeg libwebp libzstd zlib)

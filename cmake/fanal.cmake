@@ -4,7 +4,8 @@
 # How all code is compiled …
 add_library(fanal_flags INTERFACE)
 target_compile_options(fanal_flags INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -fno-math-errno -ffp-contract=off)
+  -Wall -Wextra -Wpedantic -Wshadow $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes> -Wvla
+  -fno-math-errno -ffp-contract=off)
 target_compile_definitions(fanal_flags INTERFACE _GNU_SOURCE)
 if(FANAL_SANITIZE)
   target_compile_options(fanal_flags INTERFACE -fsanitize=${FANAL_SANITIZE} -fno-omit-frame-pointer
@@ -51,6 +52,10 @@ function(fanal_library)
     ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
   if(NOT FANAL_SANITIZE)
     target_link_options(fanal PRIVATE -Wl,--no-undefined)
+  endif()
+  if(FANAL_HAS_DRACO AND BUILD_SHARED_LIBS) # the C++ library's templates are visible whatever the compiler is told
+    target_link_options(fanal PRIVATE -Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/exports.map)
+    set_property(TARGET fanal APPEND PROPERTY LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/exports.map)
   endif()
 endfunction()
 

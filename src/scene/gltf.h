@@ -62,6 +62,7 @@ enum gltf_use {
 
 struct gltf_accessor {
     bool valid, normalized;
+    bool compressed; /* stands in a primitive with KHR_draco_mesh_compression: without a view it is a format alone */
     enum gltf_component component;
     enum gltf_type type;
     uint32_t count;
@@ -263,6 +264,9 @@ bool gltf_uri_media_type(const char *uri, char *out, size_t capacity);
 bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at, struct gltf_view *view);
 
 void gltf_load_accessors(struct gltf *g); /* gltf_accessor.c */
+/** Marks accessors of primitives with KHR_draco_mesh_compression, and decodes those primitives (gltf_draco.c). */
+void gltf_mark_compressed(struct gltf *g);
+void gltf_load_compressed(struct gltf *g);
 uint32_t gltf_component_size(enum gltf_component component);
 uint32_t gltf_type_components(enum gltf_type type);
 /** "VEC3 of UNSIGNED_SHORT", for messages. */

@@ -171,7 +171,7 @@ static bool load_accessor(struct gltf *g, json_t *object, const struct at *at, s
     if (json_object_get(object, "bufferView")) {
         accessor->view = gltf_index(g, object, at, "bufferView", false, g->view_count);
         if (accessor->view == SCENE_NONE || !check_view(g, object, at, accessor)) return false;
-    } else if (accessor->count > ZERO_COUNT_MAX) {
+    } else if (accessor->count > ZERO_COUNT_MAX && !accessor->compressed) {
         gltf_warn(g, AT_KEY(at, "count"),
                   "is %u, but no buffer view holds the elements, and more than %u zeros are not made; "
                   "the accessor is ignored",
@@ -187,10 +187,12 @@ void gltf_load_accessors(struct gltf *g) {
     const struct at *at = AT_KEY(&g->top, "accessors");
     g->accessor_count = gltf_count(array);
     g->accessors = gltf_scratch(g, g->accessor_count, sizeof *g->accessors);
+    if (g->accessors) gltf_mark_compressed(g);
     for (uint32_t i = 0; i < g->accessor_count && g->result == FNL_OK; i++) {
         json_t *object = gltf_element(g, array, at, i);
         if (!object) continue;
         g->accessors[i].valid = load_accessor(g, object, AT_INDEX(at, i), &g->accessors[i]);
+        if (g->accessors[i].compressed && g->accessors[i].view == SCENE_NONE) g->accessors[i].valid = false;
         if (g->accessors[i].valid) gltf_check_bounds(g, object, AT_INDEX(at, i), &g->accessors[i]);
     }
 }

@@ -14,6 +14,11 @@ struct known_extension {
 #define EXTENSION_MAX 256u
 
 #define FULL "full"
+#ifdef FANAL_DRACO
+#define DRACO_TREATMENT FULL
+#else
+#define DRACO_TREATMENT "not read: Fanal was built without libdraco (Debian and Ubuntu: libdraco-dev)"
+#endif
 #define MATERIAL_FALLBACK "ignored: the material is shown with its core properties"
 
 static const struct known_extension known_extensions[] = {
@@ -27,6 +32,7 @@ static const struct known_extension known_extensions[] = {
     {"EXT_lights_image_based", FULL, true, {"", "/scenes/#"}},
     {"KHR_xmp_json_ld", FULL, true, {"", "/asset", "/scenes/#", "/nodes/#", "/meshes/#", "/materials/#", "/images/#", "/animations/#"}},
     {"KHR_mesh_quantization", FULL, true, {NULL}},
+    {"KHR_draco_mesh_compression", DRACO_TREATMENT, false, {"/meshes/#/primitives/#"}},
     {"KHR_node_visibility", FULL, true, {"/nodes/#"}},
     {"EXT_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
     {"EXT_mesh_gpu_instancing", FULL, true, {"/nodes/#"}},
@@ -74,7 +80,9 @@ static void check_required(struct gltf *g, json_t *required) {
         if (array_has_string(required, i, name)) gltf_warn(g, AT_INDEX(at, i), "names %s for the second time", name);
         if (!gltf_uses(g, name)) gltf_warn(g, AT_INDEX(at, i), "%s is not in extensionsUsed; it is taken as used", name);
         const struct known_extension *known = find_known(name);
-        if (!known || !known->may_be_required)
+        if (known && !known->may_be_required && strcmp(known->treatment, FULL) != 0)
+            gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_INDEX(at, i), "the file requires the extension %s, which is %s", name, known->treatment);
+        else if (!known)
             gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_INDEX(at, i),
                       "the file requires the extension %s, which is not supported", name);
         else if (strcmp(known->treatment, FULL) != 0 && !g->params.lenient)
