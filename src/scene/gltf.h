@@ -260,7 +260,7 @@ bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool ne
                    uint64_t *size);
 /** The media type of a data URI, such as "image/png"; false when there is none, or it is longer than `capacity` - 1. */
 bool gltf_uri_media_type(const char *uri, char *out, size_t capacity);
-/** Decodes EXT_meshopt_compression of a bufferView (gltf_meshopt.c). False (warned) when it is broken. */
+/** Decodes KHR_ or EXT_meshopt_compression of a bufferView (gltf_meshopt.c). False (warned) when it is broken. */
 bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at, struct gltf_view *view);
 
 void gltf_load_accessors(struct gltf *g); /* gltf_accessor.c */

@@ -5,8 +5,9 @@
 /* ---- buffers (3.6.1) ---- */
 
 static bool buffer_is_fallback(json_t *object) {
-    json_t *extension = json_object_get(json_object_get(object, "extensions"), "EXT_meshopt_compression");
-    return json_is_true(json_object_get(extension, "fallback"));
+    json_t *extensions = json_object_get(object, "extensions");
+    return json_is_true(json_object_get(json_object_get(extensions, "KHR_meshopt_compression"), "fallback")) ||
+           json_is_true(json_object_get(json_object_get(extensions, "EXT_meshopt_compression"), "fallback"));
 }
 
 /** 3.6.1.1: a data URI of a buffer has one of two media types. */
@@ -73,7 +74,8 @@ static void load_view(struct gltf *g, json_t *object, const struct at *at, struc
             gltf_warn(g, AT_KEY(at, "byteStride"), "is %u, not a multiple of 4; it is used all the same", view->stride);
     }
     struct gltf_extension_place place;
-    json_t *meshopt = gltf_extension(object, at, "EXT_meshopt_compression", &place);
+    json_t *meshopt = gltf_extension(object, at, "KHR_meshopt_compression", &place);
+    if (!meshopt) meshopt = gltf_extension(object, at, "EXT_meshopt_compression", &place);
     view->size = size;
     if (meshopt) {
         view->valid = good && gltf_decode_meshopt(g, meshopt, &place.extension, view);

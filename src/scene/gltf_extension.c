@@ -34,6 +34,7 @@ static const struct known_extension known_extensions[] = {
     {"KHR_mesh_quantization", FULL, true, {NULL}},
     {"KHR_draco_mesh_compression", DRACO_TREATMENT, false, {"/meshes/#/primitives/#"}},
     {"KHR_node_visibility", FULL, true, {"/nodes/#"}},
+    {"KHR_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
     {"EXT_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
     {"EXT_mesh_gpu_instancing", FULL, true, {"/nodes/#"}},
     {"EXT_texture_webp", FULL, true, {"/textures/#"}},

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* EXT_meshopt_compression: buffer views whose bytes are decoded by meshoptimizer. */
+/* KHR_meshopt_compression and its forerunner EXT_meshopt_compression: compressed buffer views. */
 #include "scene/gltf.h"
-
-#include <meshoptimizer.h>
+#include "scene/meshcode.h"
 
 enum mode { MODE_NONE, MODE_ATTRIBUTES, MODE_TRIANGLES, MODE_INDICES };
-enum filter { FILTER_UNKNOWN, FILTER_NONE, FILTER_OCTAHEDRAL, FILTER_QUATERNION, FILTER_EXPONENTIAL };
+enum filter { FILTER_UNKNOWN, FILTER_NONE, FILTER_OCTAHEDRAL, FILTER_QUATERNION, FILTER_EXPONENTIAL, FILTER_COLOR };
 
 static enum mode mode_from_name(const char *name) {
     if (name && strcmp(name, "ATTRIBUTES") == 0) return MODE_ATTRIBUTES;
@@ -19,6 +18,7 @@ static enum filter filter_from_name(const char *name) {
     if (strcmp(name, "OCTAHEDRAL") == 0) return FILTER_OCTAHEDRAL;
     if (strcmp(name, "QUATERNION") == 0) return FILTER_QUATERNION;
     if (strcmp(name, "EXPONENTIAL") == 0) return FILTER_EXPONENTIAL;
+    if (strcmp(name, "COLOR") == 0) return FILTER_COLOR;
     return FILTER_UNKNOWN;
 }
 
@@ -32,39 +32,50 @@ static const char *find_fault(enum mode mode, enum filter filter, uint64_t strid
     if (mode == MODE_TRIANGLES && count % 3 != 0) return "has triangles with a 'count' that is no multiple of 3";
     if (filter == FILTER_OCTAHEDRAL && stride != 4 && stride != 8)
         return "has an octahedral filter on a 'byteStride' other than 4 and 8";
+    if (filter == FILTER_COLOR && stride != 4 && stride != 8) return "has a colour filter on a 'byteStride' other than 4 and 8";
     if (filter == FILTER_QUATERNION && stride != 8) return "has a quaternion filter on a 'byteStride' other than 8";
     return NULL;
 }
 
-static int decode(enum mode mode, void *out, size_t count, size_t stride, const unsigned char *data, size_t size) {
+static bool decode(enum mode mode, void *out, size_t count, size_t stride, const unsigned char *data, size_t size) {
     switch (mode) {
     case MODE_ATTRIBUTES:
-        return meshopt_decodeVertexBuffer(out, count, stride, data, size);
+        return meshcode_attributes(out, count, stride, data, size);
     case MODE_TRIANGLES:
-        return meshopt_decodeIndexBuffer(out, count, stride, data, size);
+        return meshcode_triangles(out, count, stride, data, size);
     case MODE_INDICES:
-        return meshopt_decodeIndexSequence(out, count, stride, data, size);
+        return meshcode_indices(out, count, stride, data, size);
     case MODE_NONE:
         break;
     }
-    return -1;
+    return false;
 }
 
 static void apply_filter(enum filter filter, void *data, size_t count, size_t stride) {
     switch (filter) {
     case FILTER_OCTAHEDRAL:
-        meshopt_decodeFilterOct(data, count, stride);
+        meshcode_filter_octahedral(data, count, stride);
         break;
     case FILTER_QUATERNION:
-        meshopt_decodeFilterQuat(data, count, stride);
+        meshcode_filter_quaternion(data, count);
         break;
     case FILTER_EXPONENTIAL:
-        meshopt_decodeFilterExp(data, count, stride);
+        meshcode_filter_exponential(data, count, stride);
+        break;
+    case FILTER_COLOR:
+        meshcode_filter_color(data, count, stride);
         break;
     case FILTER_NONE:
     case FILTER_UNKNOWN:
         break;
     }
+}
+
+/** What only the later of the two extensions has. */
+static void check_vintage(struct gltf *g, const struct at *at, enum mode mode, enum filter filter, unsigned char head) {
+    if (!at->key || strcmp(at->key, "EXT_meshopt_compression") != 0) return;
+    if (filter == FILTER_COLOR) gltf_warn(g, at, "has the filter COLOR of KHR_meshopt_compression; it is used all the same");
+    if (mode == MODE_ATTRIBUTES && head == 0xa1) gltf_warn(g, at, "has data of version 1, as KHR_meshopt_compression; it is used all the same");
 }
 
 bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at, struct gltf_view *view) {
@@ -96,17 +107,17 @@ bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at,
                   (unsigned long long)decoded_size);
         return false;
     }
-    /* The densest code, all-zero attribute deltas, spends 4 bytes on 256; more than that is a lie in the header. */
-    if (decoded_size / 64 > size + 1024) {
+    /* The densest code, attributes of version 1 that do not change, spends a byte on 1024; more than that is a lie in the header. */
+    if (decoded_size / 1024 > size + 64) {
         gltf_warn(g, at, "%llu compressed bytes cannot hold %llu; the view is ignored", (unsigned long long)size,
                   (unsigned long long)decoded_size);
         return false;
     }
-    /* The decoders of the library want alignment of an element, and filters work in groups of 4. */
     if (!gltf_spend(g, at, decoded_size)) return false;
-    unsigned char *data = gltf_keep(g, align_up(count, 4), (size_t)stride);
+    unsigned char *data = gltf_keep(g, count, (size_t)stride);
     if (!data) return false;
-    if (decode(mode, data, (size_t)count, (size_t)stride, buffer->data + offset, (size_t)size) != 0) {
+    check_vintage(g, at, mode, filter, buffer->data[offset]);
+    if (!decode(mode, data, (size_t)count, (size_t)stride, buffer->data + offset, (size_t)size)) {
         gltf_warn(g, at, "the compressed data is broken; the view is ignored");
         return false;
     }
