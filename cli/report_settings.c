@@ -54,6 +54,7 @@ static void add_scene(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "light_seed", json_integer((json_int_t)o->world.scatter.seed));
     json_object_set_new(json, "light_shapes", shapes);
     json_object_set_new(json, "light_scale", json_real((double)o->world.scatter.radius_scale));
+    json_object_set_new(json, "ies", text(o->world.ies));
     uint64_t most = o->world.loading.max_memory < INT64_MAX ? o->world.loading.max_memory : INT64_MAX;
     json_object_set_new(json, "probe", probes(o));
     json_object_set_new(json, "grow_metal", json_integer(o->world.grow_metal));

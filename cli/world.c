@@ -67,6 +67,9 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         if (!(number > 0 && number <= 1e6)) return argument_bad("light-scale", value, "a factor above 0");
         o->scatter.radius_scale = (float)number;
         return true;
+    case WORLD_IES:
+        o->ies = value;
+        return true;
     case WORLD_RANGE_ROUGHNESS:
         if (!argument_number("range-roughness", value, &number)) return false;
         if (!(number >= 0 && number <= 1)) return argument_bad("range-roughness", value, "a number from 0 to 1");
@@ -167,6 +170,25 @@ static bool show_loading(void *user, uint32_t done, uint32_t total) {
     return true;
 }
 
+/* All points and spots get the profile, and keep their intensity in its brightest direction; points look down. */
+static bool give_profile(fnl_scene *scene, const char *path) {
+    fnl_light_profile_id profile;
+    if (fnl_scene_add_light_profile(scene, path, NULL, 0, &profile, NULL) != FNL_OK) return false;
+    for (uint32_t i = 0; i < fnl_scene_count(scene, FNL_ENTITY_LIGHT); i++) {
+        fnl_entity_info entity;
+        fnl_light_params light;
+        if (fnl_scene_query_entity(scene, FNL_ENTITY_LIGHT, i, &entity) != FNL_OK || fnl_scene_query_light(scene, i, &light) != FNL_OK) return false;
+        if (light.kind != FNL_LIGHT_POINT && light.kind != FNL_LIGHT_SPOT) continue;
+        if (light.kind == FNL_LIGHT_POINT && !light.profile.generation) {
+            light.direction = (fnl_vec3){0, -1, 0};
+            light.up = (fnl_vec3){0, 0, 1};
+        }
+        light.profile = profile;
+        if (fnl_scene_set_light(scene, entity.id.light, &light) != FNL_OK) return false;
+    }
+    return true;
+}
+
 bool world_load(const struct world_options *o, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
                 fnl_camera *camera) {
     uint32_t animation;
@@ -178,6 +200,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
     if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
+    if (o->ies && !give_profile(*scene, o->ies)) return false;
     fnl_environment_params environment = o->environment_params;
     environment.source = o->environment;
     environment.background &= !o->has_background || o->environment;

@@ -9,6 +9,7 @@ enum { WORLD_PROBES = 32 };
 
 struct world_options {
     const char *scene, *camera, *animation, *variant;
+    const char *ies; /* NULL: lights as the scene has them */
     bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, has_range_roughness;
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy, range_roughness;
@@ -41,6 +42,7 @@ enum {
     WORLD_LIGHT_SEED,
     WORLD_LIGHT_SHAPES,
     WORLD_LIGHT_SCALE,
+    WORLD_IES,
     WORLD_RANGE_ROUGHNESS,
     WORLD_GROW_METAL,
     WORLD_TIME,
@@ -63,7 +65,7 @@ enum {
         {"anisotropy", required_argument, NULL, WORLD_ANISOTROPY}, {"lights", required_argument, NULL, WORLD_LIGHTS},       \
         {"light-seed", required_argument, NULL, WORLD_LIGHT_SEED},                                                          \
         {"light-shapes", required_argument, NULL, WORLD_LIGHT_SHAPES},                                                      \
-        {"light-scale", required_argument, NULL, WORLD_LIGHT_SCALE},                                                        \
+        {"light-scale", required_argument, NULL, WORLD_LIGHT_SCALE}, {"ies", required_argument, NULL, WORLD_IES},           \
         {"range-roughness", required_argument, NULL, WORLD_RANGE_ROUGHNESS},                                                \
         {"grow-metal", required_argument, NULL, WORLD_GROW_METAL}, {"time", required_argument, NULL, WORLD_TIME},           \
         {"animation", required_argument, NULL, WORLD_ANIMATION}, {"probe", required_argument, NULL, WORLD_PROBE}, \
@@ -88,6 +90,7 @@ enum {
     "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box, each with =SHARE or equal "                    \
     "(point=3,spot=1)\n"                                                                                                    \
     "  --light-scale X            multiplies their radius (1)\n"                                                            \
+    "  --ies FILE                 points and spots shine as the luminaire of a photometric file (.ies) does\n"              \
     "  --range-roughness R        lights without a range reach as far as highlights on surfaces of roughness R are "        \
     "visible (1)\n"                                                                                                         \
     "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"         \

@@ -119,6 +119,8 @@ static fnl_material_id material_id;
 static fnl_mesh_id mesh_id;
 static fnl_instance_id instance_id;
 static fnl_light_id light_id;
+static fnl_light_profile_id profile_id;
+static float candela;
 static fnl_decal_id decal_id;
 static fnl_scatter_params scatter;
 static fnl_frame frame;
@@ -269,6 +271,11 @@ static fnl_loaded loaded;
       NULLED("out", fnl_scene_query_image(w.scene, 0, NULL)))                                                               \
     X(fnl_scene_query_info, NULLED("scene", fnl_scene_query_info(NULL, &info));                                             \
       NULLED("out", fnl_scene_query_info(w.scene, NULL)))                                                                   \
+    X(fnl_scene_add_light_profile, NULLED("scene", fnl_scene_add_light_profile(NULL, "a.ies", "", 0, &profile_id, NULL));   \
+      NULLED("name", fnl_scene_add_light_profile(w.scene, NULL, "", 0, &profile_id, NULL));                                 \
+      NULLED("out", fnl_scene_add_light_profile(w.scene, "a.ies", "", 0, NULL, &candela));                                  \
+      SILENT(fnl_scene_add_light_profile(w.scene, "tests/fuzz/seeds/ies/round.ies", NULL, 0, &profile_id, &candela));       \
+      SILENT(fnl_scene_add_light_profile(w.scene, "tests/fuzz/seeds/ies/round.ies", NULL, 0, &profile_id, NULL)))           \
     X(fnl_scene_query_light, NULLED("scene", fnl_scene_query_light(NULL, 0, &light));                                       \
       NULLED("out", fnl_scene_query_light(w.scene, 0, NULL)))                                                               \
     X(fnl_scene_remove_decal, NULLED("scene", fnl_scene_remove_decal(NULL, w.decal)))                                       \

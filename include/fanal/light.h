@@ -58,6 +58,12 @@ typedef struct fnl_light_params {
     /** The same for directional lights and boxes: half the angle that the source fills, radians, 0 .. 1; default 0. The sun's: 0.00465. */
     float source_angle;
     bool casts_shadows; /**< default true; false: it shines through everything, where frames have shadows too */
+    /**
+     * Points and spots: how bright the light is in each direction (fnl_scene_add_light_profile); all-zero, the default: the same in all. The
+     * intensity is that of the brightest direction, and a spot's cone is cut out of the profile. The profile looks along `direction`, with the
+     * horizontal angle 0 at direction x up, growing towards `up`: a point that has one has these two as wedges do.
+     */
+    fnl_light_profile_id profile;
 } fnl_light_params;
 
 FNL_API fnl_light_params fnl_light_params_default(void);
@@ -77,6 +83,14 @@ FNL_API fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *li
 static inline fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params) {
     return fnl_scene_set_lights(scene, &light, params, 1);
 }
+/**
+ * Adds a luminaire's photometric data for lights to have (fnl_light_params.profile): a file of IESNA LM-63 (.ies) of 1986 to 2019, type C, B or A.
+ * It is `size` bytes at `data`, which are not kept; with data NULL the file called `name` is read. `name` is for messages besides.
+ * `candela`, unless NULL, gets the intensity of the brightest direction: a light of this intensity shines as the luminaire does. What tilting does
+ * to lamps (TILT) is left out. FNL_ERROR_FORMAT: it is no such file. A profile stays as long as the scene.
+ */
+FNL_API fnl_result fnl_scene_add_light_profile(fnl_scene *scene, const char *name, const void *data, size_t size, fnl_light_profile_id *out,
+                                               float *candela);
 FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
 
 /**

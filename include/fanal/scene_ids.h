@@ -29,6 +29,9 @@ typedef struct fnl_instance_id {
 typedef struct fnl_light_id {
     uint32_t index, generation;
 } fnl_light_id;
+typedef struct fnl_light_profile_id {
+    uint32_t index, generation;
+} fnl_light_profile_id;
 typedef struct fnl_decal_id {
     uint32_t index, generation;
 } fnl_decal_id;

@@ -25,9 +25,9 @@ struct gpu_shape {
     vec3 direction;      /* unit, its axis; of a light where it shines to */
     float spot_scale;    /* cone: the half angle's cosine is -offset / scale. Of a light its ramp: see gpu_light */
     float spot_offset;
-    vec3 side;           /* unit, at right angles to the direction: across a wedge or box; not of spheres */
+    vec3 side;           /* unit, at right angles to the direction: across a wedge or box; of spheres only those with a profile */
     vec3 size;           /* capsule: half length, radius; wedge: tangents of the half angles across and up;
-                            box: half sizes across, up and along */
+                            box: half sizes across, up and along; of lights that are spheres or cones x is the place of their profile, or 0 */
     uint hull_first;     /* of its first plane in gpu_light_list.planes */
 };
 

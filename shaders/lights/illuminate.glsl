@@ -10,6 +10,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "lights/iterate.glsl"
+#include "lights/profile.glsl"
 #include "shadows/maps.glsl"
 #include "shadows/soft_rays.glsl"
 
@@ -87,6 +88,7 @@ float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_
                                               l.list.lights.at[light].shape.spot_offset, 0.0, 1.0);
             attenuation *= angular * angular;
         }
+        if (LIST_PROFILES) attenuation *= light_profile(l, light, to_light);
     } else {
         attenuation = light_shape_strength(l, light, kind, ray, to_light);
     }

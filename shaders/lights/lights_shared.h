@@ -60,6 +60,13 @@ struct gpu_light {
 #define GPU_LIST_LAYERS 0x80000u
 /* Blended surfaces that are drawn before glass: those in front of gpu_view.glass are left out. */
 #define GPU_LIST_BEHIND_GLASS 0x400000u
+/* Beside the kind: some spheres and cones have a profile (lights/profile.glsl). */
+#define GPU_LIST_PROFILES 0x100000u
+
+/* Light profiles, one after the other: steps of the vertical angle, steps of the horizontal one, and the values, a row for each vertical angle. */
+#ifdef GL_core_profile
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer profile_array { float at[]; };
+#endif
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu
@@ -155,6 +162,7 @@ struct gpu_light_list {
     uvec2 shadow_maps;   /* address of a struct gpu_shadow_maps; of lists with GPU_LIST_MAPS */
     uvec2 probes;        /* address of a struct gpu_probes; of lists with GPU_LIST_CUBEMAP */
     uint shadow_rays;    /* that a point sends; of lists with GPU_LIST_SAMPLED, as the next */
+    ADDRESS(profile_array) profiles; /* of lists with GPU_LIST_PROFILES */
     uint shadow_seed;    /* what the choice of lights depends on, besides the pixel */
 };
 

@@ -17,7 +17,7 @@ struct ray_light ray_light_make(const fnl_light_params *params, double range, co
                           .source = (double)(light_is_parallel(params->kind) ? params->source_angle : params->source_radius)};
     l.color = dvec3_scale(dvec3_make((double)params->color[0], (double)params->color[1], (double)params->color[2]),
                           (double)params->intensity);
-    if (l.kind == FNL_LIGHT_POINT) return l;
+    if (l.kind == FNL_LIGHT_POINT && !params->profile.generation) return l;
     if (l.kind == FNL_LIGHT_SPOT) {
         l.inner_cosine = cos((double)params->inner_cone_angle);
         l.outer_cosine = cos((double)params->outer_cone_angle);
@@ -72,6 +72,7 @@ double ray_light_strength(const struct ray_light *l, dvec3 position, dvec3 *to_l
     *distance = dvec3_length(ray);
     if (*distance == 0 || *distance >= l->range) return 0;
     *to_light = dvec3_scale(ray, 1 / *distance);
+    if (l->profile) edge *= sqrt(light_profile_at(l->profile, at.x / *distance, at.y / *distance, at.z / *distance));
     double ratio2 = *distance * *distance / (l->range * l->range);
     return (1 - ratio2 * ratio2) / (*distance * *distance) * edge * edge;
 }

@@ -7,6 +7,7 @@
 #include "ray/dvec.h"
 
 struct light_hull;
+struct light_profile;
 
 struct ray_light {
     fnl_light_kind kind;
@@ -16,6 +17,7 @@ struct ray_light {
     double tangents[2];
     dvec3 half_size;
     const struct light_hull *hull; /* borrowed; or NULL */
+    const struct light_profile *profile; /* borrowed; or NULL. Points that have one have side, up and along too */
     bool casts_shadows;
     double source; /* radius of what casts its shadows, metres; of directional lights and boxes half the angle that it fills */
 };

@@ -42,6 +42,7 @@ fnl_result ray_lights_create(struct ray_scene *s) {
             if ((light->params.kind == FNL_LIGHT_DIRECTIONAL) != suns) continue;
             double range = (double)fnl_light_range(&light->params, scene->cutoff_roughness, scene->cutoff_illuminance);
             struct ray_light made = ray_light_make(&light->params, range, light->hull);
+            made.profile = scene_light_profile(scene, &light->params);
             if (dvec3_max(made.color) > 0 && !array_push(&scene->host, &s->lights, made)) return FNL_ERROR_MEMORY;
         }
         if (suns) s->sun_count = s->lights.count;

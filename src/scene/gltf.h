@@ -169,6 +169,8 @@ struct gltf {
     uint32_t vertex_map_stamp;
     struct gltf_camera *cameras;
     struct gltf_light *lights;
+    fnl_light_profile_id *profiles; /* of EXT_lights_ies; all-zero: broken */
+    uint32_t profile_count;
     uint32_t *variant_stamps, variant_stamp; /* scratch of gltf_load_mappings */
     uint32_t *node_lights; /* by node: a light, or SCENE_NONE */
     struct gltf_users users[GLTF_TARGET_KIND_COUNT]; /* of gltf_first_user */
@@ -334,6 +336,9 @@ bool gltf_load_joints(struct gltf *g, const struct at *at, const struct gltf_att
                       const struct gltf_selection *selection, struct scene_primitive *out,
                       struct gltf_primitive_joints *joints);
 void gltf_load_cameras(struct gltf *g); /* cameras and lights, before they are placed (gltf_light.c) */
+/** EXT_lights_ies (gltf_ies.c): the profiles; and the light that a node has by it, false: none. */
+void gltf_load_profiles(struct gltf *g);
+bool gltf_read_profile_light(struct gltf *g, uint32_t node, fnl_light_params *out);
 void gltf_load_nodes(struct gltf *g);   /* the hierarchy, which nodes are shown, what they carry (gltf_node.c) */
 void gltf_load_scenes(struct gltf *g);  /* gltf_scene.c */
 /** EXT_mesh_gpu_instancing of a node (gltf_scene.c). */

@@ -36,6 +36,7 @@ static const struct known_extension known_extensions[] = {
     {"KHR_node_visibility", FULL, true, {"/nodes/#"}},
     {"KHR_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
     {"EXT_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
+    {"EXT_lights_ies", FULL, true, {"", "/nodes/#"}},
     {"EXT_mesh_gpu_instancing", FULL, true, {"/nodes/#"}},
     {"EXT_texture_webp", FULL, true, {"/textures/#"}},
     {"KHR_texture_basisu", FULL, true, {"/textures/#"}},

@@ -161,6 +161,7 @@ void gltf_load_cameras(struct gltf *g) {
         if (object) load_camera(g, object, AT_INDEX(at, i), &g->cameras[i]);
     }
     if (g->result == FNL_OK) load_lights(g);
+    if (g->result == FNL_OK) gltf_load_profiles(g);
 }
 
 /* ---- placing ---- */
@@ -189,6 +190,12 @@ void gltf_place(struct gltf *g) {
             place_camera(g, i, node);
         else
             node->camera = SCENE_NONE;
+        fnl_light_params profiled;
+        if (g->in_scene[i] && gltf_read_profile_light(g, i, &profiled)) {
+            g->result = scene_reserve_lights(g->scene, 1);
+            if (g->result != FNL_OK) return;
+            g->scene->lights.data[scene_add_light(g->scene, &profiled, i)].name = node->name;
+        }
         uint32_t light = g->node_lights[i];
         if (light == SCENE_NONE || !g->in_scene[i] || !g->lights[light].valid) continue;
         g->result = scene_reserve_lights(g->scene, 1);

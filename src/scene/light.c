@@ -46,13 +46,28 @@ fnl_light_params fnl_light_params_default(void) {
 
 bool light_is_parallel(fnl_light_kind kind) { return kind == FNL_LIGHT_DIRECTIONAL || kind == FNL_LIGHT_BOX; }
 
-static fnl_result check_light(const struct call *call, const fnl_light_params *params) {
+/* Kinds that the profile of a light belongs to, and is looked up for. */
+static bool is_profiled(const fnl_light_params *light) {
+    return light->profile.generation && (light->kind == FNL_LIGHT_POINT || light->kind == FNL_LIGHT_SPOT);
+}
+
+static fnl_result check_profile(const struct call *call, const fnl_scene *scene, const fnl_light_params *params) {
+    const fnl_light_profile_id id = params->profile;
+    if (!id.generation) return FNL_OK;
+    if (!is_profiled(params)) return misuse(call, "profile is set, but only points and spots can have one");
+    const bool alive = id.index < scene->profiles.count && scene->profiles.data[id.index].generation == id.generation;
+    TRY(check_id(call, "profile", alive, id.index, id.generation, "a light profile"));
+    return check_finite(call, "up", params->up);
+}
+
+static fnl_result check_light(const struct call *call, const fnl_scene *scene, const fnl_light_params *params) {
     const double infinite = (double)FLT_MAX;
     fnl_light_kind kind = params->kind;
     TRY(check_enum(call, "kind", (int)kind, FNL_LIGHT_KIND_COUNT, "fnl_light_kind"));
     TRY(check_finite(call, "position", params->position));
     TRY(check_finite(call, "direction", params->direction));
-    if (kind != FNL_LIGHT_POINT && !(vec3_length(params->direction) > 0))
+    TRY(check_profile(call, scene, params));
+    if ((kind != FNL_LIGHT_POINT || is_profiled(params)) && !(vec3_length(params->direction) > 0))
         return misuse(call, "direction is 0, 0, 0, must have a length");
     TRY(check_floats(call, "color", params->color, 3, 0, infinite, ""));
     TRY(check_range(call, "intensity", (double)params->intensity, 0, infinite,
@@ -95,7 +110,7 @@ fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params,
     TRY(check_pointer(CALL(&scene->host), "out", out));
     *out = (fnl_light_id){0};
     TRY(check_pointer(CALL(&scene->host), "params", params));
-    TRY(check_light(CALL(&scene->host), params));
+    TRY(check_light(CALL(&scene->host), scene, params));
     const fnl_light_params light = aligned(params);
     TRY(scene_reserve_lights(scene, 1));
     uint32_t index = scene_add_light(scene, &light, SCENE_NONE);
@@ -112,8 +127,9 @@ static fnl_result check_light_id(const struct call *call, const fnl_scene *scene
 /* Compares only the parts of a pose that a light of this kind has. */
 static bool poses_differ(const fnl_light_params *a, const fnl_light_params *b) {
     bool position = a->kind != FNL_LIGHT_DIRECTIONAL && memcmp(&a->position, &b->position, sizeof a->position) != 0;
-    bool direction = a->kind != FNL_LIGHT_POINT && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;
-    bool up = (a->kind == FNL_LIGHT_WEDGE || a->kind == FNL_LIGHT_BOX) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
+    bool profiled = is_profiled(a) || is_profiled(b);
+    bool direction = (a->kind != FNL_LIGHT_POINT || profiled) && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;
+    bool up = (a->kind == FNL_LIGHT_WEDGE || a->kind == FNL_LIGHT_BOX || profiled) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
     return position || direction || up;
 }
 
@@ -126,7 +142,7 @@ fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, co
     for (uint32_t i = 0; i < count; i++) {
         const struct call *call = CALL_ELEMENT(&scene->host, i, count);
         TRY(check_light_id(call, scene, lights[i]));
-        TRY(check_light(call, &params[i]));
+        TRY(check_light(call, scene, &params[i]));
         fnl_light_kind before = scene->lights.data[lights[i].index].params.kind;
         moved += (before == FNL_LIGHT_DIRECTIONAL) != (params[i].kind == FNL_LIGHT_DIRECTIONAL);
     }
@@ -138,6 +154,20 @@ fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, co
     }
     scene_lights_edited(scene, lights, count);
     return FNL_OK;
+}
+
+fnl_result fnl_scene_add_light_profile(fnl_scene *scene, const char *name, const void *data, size_t size, fnl_light_profile_id *out, float *candela) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "out", out));
+    *out = (fnl_light_profile_id){0};
+    TRY(check_pointer(call, "name", name));
+    struct file_view file = {0};
+    if (!data) TRY(file_load(&scene->host, name, &file));
+    fnl_result result = scene_add_profile(scene, &scene->host, name, data ? data : file.data, data ? size : file.size, out);
+    file_free(&scene->host, &file);
+    if (result == FNL_OK && candela) *candela = scene->profiles.data[out->index].candela;
+    return result;
 }
 
 fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {

@@ -58,6 +58,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->animations);
     for (uint32_t i = 0; i < scene->lights.count; i++) light_hull_free(scene, &scene->lights.data[i]);
     array_free(&host, &scene->lights);
+    array_free(&host, &scene->profiles);
     array_free(&host, &scene->decals);
     scene_environment_finish(scene);
     array_free(&host, &scene->probes);

@@ -12,6 +12,7 @@
 #include "base/jobs.h"
 #include "base/maths.h"
 #include "fanal/scene.h"
+#include "scene/ies.h"
 #include "scene/scene_environment.h"
 
 #define SCENE_NONE UINT32_MAX
@@ -357,6 +358,8 @@ struct fnl_scene {
     ARRAY(uint32_t) moved; /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
     uint64_t moved_since;
 
+    ARRAY(struct light_profile) profiles; /* what is in them is in the arena; none is ever removed */
+    uint32_t profile_floats;              /* on the device */
     ARRAY(struct scene_light_slot) light_slots;
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
@@ -393,6 +396,14 @@ void scene_structure_changed(fnl_scene *scene);
 /** After a change of materials, samplers, or an image, whose `version` grows besides. */
 void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
+/** Floats of all profiles: shaders know a place by a float. */
+enum { SCENE_PROFILE_FLOATS_MAX = 1 << 24, SCENE_PROFILE_BYTES_MOST = 361 * 360 * 4 };
+/** Reads a light profile; `out` gets its id. */
+fnl_result scene_add_profile(fnl_scene *scene, const fnl_host *host, const char *name, const void *data, size_t size, fnl_light_profile_id *out);
+/** Appends one, with a place on the device of its own; there is room. */
+void scene_place_profile(fnl_scene *scene, struct light_profile *profile);
+/** A light's profile, or NULL. */
+const struct light_profile *scene_light_profile(const fnl_scene *scene, const fnl_light_params *light);
 /** Local lights of a scene: the device counts to the shape of each in bytes, with 32 bits. */
 enum { SCENE_LOCAL_LIGHTS_MAX = 48000000 };
 /**

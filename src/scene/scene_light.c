@@ -172,3 +172,32 @@ void scene_show_lights(fnl_scene *scene, uint32_t root) {
         if (node != SCENE_NONE) place_light(scene, i);
     }
 }
+
+/* ---- profiles ---- */
+
+fnl_result scene_add_profile(fnl_scene *scene, const fnl_host *host, const char *name, const void *data, size_t size, fnl_light_profile_id *out) {
+    struct light_profile profile;
+    if (!array_reserve(&scene->host, &scene->profiles, (uint64_t)scene->profiles.count + 1)) return FNL_ERROR_MEMORY;
+    TRY(ies_read(host, &scene->arena, name, data, size, &profile));
+    if ((uint64_t)scene->profile_floats + LIGHT_PROFILE_HEAD + (profile.rows + 1ull) * profile.columns >= SCENE_PROFILE_FLOATS_MAX) {
+        log_error(host, "%s: the scene has no room for more light profiles", name);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    profile.generation = scene_take_generation(scene);
+    scene_place_profile(scene, &profile);
+    *out = (fnl_light_profile_id){scene->profiles.count - 1, profile.generation};
+    return FNL_OK;
+}
+
+/* Shaders find a profile by a float; 0 is none. */
+void scene_place_profile(fnl_scene *scene, struct light_profile *profile) {
+    if (scene->profile_floats == 0) scene->profile_floats = 1;
+    profile->offset = scene->profile_floats;
+    scene->profile_floats += LIGHT_PROFILE_HEAD + (profile->rows + 1) * profile->columns;
+    scene->profiles.data[scene->profiles.count++] = *profile;
+}
+
+const struct light_profile *scene_light_profile(const fnl_scene *scene, const fnl_light_params *light) {
+    const bool has = light->profile.generation && (light->kind == FNL_LIGHT_POINT || light->kind == FNL_LIGHT_SPOT);
+    return has ? &scene->profiles.data[light->profile.index] : NULL;
+}

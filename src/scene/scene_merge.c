@@ -18,7 +18,7 @@ static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     uint64_t nodes = (uint64_t)into->nodes.count + from->nodes.count + 1; /* the root is one more */
     bool room = ROOM(files) && ROOM(resources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
-                ROOM(variants) && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
+                ROOM(variants) && ROOM(profiles) && into->profile_floats + from->profile_floats < SCENE_PROFILE_FLOATS_MAX && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
     return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
 }
@@ -120,11 +120,22 @@ static void append_cameras(fnl_scene *into, const fnl_scene *from, const struct 
 
 static void append_lights(fnl_scene *into, const fnl_scene *from, const struct offsets *at) {
     const uint32_t holes = into->free_lights.count;
+    const uint32_t first_profile = into->profiles.count;
+    for (uint32_t i = 0; i < from->profiles.count; i++) { /* there is room */
+        struct light_profile profile = from->profiles.data[i];
+        profile.generation = scene_take_generation(into);
+        scene_place_profile(into, &profile);
+    }
     into->free_lights.count = 0; /* they go to the end, in their order */
     for (uint32_t i = 0; i < from->lights.count; i++) {
         const struct scene_light *light = &from->lights.data[i];
         if (light->removed) continue; /* of its environment */
-        uint32_t index = scene_add_light(into, &light->params, moved(light->node, at->nodes)); /* there is room */
+        fnl_light_params params = light->params;
+        if (params.profile.generation) {
+            params.profile.index += first_profile;
+            params.profile.generation = into->profiles.data[params.profile.index].generation;
+        }
+        uint32_t index = scene_add_light(into, &params, moved(light->node, at->nodes)); /* there is room */
         into->lights.data[index].name = light->name;
         into->lights.data[index].extras = light->extras;
     }

@@ -38,6 +38,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .rays = words_of(input->rays.address),
                                                                        .shadow_maps = words_of(input->maps.address),
                                                                        .probes = words_of(input->probes.address),
+                                                                       .profiles = input->profiles,
                                                                        .shadow_rays = input->shadow_rays,
                                                                        .shadow_seed = input->shadow_seed};
     return slice.data;
@@ -49,6 +50,7 @@ void light_list_cast(struct light_list *list, const struct light_input *input) {
     if (input->rays.address && input->shadow_rays > 0) list->kind |= GPU_LIST_SAMPLED;
     if (input->environment.cube.id) list->kind |= GPU_LIST_ENVIRONMENT;
     if (input->layered) list->kind |= GPU_LIST_LAYERS;
+    if (input->profiles) list->kind |= GPU_LIST_PROFILES;
     list->environment = input->environment;
     if (input->probes.address) list->kind |= GPU_LIST_CUBEMAP;
     list->rays = input->rays;

@@ -102,6 +102,10 @@ static void light_of(const fnl_scene *scene, const struct scene_light *light, ui
     fnl_light_params params = light->params;
     if (isinf(params.range)) params.range = fnl_light_range(&params, scene->cutoff_roughness, scene->cutoff_illuminance);
     device_light(&params, slot, out, out_bounds);
+    const struct light_profile *profile = scene_light_profile(scene, &params);
+    if (!profile) return;
+    out->shape.side = vec3_normalize(vec3_cross(params.direction, params.up));
+    out->shape.size.x = (float)profile->offset;
 }
 
 /* ---- places ---- */
@@ -121,6 +125,10 @@ static bool is_place_lit(const struct gpu_light *place) { return place->shape.ra
 /* Shaders need code for such lights that others do without. */
 static bool is_place_shaped(const struct gpu_light *place) {
     return is_place_lit(place) && (place->shape.kind > GPU_SHAPE_CONE || place->shape.hull_count > 0);
+}
+
+static bool is_place_profiled(const struct gpu_light *place) {
+    return is_place_lit(place) && place->shape.kind <= GPU_SHAPE_CONE && place->shape.size.x > 0;
 }
 
 static bool must_gather(const struct device_scene *d) {
@@ -168,6 +176,7 @@ static bool refresh(struct device_scene *d, uint32_t slot) {
     if (light) light_of(d->scene, light, slot, &g, bounds);
     d->lit_count += (uint32_t)is_place_lit(&g) - (uint32_t)is_place_lit(place);
     d->shaped_count -= (uint32_t)is_place_shaped(place);
+    d->profiled_count += (uint32_t)is_place_profiled(&g) - (uint32_t)is_place_profiled(place);
     ranges_give(&d->host, &d->planes_taken, place->shape.hull_first, place->shape.hull_count);
     *place = g;
     if (!light || !light->hull) {
@@ -213,16 +222,36 @@ static fnl_result reserve_places(struct device_scene *d) {
 }
 
 fnl_result device_lights_gather(struct device_scene *d) {
-    d->light_data.count = d->light_bounds.count = d->bound_radii.count = d->lit_count = d->shaped_count = 0;
+    d->light_data.count = d->light_bounds.count = d->bound_radii.count = d->lit_count = d->shaped_count = d->profiled_count = 0;
     d->planes_taken.gaps.count = d->planes_taken.end = 0;
     TRY(reserve_places(d));
     for (uint32_t slot = 0; slot < d->light_data.count; slot++) UNUSED(refresh(d, slot)); /* one after the other, all fit */
     return gather_suns(d);
 }
 
+/* All profiles one after the other: what was sent stays where it is. */
+static fnl_result send_profiles(struct device_scene *d) {
+    const fnl_scene *scene = d->scene;
+    const uint32_t count = scene->profile_floats;
+    if (count == d->profile_floats) return FNL_OK;
+    float *all = host_allocate_zero(&d->host, count * sizeof *all);
+    for (uint32_t i = 0; all && i < scene->profiles.count; i++) {
+        const struct light_profile *p = &scene->profiles.data[i];
+        float *to = all + p->offset;
+        to[0] = (float)p->rows;
+        to[1] = (float)p->columns;
+        memcpy(to + LIGHT_PROFILE_HEAD, p->values, (p->rows + 1) * p->columns * sizeof *to);
+    }
+    fnl_result result = all ? device_array_set(d, "light profiles", &d->profiles, all, count, sizeof *all) : FNL_ERROR_MEMORY;
+    host_free(&d->host, all, count * sizeof *all);
+    if (result == FNL_OK) d->profile_floats = count;
+    return result;
+}
+
 fnl_result device_lights_prepare(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
     enum { LEAST_SUNS = 4 };
+    TRY(send_profiles(d));
     if (scene->suns.count > d->sun_room || !d->sun_room) { /* all others move */
         d->sun_room = MAX(scene->suns.count * 3 / 2, (uint32_t)LEAST_SUNS);
         d->sent.lights = UINT64_MAX;
@@ -418,6 +447,7 @@ struct light_input device_lights_input(const struct device_scene *d, graph_buffe
                                 .planes = d->planes.address,
                                 .lights = first_place - d->sun_data.count * sizeof(struct gpu_light),
                                 .kinds = 1u << GPU_ENTITY_LIGHT,
+                                .profiles = d->profiled_count > 0 ? d->profiles.buffer.address : 0,
                                 .simple = d->shaped_count == 0,
                                 .directional_count = d->sun_data.count,
                                 .local_count = local_count,

@@ -168,7 +168,7 @@ struct device_scene {
     struct gpu_buffer positions, attributes; /* of primitives, and of deforming nodes */
     struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles, which culling fills in each frame */
     struct gpu_buffer influences, morphs, clusters, cluster_words, instances;
-    struct device_array primitives, materials, layers, material_entries, items, groups, table, deforms;
+    struct device_array primitives, materials, layers, material_entries, items, groups, table, deforms, profiles;
     struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken;
     ARRAY(struct device_primitive) primitive_places;
     ARRAY(struct device_node) nodes;
@@ -224,6 +224,8 @@ struct device_scene {
     struct ranges planes_taken;
     uint32_t plane_room;                /* in the buffer */
     uint32_t lit_count, shaped_count;   /* of light_data; those of other shapes than sphere and cone, and with hulls */
+    uint32_t profiled_count;            /* lights in places that have a profile */
+    uint32_t profile_floats;            /* of `profiles`, as sent */
     uint64_t light_bytes_sent;          /* with the last frame, of whichever user */
     ARRAY(float) bound_radii;       /* of light_bounds before they were faded; empty: they are not */
 };
