@@ -111,7 +111,7 @@ static void test_pictures_are_those_of_rays_MA_11(void **state) {
     assert_int_equal(fnl_image_compare(NULL, &trace.color, &shot.color, &difference), FNL_OK);
     assert_int_equal(fnl_image_compare(NULL, &without.color, &shot.color, &change), FNL_OK);
     print_message("%.1f dB from rays, %.1f dB from the picture without profiles\n", difference.psnr, change.psnr);
-    assert_true(difference.psnr > 45 && change.psnr < 36);
+    assert_true(difference.psnr > 48 && change.psnr < 36);
     fnl_trace_free(&s.scene->host, &trace);
     shot_free(&shot);
     shot_free(&without);

@@ -52,7 +52,11 @@ static void test_round_profile_MA_11(void **state) {
     const struct light_profile *p = &l.scene->profiles.data[0];
     assert_true(p->columns == 1 && p->rows == 6); /* no larger than the angles ask for */
     fnl_scene_destroy(&l.scene);
-    l = load(HEAD("2 1") "0 41.3\n0\n100 50\n"); /* ends at once: within half a degree */
+    l = load(HEAD("2 1") "0 60\n0\n100 50\n"); /* ends at once: within half a degree */
+    expect_candela(&l, 60, 0, 100);
+    expect_candela(&l, 60.5, 0, 0);
+    fnl_scene_destroy(&l.scene);
+    l = load(HEAD("2 1") "0 41.3\n0\n100 50\n"); /* on no grid */
     expect_candela(&l, 41, 0, 2 * (100 - 50 * 41 / 41.3));
     expect_candela(&l, 41.6, 0, 0);
     fnl_scene_destroy(&l.scene);
