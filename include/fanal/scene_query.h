@@ -107,7 +107,7 @@ typedef struct fnl_instance_info {
     fnl_instance_id parent; /**< all-zero: none */
     fnl_mesh_id mesh;       /**< all-zero: none */
     bool visible;           /**< as set by fnl_scene_set_instance_visible */
-    bool shown;             /**< visible, and so are all instances above it */
+    bool shown;             /**< visible, and so are all instances above it, and none is of a level of detail that the last picture left out */
     uint32_t joint_count;   /**< of its skin; 0: it has none */
     uint32_t morph_target_count; /**< of its mesh */
     const float *morph_weights;  /**< the present weight of each target, valid until the scene is changed; NULL: all are 0 */

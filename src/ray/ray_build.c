@@ -167,7 +167,7 @@ static fnl_result attach_instance(struct ray_scene *s, const struct ray_instance
     return array_push(&s->scene->host, &s->instances, *in) ? FNL_OK : FNL_ERROR_MEMORY;
 }
 
-static bool node_draws(const struct scene_node *node) { return node->active && !node->removed && node->mesh != SCENE_NONE; }
+static bool node_draws(const struct scene_node *node) { return scene_node_draws(node); }
 
 static bool mesh_deforms(const fnl_scene *scene, const struct scene_node *node) {
     const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];

@@ -173,6 +173,7 @@ fnl_result fnl_scene_trace(const fnl_scene *scene, const fnl_trace_params *param
     TRY(check(call, trace.params));
     struct jobs *jobs;
     TRY(jobs_create(&scene->host, &jobs));
+    scene_choose_levels((fnl_scene *)scene, &trace.params->camera); /* no property of the scene: each picture chooses its own */
     fnl_result result = run(&trace, scene, jobs, out);
     jobs_destroy(&jobs);
     if (result != FNL_OK) {

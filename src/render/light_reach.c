@@ -106,7 +106,7 @@ double light_reach_items(const struct gpu_view *view, const struct gpu_entity_bo
     double sum = 0, squares = 0;
     for (uint32_t i = 0; i < nodes; i++) {
         const struct scene_node *node = &scene->nodes.data[sample_of(node_count, nodes, i)];
-        uint32_t items = node->active && node->mesh != SCENE_NONE
+        uint32_t items = scene_node_draws(node)
                              ? scene->meshes.data[node->mesh].primitive_count * node->instance_count
                              : 0;
         if (!items) continue;

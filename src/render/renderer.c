@@ -221,6 +221,7 @@ static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->scene_user.wants_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
+    scene_choose_levels(r->scene, frame->view_count > 0 ? &frame->views[0] : &frame->camera);
     TRY(device_scene_prepare(r->device_scene));
     TRY(shadows_prepare(r, frame));
     frame->occlusion = frame_choose_occlusion(r, frame);

@@ -166,8 +166,9 @@ void gltf_step(struct gltf *g) {
 static void load_parts(struct gltf *g) {
     static void (*const parts[])(struct gltf *) = {
         check_asset,      gltf_load_extensions, gltf_load_buffers,     gltf_load_accessors, gltf_load_compressed, gltf_load_images,
-        gltf_load_materials, gltf_load_variants, gltf_load_meshes,     gltf_load_cameras,   gltf_load_nodes,      gltf_load_scenes,
+        gltf_load_materials, gltf_load_variants, gltf_load_meshes,     gltf_load_cameras,   gltf_load_nodes,      gltf_load_levels, gltf_load_scenes,
         gltf_load_skins,  gltf_place,           gltf_load_decals,      gltf_load_animations, gltf_load_environment, gltf_load_xmp,
+        gltf_load_material_levels,
     };
     static const char *const counted[] = {"buffers", "images", "meshes", "animations"}; /* whose loaders call gltf_step */
     uint64_t total = COUNT_OF(parts);

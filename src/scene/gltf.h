@@ -352,6 +352,9 @@ bool gltf_find_target(struct gltf *g, const char *pointer, const struct at *at, 
 /** The first node that shows a mesh with its weights, or scene light, or scene camera; the others follow by gltf.users. */
 uint32_t gltf_first_user(struct gltf *g, enum gltf_target_kind kind, uint32_t index);
 void gltf_load_environment(struct gltf *g); /* EXT_lights_image_based (gltf_environment.c) */
+/** MSFT_lod (gltf_lod.c): of nodes; and, when all else is there, of the materials that nodes show. */
+void gltf_load_levels(struct gltf *g);
+void gltf_load_material_levels(struct gltf *g);
 void gltf_load_xmp(struct gltf *g);        /* KHR_xmp_json_ld (gltf_xmp.c) */
 
 #endif

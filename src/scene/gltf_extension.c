@@ -38,6 +38,7 @@ static const struct known_extension known_extensions[] = {
     {"EXT_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
     {"EXT_lights_ies", FULL, true, {"", "/nodes/#"}},
     {"EXT_mesh_gpu_instancing", FULL, true, {"/nodes/#"}},
+    {"MSFT_lod", FULL, true, {"/nodes/#", "/materials/#"}},
     {"EXT_texture_webp", FULL, true, {"/textures/#"}},
     {"KHR_texture_basisu", FULL, true, {"/textures/#"}},
     {"MSFT_texture_dds", FULL, true, {"/textures/#"}},

@@ -11,7 +11,7 @@ static void show_tree(struct gltf *g, uint32_t root) {
     for (;;) {
         g->in_scene[i] = true;
         nodes[i].hidden = g->hidden[i];
-        nodes[i].active = !g->hidden[i] && (i == root || nodes[nodes[i].parent].active);
+        nodes[i].active = !g->hidden[i] && !nodes[i].unchosen && (i == root || nodes[nodes[i].parent].active);
         if (nodes[i].first_child != SCENE_NONE) {
             i = nodes[i].first_child;
             continue;
@@ -53,6 +53,12 @@ void gltf_load_scenes(struct gltf *g) {
                 gltf_warn(g, AT_INDEX(here, k), "node %u is not a root; it is shown with its parents' transforms", root);
             if (i == shown && !g->in_scene[root]) show_tree(g, root);
         }
+    }
+    for (uint32_t i = 0; i < g->scene->levels.count; i++) { /* levels of roots stand in no list */
+        const struct scene_levels *levels = &g->scene->levels.data[i];
+        for (uint32_t k = 1; k < levels->count; k++)
+            if (g->in_scene[levels->nodes[0]] && !g->in_scene[levels->nodes[k]] && g->scene->nodes.data[levels->nodes[k]].parent == SCENE_NONE)
+                show_tree(g, levels->nodes[k]);
     }
     hide_the_rest(g);
 }

@@ -59,6 +59,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     for (uint32_t i = 0; i < scene->lights.count; i++) light_hull_free(scene, &scene->lights.data[i]);
     array_free(&host, &scene->lights);
     array_free(&host, &scene->profiles);
+    array_free(&host, &scene->levels);
     array_free(&host, &scene->decals);
     scene_environment_finish(scene);
     array_free(&host, &scene->probes);
@@ -313,10 +314,15 @@ void scene_activate(fnl_scene *scene, uint32_t root) {
     struct scene_node *nodes = scene->nodes.data;
     scene->structure_version++;
     for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
-        bool active = !nodes[i].hidden && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
+        bool active = !nodes[i].hidden && !nodes[i].unchosen && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
         if (active != nodes[i].active) list_edited(scene, i);
         nodes[i].active = active;
     }
+}
+
+void scene_node_edited(fnl_scene *scene, uint32_t node) {
+    scene->structure_version++;
+    list_edited(scene, node);
 }
 
 void scene_set_receivers(fnl_scene *scene, uint32_t index, uint32_t receivers) {
@@ -424,7 +430,16 @@ struct box scene_bounds(const fnl_scene *scene) {
     struct box bounds = box_empty();
     for (uint32_t i = 0; i < scene->nodes.count; i++) {
         const struct scene_node *node = &scene->nodes.data[i];
-        if (!node->removed && node->active && node->mesh != SCENE_NONE) add_node_bounds(scene, node, &bounds);
+        if (scene_node_draws(node)) add_node_bounds(scene, node, &bounds);
+    }
+    return bounds;
+}
+
+struct box scene_tree_bounds(const fnl_scene *scene, uint32_t root, bool alone) {
+    struct box bounds = box_empty();
+    for (uint32_t i = root; i != SCENE_NONE; i = alone ? SCENE_NONE : next_in_tree(scene->nodes.data, i, root)) {
+        const struct scene_node *node = &scene->nodes.data[i];
+        if (!node->removed && node->mesh != SCENE_NONE) add_node_bounds(scene, node, &bounds);
     }
     return bounds;
 }

@@ -166,7 +166,9 @@ struct scene_node {
     bool has_matrix;                            /* local is given as matrix, not as TRS */
     bool placed; /* local was set by a call; translation, rotation and scale make it again when they are animated */
     bool hidden; /* with what is below it */
-    bool active; /* neither it nor a node above is hidden */
+    bool unchosen; /* another level of detail is shown in its place, and in that of what is below it */
+    bool mesh_off; /* the same of its mesh alone */
+    bool active; /* neither it nor a node above is hidden or unchosen */
     bool removed;
     bool moves;   /* within scene_move_nodes: it has a new local transform */
     bool linked; /* a file's: skins, animations, cameras and lights may refer to it, so its place is not used again */
@@ -183,6 +185,17 @@ struct scene_node {
     uint64_t moved_version;      /* transform_version at which `world` or `morph_weights` last changed */
     uint64_t edited_version;     /* structure_version at which it last came, went, was hidden or shown, or got other receivers */
     uint8_t refuses;             /* receiver bits that the node lacks: decals that share no other are not on it */
+};
+
+/** What stands for the same thing, finest first: nodes, or with of_mesh the mesh of the first node and those of nodes below it (levels.c). */
+struct scene_levels {
+    const uint32_t *nodes;
+    const float *coverage; /* of each: the least part of the screen's height that it is shown at; descending */
+    uint32_t count;
+    uint32_t shown; /* by the last picture; count: none */
+    bool of_mesh, measured;
+    vec3 center; /* of the sphere round the first, in its node's space as it stood when it was measured */
+    float radius;
 };
 
 struct scene_skin {
@@ -358,6 +371,7 @@ struct fnl_scene {
     ARRAY(uint32_t) moved; /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
     uint64_t moved_since;
 
+    ARRAY(struct scene_levels) levels;
     ARRAY(struct light_profile) profiles; /* what is in them is in the arena; none is ever removed */
     uint32_t profile_floats;              /* on the device */
     ARRAY(struct scene_light_slot) light_slots;
@@ -448,6 +462,20 @@ void scene_show_node(fnl_scene *scene, uint32_t node, bool visible);
 /** Removes a node, what is below it, and the lights there. */
 fnl_result scene_remove_node(fnl_scene *scene, uint32_t node);
 void scene_remove_light(fnl_scene *scene, uint32_t light);
+/** Levels of detail of which the first is shown; copies the arrays. False: lack of memory. */
+bool scene_add_levels(fnl_scene *scene, const uint32_t *nodes, const float *coverage, uint32_t count, bool of_mesh);
+/** The part of the screen's height that the diameter of their sphere takes, 0 .. 1. */
+float scene_levels_coverage(const fnl_scene *scene, const struct scene_levels *levels, const fnl_camera *camera);
+/** Shows, of all levels, those that fit the size on the camera's screen. Costs what changes. */
+void scene_choose_levels(fnl_scene *scene, const fnl_camera *camera);
+/** Whether a node shows its mesh. */
+static inline bool scene_node_draws(const struct scene_node *node) {
+    return node->active && !node->removed && !node->mesh_off && node->mesh != SCENE_NONE;
+}
+/** After a change of what one node shows. */
+void scene_node_edited(fnl_scene *scene, uint32_t node);
+/** World-space bounds of a tree, active or not; `alone`: of its root. */
+struct box scene_tree_bounds(const fnl_scene *scene, uint32_t root, bool alone);
 /** World-space bounds of all active instances (skinned meshes by their bind pose moved by the joints' boxes). */
 struct box scene_bounds(const fnl_scene *scene);
 /* Of a scene that says nothing else (fnl_scene_set_light_cutoff). */

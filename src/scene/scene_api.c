@@ -364,7 +364,7 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         out->unique_vertex_count += scene->primitives.data[i].vertex_count;
     for (uint32_t i = 0; i < scene->nodes.count; i++) {
         const struct scene_node *node = &scene->nodes.data[i];
-        if (!node->active || node->mesh == SCENE_NONE) continue;
+        if (!scene_node_draws(node)) continue;
         out->instance_count += node->instance_count;
         out->triangle_count += node->instance_count * mesh_triangles(scene, &scene->meshes.data[node->mesh]);
     }

@@ -18,7 +18,7 @@ static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     uint64_t nodes = (uint64_t)into->nodes.count + from->nodes.count + 1; /* the root is one more */
     bool room = ROOM(files) && ROOM(resources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
-                ROOM(variants) && ROOM(profiles) && into->profile_floats + from->profile_floats < SCENE_PROFILE_FLOATS_MAX && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
+                ROOM(variants) && ROOM(profiles) && ROOM(levels) && into->profile_floats + from->profile_floats < SCENE_PROFILE_FLOATS_MAX && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
     return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
 }
@@ -79,6 +79,12 @@ static void append_nodes(fnl_scene *into, const fnl_scene *from, const struct of
         if (!is_root) continue;
         *link = i;
         link = &node->next_sibling;
+    }
+    const uint32_t first_levels = into->levels.count;
+    APPEND(levels);
+    for (uint32_t i = first_levels; i < into->levels.count; i++) {
+        uint32_t *members = (uint32_t *)into->levels.data[i].nodes; /* as in append_animations() */
+        for (uint32_t k = 0; k < into->levels.data[i].count; k++) members[k] += at->nodes;
     }
     /* Lights, cameras and skins look at the nodes above them. */
     for (uint32_t i = root; i != SCENE_NONE; i = nodes[i].parent) nodes[i].linked = true;

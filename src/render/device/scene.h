@@ -325,7 +325,7 @@ fnl_result device_array_set(struct device_scene *d, const char *name, struct dev
 
 /** Whether a node shows a mesh. */
 static inline bool device_node_draws(const struct scene_node *node) {
-    return node->active && !node->removed && node->mesh != SCENE_NONE;
+    return scene_node_draws(node);
 }
 
 /** Outside of frames: sends the environment's picture (environment.c). */
