@@ -80,7 +80,7 @@ static size_t encode(struct draco_encode_mesh mesh) {
 #define ACCESSORS                                                                                                                     \
     "\"accessors\":[" PLACES "," COUNTED(30, 5126, "VEC3") "," COUNTED(30, 5126, "VEC4") "," COUNTED(30, 5126, "VEC2") ","             \
     NORMALIZED(5123, "VEC2") "," NORMALIZED(5121, "VEC4") "," COUNTED(30, 5121, "VEC4") "," COUNTED(120, 5123, "SCALAR") ","           \
-    COUNTED(30, 5120, "VEC3") "]"
+    COUNTED(30, 5120, "VEC3") "," COUNTED(66, 5123, "SCALAR") "]"
 #define ATTRIBUTES                                                                                                                    \
     "\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":3,\"TEXCOORD_1\":4,\"COLOR_0\":5,\"JOINTS_0\":6,"        \
     "\"WEIGHTS_0\":2,\"_EXTRA\":8}"
@@ -184,7 +184,7 @@ static void test_draco_strip_no_indices_shared_MA_9(void **state) {
     UNUSED(state);
     size_t size = encode((struct draco_encode_mesh){.face_count = FACES});
     static const char *const files[] = {
-        HEAD ACCESSORS MESH("{\"mode\":5,\"indices\":7," ATTRIBUTES "," PACKED(IDS) "}") "}",
+        HEAD ACCESSORS MESH("{\"mode\":5,\"indices\":9," ATTRIBUTES "," PACKED(IDS) "}") "}",
         HEAD ACCESSORS MESH("{" ATTRIBUTES "," PACKED(IDS) "}") "}",
         HEAD ACCESSORS MESH(WHOLE "," WHOLE) "}",
     };
@@ -288,6 +288,10 @@ static void test_draco_broken_MA_9(void **state) {
     static const unsigned char many[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 0, 0, 0, 0x80, 0xc6, 0x86, 0x8f, 0x01, 3, 0, 0, 0, 0, 0};
     memcpy(packed, many, sizeof many);
     expect_broken(sizeof many, "cannot hold 300000000 triangles");
+    /* The same behind metadata: none of attributes, one entry "a" of one byte, one element below with none. */
+    static const unsigned char behind[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 0, 0, 0x80, 0, 1, 1, 'a', 1, 5, 1, 1, 'b', 0, 0, 0x80, 0xc6, 0x86, 0x8f, 0x01, 3};
+    memcpy(packed, behind, sizeof behind);
+    expect_broken(sizeof behind, "cannot hold 300000000 triangles");
 }
 
 int main(void) {

@@ -267,6 +267,13 @@ static void test_indices_MA_10(void **state) {
     one[2] = 0;
     one[16] = 1;
     assert_false(meshcode_triangles(read_corners, 3, 4, one, sizeof one - 1));
+    /* Five triangles alone, then one at the youngest edge: in version 0 with the 14th youngest vertex, in version 1 with the one before the last. */
+    unsigned char old[] = {0xe0, 0xf0, 0xf0, 0xf0, 0xf0, 0xf0, 0x0d, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    assert_true(meshcode_triangles(read_corners, 18, 4, old, sizeof old));
+    assert_true(read_corners[15] == 12 && read_corners[16] == 14 && read_corners[17] == 1);
+    old[0] = 0xe1;
+    assert_true(meshcode_triangles(read_corners, 18, 4, old, sizeof old));
+    assert_true(read_corners[17] == UINT32_MAX);
     static const unsigned char number[] = {0xd1, 0x80, 0x80, 0x80, 0x80, 0x80, 0x00, 0, 0, 0, 0};
     assert_false(meshcode_indices(read_corners, 1, 4, number, sizeof number));
 }
