@@ -38,7 +38,8 @@ static inline unsigned char *test_ktx2_make(const struct test_ktx2 *in, size_t *
     memcpy(file, "\xabKTX 20\xbb\r\n\x1a\n", 12);
     const uint32_t header[] = {in->format, 1, in->width, in->height, 0, 0, in->faces ? in->faces : 1, in->mips, in->scheme, (uint32_t)at, 44, (uint32_t)at + 44};
     for (uint32_t i = 0; i < sizeof header / sizeof *header; i++) test_put32(file + 12 + 4 * i, header[i]);
-    const uint32_t descriptor[] = {44, 0, 2 | 40 << 16, in->model | 1u << 8 | in->transfer << 16 | in->flags << 24, 0x303, 16, 0, 127u << 16 | in->channel << 24, 0, 0, UINT32_MAX};
+    const uint32_t descriptor[] = {44, 0, 2 | 40 << 16, in->model | 1u << 8 | in->transfer << 16 | in->flags << 24, 0x303, 16, 0,
+                                   127u << 16 | in->channel << 24, 0, 0, UINT32_MAX};
     for (uint32_t i = 0; i < 11; i++) test_put32(file + at + 4 * i, descriptor[i]);
     at += 44;
     const size_t values = at;

@@ -53,7 +53,8 @@ static fnl_result find_universal(const struct image_source *source, struct textu
     if (block[11] & PREMULTIPLIED) return image_fail(source, FNL_ERROR_UNSUPPORTED, "KTX2 of colours that are multiplied by alpha (at byte %u)", offset + 15);
     out->texture.transfer = transfer == TRANSFER_SRGB ? TEXTURE_SRGB : transfer == TRANSFER_LINEAR ? TEXTURE_LINEAR : TEXTURE_TRANSFER_UNKNOWN;
     if (model == MODEL_ETC1S) {
-        if (out->scheme != KTX2_BASIS_LZ) return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: ETC1S with supercompression scheme %u (1, BasisLZ)", out->scheme);
+        if (out->scheme != KTX2_BASIS_LZ)
+            return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: ETC1S with supercompression scheme %u (1, BasisLZ)", out->scheme);
         if (first != 0 || (sample_count > 1 && second != 15))
             return image_fail(source, FNL_ERROR_UNSUPPORTED, "KTX2 of ETC1S with channels %u and %u (read are RGB, 0, and alpha, 15)", first, second);
         out->texture.format = TEXTURE_RGBA8;
@@ -78,7 +79,8 @@ static fnl_result find_values(const struct image_source *source, struct texture_
     const unsigned char *at = source->bytes + offset;
     for (uint32_t left = size; left >= 4;) {
         const uint32_t length = little32(at);
-        if (length > left - 4) return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: a key and its value are cut off (at byte %zu)", (size_t)(at - source->bytes));
+        if (length > left - 4)
+            return image_fail(source, FNL_ERROR_FORMAT, "broken KTX2: a key and its value are cut off (at byte %zu)", (size_t)(at - source->bytes));
         const char *key = (const char *)at + 4;
         const size_t key_length = strnlen(key, length);
         const char *value = key + key_length + 1;
@@ -91,7 +93,8 @@ static fnl_result find_values(const struct image_source *source, struct texture_
         }
         if (key_length == 10 && memcmp(key, "KTXswizzle", 10) == 0) {
             for (uint32_t i = 0; i < 4; i++)
-                if (value_length < 4 || !value[i] || !strchr("rgba01", value[i])) return image_fail(source, FNL_ERROR_UNSUPPORTED, "KTX2 of an unknown KTXswizzle (four of rgba01)");
+                if (value_length < 4 || !value[i] || !strchr("rgba01", value[i]))
+                    return image_fail(source, FNL_ERROR_UNSUPPORTED, "KTX2 of an unknown KTXswizzle (four of rgba01)");
             memcpy(out->swizzle, value, 4);
         }
         const uint32_t step = 4 + (length + 3) / 4 * 4;

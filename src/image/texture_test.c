@@ -127,7 +127,9 @@ static void test_blocks_of_UASTC_MA_8(void **state) {
         for (uint32_t i = 0; modes[mode].subsets > 1 && i < length; i++)
             block[(at + i) / 8] = (unsigned char)((block[(at + i) / 8] & ~(1u << (at + i) % 8)) | (pattern >> i & 1) << (at + i) % 8);
     }
-    const struct test_ktx2 in = {.width = 4 * ACROSS, .height = 4 * DOWN, .mips = 1, .bytes = blocks, .sizes = {sizeof blocks}, .model = 166, .transfer = 1, .channel = 3};
+    const struct test_ktx2 in = {
+        .width = 4 * ACROSS, .height = 4 * DOWN, .mips = 1, .bytes = blocks, .sizes = {sizeof blocks}, .model = 166, .transfer = 1, .channel = 3,
+    };
     fnl_host host = counting_host();
     struct texture t;
     size_t size;
@@ -298,7 +300,8 @@ static void test_orientation_and_swizzle_MA_8(void **state) {
     static const struct {
         const char *orientation, *swizzle;
         bool x, y;
-    } cases[] = {{"rd", "rgba", false, false}, {"ru", NULL, false, true}, {"ld", NULL, true, false}, {"lu", "bgr1", true, true}, {NULL, "rrr1", false, false}, {"rd", "0gab", false, false}};
+    } cases[] = {{"rd", "rgba", false, false}, {"ru", NULL, false, true},     {"ld", NULL, true, false},
+                 {"lu", "bgr1", true, true}, {NULL, "rrr1", false, false}, {"rd", "0gab", false, false}};
     fnl_host host = counting_host();
     for (uint32_t k = 0; k < COUNT_OF(cases); k++) {
         struct texture t = random_texture(&host, k & 1 ? TEXTURE_RGBA8 : TEXTURE_BC3, 5), out;

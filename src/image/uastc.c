@@ -14,10 +14,11 @@ static const struct mode {
     uint8_t range_bits, range_base;    /* of an end: range_base 3 or 5 is a trit or a quint above the bits, 1: none */
     uint8_t weight_bits;
 } modes[MODES] = {
-    {0x01, 4, 15, 1, 1, 3, 6, 3, 4}, {0x35, 6, 15, 1, 1, 3, 8, 1, 2}, {0x1d, 5, 15, 2, 1, 3, 4, 1, 3}, {0x03, 5, 15, 3, 1, 3, 2, 3, 2}, {0x13, 5, 15, 2, 1, 3, 3, 5, 2},
-    {0x0b, 5, 15, 1, 1, 3, 8, 1, 3}, {0x1b, 5, 15, 1, 2, 3, 5, 5, 2}, {0x07, 5, 15, 2, 1, 3, 3, 5, 2}, {0x17, 5, 0, 1, 1, 4, 8, 1, 0},  {0x0f, 5, 23, 2, 1, 4, 4, 1, 2},
-    {0x02, 3, 17, 1, 1, 4, 4, 3, 4}, {0x00, 2, 17, 1, 2, 4, 4, 3, 2}, {0x06, 3, 17, 1, 1, 4, 6, 3, 3}, {0x1f, 5, 23, 1, 2, 4, 8, 1, 1}, {0x0d, 5, 23, 1, 1, 4, 8, 1, 2},
-    {0x05, 7, 23, 1, 1, 2, 8, 1, 4}, {0x15, 6, 23, 2, 1, 2, 8, 1, 2}, {0x25, 6, 23, 1, 2, 2, 8, 1, 2}, {0x09, 4, 15, 1, 1, 3, 5, 1, 5},
+    {0x01, 4, 15, 1, 1, 3, 6, 3, 4}, {0x35, 6, 15, 1, 1, 3, 8, 1, 2}, {0x1d, 5, 15, 2, 1, 3, 4, 1, 3}, {0x03, 5, 15, 3, 1, 3, 2, 3, 2},
+    {0x13, 5, 15, 2, 1, 3, 3, 5, 2}, {0x0b, 5, 15, 1, 1, 3, 8, 1, 3}, {0x1b, 5, 15, 1, 2, 3, 5, 5, 2}, {0x07, 5, 15, 2, 1, 3, 3, 5, 2},
+    {0x17, 5,  0, 1, 1, 4, 8, 1, 0}, {0x0f, 5, 23, 2, 1, 4, 4, 1, 2}, {0x02, 3, 17, 1, 1, 4, 4, 3, 4}, {0x00, 2, 17, 1, 2, 4, 4, 3, 2},
+    {0x06, 3, 17, 1, 1, 4, 6, 3, 3}, {0x1f, 5, 23, 1, 2, 4, 8, 1, 1}, {0x0d, 5, 23, 1, 1, 4, 8, 1, 2}, {0x05, 7, 23, 1, 1, 2, 8, 1, 4},
+    {0x15, 6, 23, 2, 1, 2, 8, 1, 2}, {0x25, 6, 23, 1, 2, 2, 8, 1, 2}, {0x09, 4, 15, 1, 1, 3, 5, 1, 5},
 };
 
 /* ASTC's partitions that BC7 has too; bit i: texel i is in the second subset. */
@@ -29,7 +30,8 @@ enum { TWO_COUNT = 30, SEVEN_COUNT = 19, THREE_COUNT = 11 };
 static const uint16_t seven_subsets[32] = {0x00f0, 0x4444, 0x0133, 0xcc80, 0xf0ff, 0x2222, 0xffc8, 0xccce, 0x3c03, 0x00ee,
                                            0x7700, 0x3003, 0x00ce, 0xff80, 0x6fff, 0x1333, 0x11ff, 0x136c, 0x00ef};
 /* Two bits for each texel. */
-static const uint32_t three_subsets[16] = {0xa5a50000, 0xaa005555, 0xaa000055, 0x0000aa55, 0x25252525, 0x94949494, 0x58585858, 0x56560202, 0x92929292, 0x55aa0055, 0xa05050a0};
+static const uint32_t three_subsets[16] = {0xa5a50000, 0xaa005555, 0xaa000055, 0x0000aa55, 0x25252525, 0x94949494,
+                                           0x58585858, 0x56560202, 0x92929292, 0x55aa0055, 0xa05050a0};
 
 /* Which subset each texel is in; false: there is no such pattern. */
 static bool read_pattern(struct block_bits *bits, uint32_t mode, uint8_t subsets[16]) {

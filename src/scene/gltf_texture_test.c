@@ -30,8 +30,8 @@ static void fill(const struct test_ktx2 *in) {
 static fnl_scene *load(const char *used, const char *texture, const char *slot, const char *mime) {
     char json[4096];
     snprintf(json, sizeof json,
-             "{\"asset\":{\"version\":\"2.0\"}%s,\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu},{\"buffer\":0,\"byteOffset\":128,"
-             "\"byteLength\":%zu}],\"images\":[{\"bufferView\":0,\"mimeType\":\"image/png\"},{\"bufferView\":1,\"mimeType\":\"%s\"}],\"textures\":[{%s}],"
+             "{\"asset\":{\"version\":\"2.0\"}%s,\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu},"
+             "{\"buffer\":0,\"byteOffset\":128,\"byteLength\":%zu}],\"images\":[{\"bufferView\":0,\"mimeType\":\"image/png\"},{\"bufferView\":1,\"mimeType\":\"%s\"}],\"textures\":[{%s}],"
              "\"materials\":[{%s}]}",
              used, 128 + ktx2_size, sizeof test_png, ktx2_size, mime, texture, slot);
     fnl_scene *scene;
@@ -88,9 +88,12 @@ static void test_what_is_said_of_files_MA_8(void **state) {
                    "/materials/0/normalTexture: is a texture of numbers, but the file of image 1 says that it holds colours of sRGB");
     expect_message(&rgba8_srgb, USED, COLOR, "image/png", 8, "/images/1: its mimeType is 'image/png', but the bytes are image/ktx2");
     expect_message(&rgba8_srgb, "", COLOR, "image/ktx2", 8, "KHR_texture_basisu is not in extensionsUsed");
-    expect_message(&(struct test_ktx2){.format = 97, .sizes = {8 * 8 * 8}}, USED, "", "image/ktx2", 0, "/images/1: is a picture of floats, not of 8 bits a channel; it is shown as white");
-    expect_message(&(struct test_ktx2){.format = 43, .faces = 6, .sizes = {8 * 8 * 24}}, USED, "", "image/ktx2", 0, "/images/1: is a cube map, not a picture; it is shown as white");
-    expect_message(&(struct test_ktx2){.format = 43, .sizes = {17}}, USED, "", "image/ktx2", 0, "/images/1: the picture: broken KTX2: level 0 has 17 bytes, not 256 (at byte 88); it is shown as white");
+    expect_message(&(struct test_ktx2){.format = 97, .sizes = {8 * 8 * 8}}, USED, "", "image/ktx2", 0,
+                   "/images/1: is a picture of floats, not of 8 bits a channel; it is shown as white");
+    expect_message(&(struct test_ktx2){.format = 43, .faces = 6, .sizes = {8 * 8 * 24}}, USED, "", "image/ktx2", 0,
+                   "/images/1: is a cube map, not a picture; it is shown as white");
+    expect_message(&(struct test_ktx2){.format = 43, .sizes = {17}}, USED, "", "image/ktx2", 0,
+                   "/images/1: the picture: broken KTX2: level 0 has 17 bytes, not 256 (at byte 88); it is shown as white");
 }
 
 int main(void) {
