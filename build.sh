@@ -115,7 +115,7 @@ shaders) setup --tests; build build shader_report -DFANAL_TESTS=ON; if [ -n "$re
 fuzz)
     setup --clang
     build_command fanal_shader_files
-    build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON -DFANAL_SANITIZE=address,undefined \
+    build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON -DFANAL_SANITIZE=address,undefined \
         "-DFANAL_SHADERS=$PWD/build/generated"
     tools/fuzz.sh build/fuzz "$seconds"
     ;;

@@ -415,6 +415,7 @@ static void test_files_of_both_names_MA_10(void **state) {
 }
 
 int main(void) {
+    meshopt_encodeVertexVersion(0); /* later versions of the library write 1 */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_attributes_version_0_MA_10), cmocka_unit_test(test_attributes_version_1_MA_10),
         cmocka_unit_test(test_attributes_broken_MA_10),    cmocka_unit_test(test_indices_MA_10),
