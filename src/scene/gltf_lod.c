@@ -2,7 +2,7 @@
 /* MSFT_lod, with MSFT_screencoverage: levels of detail of nodes and materials. */
 #include "scene/gltf.h"
 
-enum { LEVELS_MOST = 16 };
+enum { LEVELS_MOST = 16, IDS_MOST = 4 * LEVELS_MOST };
 
 /** Level 0 is `first`. The number of levels, 1 if there is but the one. */
 static uint32_t read_ids(struct gltf *g, json_t *object, const struct at *at, uint32_t first, uint32_t count, uint32_t out[LEVELS_MOST]) {
@@ -14,7 +14,7 @@ static uint32_t read_ids(struct gltf *g, json_t *object, const struct at *at, ui
     json_t *ids = gltf_array(g, extension, &place.extension, "ids", true);
     const struct at *here = AT_KEY(&place.extension, "ids");
     for (uint32_t i = 0; i < gltf_count(ids); i++) {
-        if (found == LEVELS_MOST) {
+        if (found == LEVELS_MOST || i == IDS_MOST) {
             gltf_warn(g, AT_INDEX(here, i), "more than %d levels are not read; the others are left out", LEVELS_MOST);
             break;
         }

@@ -67,7 +67,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     fnl_scene_info info;
     fnl_camera camera;
     fnl_scene_query_info(scene, &info);
-    fnl_scene_query_framing_camera(scene, 1.5f, &camera);
+    if (fnl_scene_query_framing_camera(scene, 1.5f, &camera) == FNL_OK) scene_choose_levels(scene, &camera);
     for (uint32_t i = 0; i < scene->animations.count; i++) fnl_scene_set_time(scene, i, 0.3);
     fnl_scene_destroy(&scene);
     if (input.released != input.given) abort();
