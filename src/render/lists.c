@@ -295,7 +295,8 @@ _Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_
                "backface_axis has the values of fnl_backface_axis");
 
 static void add_backface(struct lists_context *c) {
-    if (!c->gbuffer) { /* no normals are known before shading */
+    /* No normals are known before shading; and a coat has others, and paper shows lights behind it. */
+    if (!c->gbuffer || c->input->layered) {
         add_tiled(c);
         return;
     }
