@@ -22,6 +22,14 @@ vec3 environment_radiance(view_block v, vec3 direction, float lod) {
     return radiance;
 }
 
+// What a white diffuse surface reflects whose normal is `n`, in the axes of the harmonics.
+vec3 environment_harmonics(gpu_environment light, vec3 n) {
+    return max(light.diffuse[0] + light.diffuse[1] * n.y + light.diffuse[2] * n.z + light.diffuse[3] * n.x + light.diffuse[4] * (n.x * n.y) +
+                   light.diffuse[5] * (n.y * n.z) + light.diffuse[6] * (3.0 * n.z * n.z - 1.0) + light.diffuse[7] * (n.x * n.z) +
+                   light.diffuse[8] * (n.x * n.x - n.y * n.y),
+               vec3(0.0));
+}
+
 // What a white diffuse surface reflects; cd/m^2.
 vec3 environment_diffuse(view_block v, vec3 normal) {
     environment_block e = v.view.frame.frame.environment;

@@ -212,7 +212,11 @@ vec3 stretched_radiance(surface s, layers_view b, view_block v) {
         float seen = max(dot(b.base.to_view, normal), 0.0); // times 1 / (n.h), which is the length of `normal`, over itself
         leaning.normal = normalize(normal);
         float weight = dot(s.normal, reflect(-b.base.to_view, leaning.normal)) > 0.0 ? seen : 0.0;
-        if (weight > 0.0) sum += weight * environment_radiance(v, lobe_direction(leaning, b.base.to_view), lod);
+        vec3 direction = lobe_direction(leaning, b.base.to_view);
+        if (weight > 0.0) {
+            if (LIST_REFLECTIONS) sum += weight * reflections_gather(v, s.position, s.normal, direction, lod, s.normal, -1.0).mirrored;
+            else sum += weight * environment_radiance(v, direction, lod);
+        }
         weights += weight;
     }
     return sum / weights;
@@ -220,17 +224,30 @@ vec3 stretched_radiance(surface s, layers_view b, view_block v) {
 
 // `through`: the part of what is behind that shows through the base.
 vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through) {
-    vec3 table = environment_reflectance(v, b.n_v, s.roughness), around = AMBIENT_DIFFUSE(v, s.normal), taken;
-    surface bent = s;
+    vec3 table = environment_reflectance(v, b.n_v, s.roughness), mirrored, around, taken;
+    surface bent = s, coat = s;
     if (s.layers.anisotropy > 0.0) bent.normal = stretched_normal(s, b);
-    vec3 mirrored = LIST_ENVIRONMENT && s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v)
+    coat.normal = s.layers.clearcoat_normal;
+    coat.roughness = s.layers.clearcoat_roughness;
+    light_around light_from;
+    if (LIST_REFLECTIONS) {
+        float lod = s.layers.clearcoat > 0.0 ? environment_reflectance(v, 1.0, coat.roughness).z : -1.0;
+        light_from = reflections_gather(v, s.position, s.normal, lobe_direction(bent, b.base.to_view), table.z, lobe_direction(coat, b.base.to_view), lod);
+        mirrored = s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v) : light_from.mirrored;
+        around = light_from.diffuse;
+    } else {
+        mirrored = LIST_ENVIRONMENT && s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v)
                                                                  : radiance_from(v, lobe_direction(bent, b.base.to_view), table.z);
+        around = AMBIENT_DIFFUSE(v, s.normal);
+    }
     // The film's reflectance holds for the whole lobe: as f0 and f90 in one.
     vec3 f0 = mix(s.dielectric_f0, b.film_dielectric, s.layers.film), f90 = mix(vec3(s.dielectric_f90), b.film_dielectric, s.layers.film);
     vec3 light = environment_lobe(f0, f90, table.xy, mirrored, around, taken);
     vec3 below = s.base_color * around;
-    if (s.layers.diffuse_transmission > 0.0)
-        below = mix(below, s.layers.diffuse_transmission_color * AMBIENT_DIFFUSE(v, -s.normal), s.layers.diffuse_transmission);
+    if (s.layers.diffuse_transmission > 0.0) {
+        vec3 behind = LIST_REFLECTIONS ? reflections_gather(v, s.position, -s.normal, -s.normal, 0.0, s.normal, -1.0).diffuse : AMBIENT_DIFFUSE(v, -s.normal);
+        below = mix(below, s.layers.diffuse_transmission_color * behind, s.layers.diffuse_transmission);
+    }
     through = vec3(0.0);
 #ifdef TRANSMISSION
     below *= 1.0 - s.layers.transmission;
@@ -241,11 +258,9 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
     light = mix(light, environment_lobe(f0, f90, table.xy, mirrored, around, taken), s.metallic) * b.below_sheen;
     light += s.layers.sheen_color * environment_sheen(v, b.n_v, s.layers.sheen_roughness) * around;
     if (s.layers.clearcoat <= 0.0) return light;
-    surface coat = s;
-    coat.normal = s.layers.clearcoat_normal;
-    coat.roughness = s.layers.clearcoat_roughness;
     table = environment_reflectance(v, clamp(dot(coat.normal, b.base.to_view), 0.0, 1.0), coat.roughness);
-    return light * b.below_coat + s.layers.clearcoat * (COAT_F0 * table.x + table.y) * radiance_from(v, lobe_direction(coat, b.base.to_view), table.z);
+    vec3 coat_light = LIST_REFLECTIONS ? light_from.coat : radiance_from(v, lobe_direction(coat, b.base.to_view), table.z);
+    return light * b.below_coat + s.layers.clearcoat * (COAT_F0 * table.x + table.y) * coat_light;
 }
 
 vec3 layers_rest(surface s, view_block v, vec3 to_view, vec3 sum) {

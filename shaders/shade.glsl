@@ -20,7 +20,9 @@ vec3 ambient_radiance(view_block v, vec3 direction) {
     return mix(v.view.frame.frame.ambient_ground, v.view.frame.frame.ambient_sky, direction.y * 0.5 + 0.5);
 }
 
-// What a white diffuse surface reflects of light from all around.
+#include "reflections.glsl"
+
+// What a white diffuse surface reflects of light from all around, where no reflection probe is.
 vec3 ambient_diffuse(view_block v, vec3 normal) { return LIST_ENVIRONMENT ? environment_diffuse(v, normal) : ambient_radiance(v, normal); }
 
 // Shaders that know that already say so before they include this.
@@ -52,7 +54,15 @@ vec3 lobe_direction(surface s, vec3 to_view) {
 vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
     vec3 table = environment_reflectance(v, n_v, s.roughness);
     vec2 reflectance = table.xy;
-    vec3 mirrored = environment_radiance(v, lobe_direction(s, to_view), table.z), around = AMBIENT_DIFFUSE(v, s.normal), taken;
+    vec3 mirrored, around, taken;
+    if (LIST_REFLECTIONS) {
+        light_around light = reflections_gather(v, s.position, s.normal, lobe_direction(s, to_view), table.z, s.normal, -1.0);
+        mirrored = light.mirrored;
+        around = light.diffuse;
+    } else {
+        mirrored = environment_radiance(v, lobe_direction(s, to_view), table.z);
+        around = AMBIENT_DIFFUSE(v, s.normal);
+    }
     precise vec3 dielectric = environment_lobe(s.dielectric_f0, vec3(s.dielectric_f90), reflectance, mirrored, around, taken);
     precise vec3 below = s.base_color * (1.0 - max_component(taken)) * around;
     precise vec3 light = dielectric + below;
@@ -69,7 +79,7 @@ vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
 vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     if (LIST_LAYERS && s.layered) return layers_rest(s, v, to_view, sum);
     float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
-    if (LIST_ENVIRONMENT) {
+    if (LIST_ENVIRONMENT || LIST_REFLECTIONS) {
         precise vec3 lit = sum + environment_light(s, v, to_view, n_v) * s.occlusion + s.emissive;
         return lit;
     }

@@ -59,8 +59,9 @@ struct gpu_view {
     uint glass;          /* sampled: what is drawn lies behind this depth, that of the nearest glass; of lists with GPU_LIST_BEHIND_GLASS */
     uint pad;
     uvec2 decals;        /* address of a struct gpu_decal_set, whose list is of this view; read only where a shader's features say that there is one */
+    uvec2 reflections;   /* of a struct gpu_reflection_set; of lists with GPU_LIST_REFLECTIONS */
 };
-#define GPU_VIEW_BYTES 448
+#define GPU_VIEW_BYTES 456
 #ifndef GL_core_profile
 _Static_assert(sizeof(struct gpu_view) == GPU_VIEW_BYTES, "views stand one after the other as view_at() of view.glsl expects");
 #endif

@@ -127,6 +127,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_SHADOW_HISTORY, /**< shadow.denoise: frames that a pixel has collected; brightest: 32 */
     FNL_DEBUG_PROBE_LOOKUP, /**< cubemap shadows: texels of the cube map that are looked up for the light that gives most, a hue for each face; grey: none */
     FNL_DEBUG_PROBE_LEVELS, /**< cubemap shadows: the level of that look-up, finer is brighter, with a legend */
+    FNL_DEBUG_REFLECTIONS,  /**< reflection probes: a colour for each, by its part of the light from all around; grey: none */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -148,6 +149,19 @@ typedef enum fnl_output {
 
 /** Views that a frame may have. */
 enum { FNL_VIEWS_MAX = 64 };
+
+/** Reflection probes (fnl_probe_params.reflection); docs/techniques/reflection-probes.md. */
+typedef struct fnl_reflection_options {
+    /** Probes that are captured anew for each frame, in turn, 0 .. 1024; 0 (default): none, each is captured once, and when it is set again. */
+    uint32_t refresh;
+    /**
+     * How often light is reflected by surfaces that mirror, or get their light from all around, before it is seen: a probe that is captured for the first
+     * time is captured so many times, 1 .. 8; default 1. Captures that refresh it go on from there.
+     */
+    uint32_t bounces;
+    /** Follows reflections to the walls of the box; false: they are looked up as if these were infinitely far away. Default true. */
+    bool parallax;
+} fnl_reflection_options;
 
 typedef struct fnl_frame {
     /** Size of the picture in pixels, 1 .. 16384. Default 1280 x 720. */
@@ -241,6 +255,8 @@ typedef struct fnl_frame {
     /** FNL_DECALS_GBUFFER: chooses mip levels by the slope of the surface, not by how positions differ between pixels, which draws fringes at
         silhouettes. False shows the fault. Default true. */
     bool decal_mip_fix;
+
+    fnl_reflection_options reflections;
 
     /* Light lists, by the kinds that heed them (fanal/lights.h). */
     fnl_list_options list;

@@ -22,10 +22,26 @@ typedef struct fnl_probe_params {
      * the faces at most.
      */
     float wall;
-    uint32_t face_size; /**< texels on the side of each of the cube's six faces, 8 .. 2048; default 128 */
+    /**
+     * Texels on the side of each of the cube's six faces, 8 .. 2048; default 128. Of reflections the greatest power of two that is not above it, 16 .. 1024.
+     */
+    uint32_t face_size;
     bool shadows;       /**< FNL_SHADOWS_CUBEMAP: lights outside shine in through it; default true */
     /** shadow.cubemap-lod=linear: levels of detail for each metre between a surface and the wall, 0 .. 16; 0 (default): hard shadows. */
     float softness;
+    /**
+     * A reflection probe: what surfaces in the box mirror, and their diffuse light from all around, is what is seen from `capture`, not the environment.
+     * Reflections are followed to the faces of the box. It is captured in the first frame, and again when the probe is set again, with the same values
+     * too. Default false. docs/techniques/reflection-probes.md tells more.
+     */
+    bool reflection;
+    /**
+     * Reflections: metres over which it fades, >= 0, inwards from where it ends, `wall` metres outside of the faces. Default 0.05: it serves all of the box.
+     * Where probes of one priority overlap they are blended; what they leave is the environment's.
+     */
+    float blend;
+    int32_t priority; /**< reflections: where a probe of a higher priority is, others count only as far as it fades; default 0 */
+    float intensity;  /**< reflections: multiplies their light, >= 0; default 1 */
 } fnl_probe_params;
 
 FNL_API fnl_probe_params fnl_probe_params_default(void);

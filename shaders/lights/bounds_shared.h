@@ -37,9 +37,10 @@ struct gpu_shape {
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer plane_array { vec4 at[]; };
 #endif
 
-/* Whose bounds they are. light_input.kinds has a bit for each kind that is wanted. Builders handle one kind more than there is today. */
+/* Whose bounds they are. light_input.kinds has a bit for each kind that is wanted. */
 #define GPU_ENTITY_LIGHT 0u
 #define GPU_ENTITY_DECAL 1u
+#define GPU_ENTITY_PROBE 2u /* a reflection probe */
 #define GPU_ENTITY_KINDS 3u
 
 #define GPU_NO_SHAPE 0xffffffffu

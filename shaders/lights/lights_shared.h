@@ -67,6 +67,8 @@ struct gpu_light {
 #ifdef GL_core_profile
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer profile_array { float at[]; };
 #endif
+/* Beside the kind: in the boxes of reflection probes ambient light comes from these (shaders/reflections.glsl). */
+#define GPU_LIST_REFLECTIONS 0x200000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

@@ -62,7 +62,8 @@ struct names {
     ROW("shadow-variance", "shadow.denoise: standard deviation of the light seen, before filtering in space; brightest: 0.5")   \
     ROW("shadow-history", "shadow.denoise: frames that a pixel has collected; brightest: 32, or exact")                          \
     ROW("probe-lookup", "cubemap shadows: texels looked up for the light that gives most, a hue for each face; grey: none")      \
-    ROW("probe-levels", "cubemap shadows: the level of that look-up, finer is brighter, with a legend")
+    ROW("probe-levels", "cubemap shadows: the level of that look-up, finer is brighter, with a legend")                         \
+    ROW("reflections", "reflection probes: a colour for each, by its part of the light from all around; grey: none")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

@@ -116,6 +116,13 @@ static void test_frames_have_what_they_do(void **state) {
         frame.msaa = 4;
         look(&stage, &frame);
     }
+    fnl_probe_params probe = fnl_probe_params_default();
+    fnl_probe_id id;
+    probe.reflection = true;
+    probe.face_size = 16;
+    for (int i = 0; i < 5; i++) assert_int_equal(fnl_scene_add_probe(stage.scene, &probe, &id), FNL_OK); /* more than do without a list */
+    usual.shading = FNL_SHADING_FORWARD;
+    look(&stage, &usual);
     for (uint32_t i = 0; fnl_counter_query(i, &c); i++) {
         if (!(info.msaa_counts & 4) && strncmp(c.key, "msaa.", 5) == 0) continue;
         if (!info.ray_query && (strncmp(c.key, "shadows.structure", 17) == 0 || strcmp(c.key, "shadows.instances") == 0)) continue;

@@ -72,6 +72,10 @@ static fnl_result check_probes(const struct call *call, const fnl_renderer *r, c
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
 }
 
+static void add_reflections(struct frame_state *f, bool swap) {
+    reflections_view_add(f->graph, &f->aov, &f->scene->lights.environment, f->view_address, f->color, swap);
+}
+
 static void add_denoise(struct frame_state *f, bool swap) {
     denoise_view_add(f->graph, &f->denoise, f->frame->debug == FNL_DEBUG_SHADOW_HISTORY, f->view_address, f->color, swap);
 }
@@ -111,6 +115,7 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_SHADOW_ERRORS, .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_PROBE_LOOKUP, .surfaces = true, .add = add_shadows, .check = check_probes},
     {FNL_DEBUG_PROBE_LEVELS, .surfaces = true, .add = add_shadows, .check = check_probes},
+    {FNL_DEBUG_REFLECTIONS, .surfaces = true, .add = add_reflections},
     {FNL_DEBUG_SHADOW_VARIANCE, .add = add_denoise, .check = check_denoise},
     {FNL_DEBUG_SHADOW_HISTORY, .add = add_denoise, .check = check_denoise},
 };

@@ -5,6 +5,7 @@
 #include "render/decals.h"
 #include "render/frame_steps.h"
 #include "render/multiview.h"
+#include "render/reflections.h"
 #include "render/shading.h"
 #include "render/shadows.h"
 
@@ -17,6 +18,7 @@ static void add_counters(struct frame_state *f);
 static fnl_result begin_view(struct frame_state *f, struct gpu_view *out) {
     TRY(add_view(f, out));
     TRY(decals_add_list(f));
+    reflections_add_list(f);
     TRY(fade_lights(f));
     frame_cull(f);
     add_counters(f);
@@ -35,6 +37,7 @@ static void finish_view(struct frame_state *f) {
     if (wants_color) frame_add_picture(f);
     if (f->target) frame_add_target(f);
     frame_add_outputs(f);
+    reflections_take_face(f);
     frame_add_counts(f);
     frame_note_stats(f);
     temporal_end(f);
@@ -128,6 +131,7 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
     f->view.turn = MAX(f->temporal.index, f->temporal.sequence) % 64;
     f->view.frame = f->shared_address;
     TRY(decals_begin(f));
+    TRY(reflections_begin(f));
     *out = f->view;
     f->scene->lights.view = f->view_address;
     f->scene->lights.width = f->frame->width;

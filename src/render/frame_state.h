@@ -66,6 +66,7 @@ struct frame_state {
     struct texturing texturing;         /* pages.address 0: not of virtual texturing */
     struct dais dais;                   /* counts.id 0: not of this order */
     struct frame_decals decals;
+    struct gpu_reflection_set *reflections; /* NULL: there are none */
     struct aov_images aov;
     struct frame_temporal temporal;
     struct denoise denoise; /* places.id 0: nothing was denoised */

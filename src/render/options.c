@@ -108,6 +108,12 @@ static const struct row rows[] = {
     NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),
     SWITCH("decal-mip-fix", decal_mip_fix, PATHS_GBUFFER, EVERY, "decals=gbuffer: no fringes where depth jumps"),
 
+    /* reflection probes */
+    COUNT("reflections.refresh", reflections.refresh, 0, 1024, "probes", EVERY, EVERY, "reflection probes captured anew for each frame, in turn; 0: once"),
+    COUNT("reflections.bounces", reflections.bounces, 1, 8, "captures", EVERY, EVERY,
+          "how often a new reflection probe is captured, so that mirrors show what mirrors show"),
+    SWITCH("reflections.parallax", reflections.parallax, EVERY, EVERY, "follows reflections to the walls of a probe's box"),
+
     /* light lists */
     SWITCH("list.frustum-cull", list.frustum_cull, EVERY,
            ((TILES & ~LISTS(TREE)) | LISTS(CLUSTERED) | LISTS(MESH) | LISTS(BATCHES) | LISTS(MULTIPASS) | LISTS(SPARSE) | LISTS(BVH) | LISTS(RASTER)),
@@ -360,6 +366,7 @@ fnl_frame fnl_frame_default(void) {
                        .occlusion = FNL_OCCLUSION_AUTO,
                        .decals = FNL_DECALS_LISTS,
                        .decal_mip_fix = true,
+                       .reflections = {.bounces = 1, .parallax = true},
                        .list = {.frustum_cull = true, .cone_tests = true, .tree_hybrid = true, .normal_cones = true},
                        .tiles = {.size = 16, .bounds = FNL_TILE_BOUNDS_BOX, .min_depth = true, .max_depth = true},
                        .clusters = {.size = 64, .slices = 32, .near = INFINITY, .far = INFINITY},

@@ -176,7 +176,10 @@ static uint64_t key_of(const fnl_renderer *r, const struct renderer_probe *probe
     const struct device_scene *d = r->device_scene;
     const struct renderer_probes *p = &r->probes;
     fnl_probe_params seen = probe->params;
-    seen.softness = 0; /* not of the image */
+    seen.softness = 0; /* not of the image, as the next */
+    seen.reflection = false;
+    seen.blend = seen.intensity = 0;
+    seen.priority = 0;
     const uint64_t words[] = {d->ray_key, d->structure_version, d->material_version, d->texture_version, d->image_arrivals, p->sent_movers};
     return hash_bytes(&seen, sizeof seen, hash_bytes(words, sizeof words, 1)) | 1;
 }

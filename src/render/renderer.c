@@ -160,6 +160,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
         gpu_buffer_destroy(r->device, &view->counters);
     }
     probes_finish(r);
+    reflections_finish(r);
     lists_shared_finish(&r->lists, r->device);
     virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
@@ -223,6 +224,7 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
     scene_choose_levels(r->scene, frame->view_count > 0 ? &frame->views[0] : &frame->camera);
     TRY(device_scene_prepare(r->device_scene));
+    TRY(reflections_prepare(r));
     TRY(shadows_prepare(r, frame));
     frame->occlusion = frame_choose_occlusion(r, frame);
     renderer_choose(r, frame);
@@ -280,6 +282,7 @@ void renderer_forget(fnl_renderer *r) {
         shadows_forget(&r->views.data[i]);
     }
     lists_shared_forget(&r->lists);
+    reflections_forget(r);
     r->atlas.version = UINT64_MAX;
 }
 
@@ -298,7 +301,8 @@ static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_fra
     fnl_frame frame = given ? *given : fnl_frame_default();
     renderer_settle_views(&frame);
     TRY(frame_check(call, r, &frame));
-    fnl_result result = make_frame(r, &frame, target, external);
+    fnl_result result = reflections_capture(r, &frame);
+    if (result == FNL_OK) result = make_frame(r, &frame, target, external);
     if (result != FNL_OK) {
         r->frame_number = 0; /* buffers may have changed without a frame to fill them */
         renderer_forget(r);

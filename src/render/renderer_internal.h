@@ -18,13 +18,14 @@
 #include "render/device/scene.h"
 #include "render/lists.h"
 #include "render/probes.h"
+#include "render/reflections.h"
 #include "render/temporal.h"
 #include "render/view.h"
 
 /** What the GPU writes for the CPU in each frame, for each view. What a frame does not count is 0. */
 struct frame_counts {
     struct light_totals lights, blend_lights, surface_lights;
-    struct light_totals decals;
+    struct light_totals decals, reflections;
     struct decals_gbuffer_totals gbuffer_decals;
     uint32_t visible_items, lights_behind;
     float exposure[2];
@@ -121,6 +122,10 @@ struct fnl_renderer {
     bool told_of_maps;         /* the log knows that rays stand in for shadow maps */
     bool told_of_trees;        /* … and trees for ray queries */
     struct renderer_probes probes;
+    struct renderer_reflections reflections;
+    struct fnl_renderer *captures_for; /* it makes frames that reflection probes of that renderer are captured by; NULL: it makes the caller's */
+    uint32_t captured;                 /* of a renderer that captures: which one in the list */
+    graph_buffer captured_texels;      /* in such a frame: of the cube */
     uint64_t mapless_version; /* light_version of the scene + 1 at which it was asked whether it has lights without maps: shadows.c */
     bool mapless;
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */

@@ -2,6 +2,7 @@
 #include "render/shading.h"
 #include "render/decals.h"
 #include "render/orders/order.h"
+#include "render/reflections.h"
 #include "render/shadows.h"
 
 #include "passes/lights/sprites.h"
@@ -155,7 +156,7 @@ static uint32_t blend_draw_count(const struct frame_state *f) {
 bool shading_shows_volumes(const fnl_frame *frame) { return frame->debug == FNL_DEBUG_LIGHTS && frame_is(frame, SHADING_VOLUMES); }
 
 bool shading_shows_sky(const struct frame_state *f) {
-    return f->scene->lights.environment.cube.id && f->r->scene->environment.background;
+    return f->scene->lights.environment.cube.id && (f->r->scene->environment.background || f->r->captures_for);
 }
 
 VkFormat shading_format(const struct frame_state *f) {
@@ -282,6 +283,7 @@ static void add_over(struct frame_state *f, const struct shade_input *input) {
 
 void shading_add(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
+    reflections_note(f);
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
     if (!f->drawn) shading_draw(f);
     shadows_add(f);

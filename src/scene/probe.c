@@ -3,8 +3,13 @@
 #include "scene/scene.h"
 
 fnl_probe_params fnl_probe_params_default(void) {
-    return (fnl_probe_params){
-        .half_size = {1, 1, 1}, .rotation = quat_identity(), .wall = 0.05f, .face_size = 128, .shadows = true};
+    return (fnl_probe_params){.half_size = {1, 1, 1},
+                              .rotation = quat_identity(),
+                              .wall = 0.05f,
+                              .face_size = 128,
+                              .shadows = true,
+                              .blend = 0.05f,
+                              .intensity = 1};
 }
 
 static fnl_result check_params(const struct call *call, const fnl_probe_params *p) {
@@ -19,18 +24,25 @@ static fnl_result check_params(const struct call *call, const fnl_probe_params *
     for (int i = 0; i < 3; i++) TRY(check_range(call, "capture", (double)capture[i], -(double)half[i], (double)half[i], " m (inside the box)"));
     TRY(check_above(call, "wall", (double)p->wall, 0, infinite, " m"));
     TRY(check_count(call, "face_size", p->face_size, 8, 2048));
-    return check_range(call, "softness", (double)p->softness, 0, 16, " levels/m");
+    TRY(check_range(call, "softness", (double)p->softness, 0, 16, " levels/m"));
+    TRY(check_range(call, "blend", (double)p->blend, 0, infinite, " m"));
+    return check_range(call, "intensity", (double)p->intensity, 0, infinite, "");
+}
+
+bool scene_has_reflections(const fnl_scene *scene) {
+    for (uint32_t i = 0; i < scene->probes.count; i++)
+        if (!scene->probes.data[i].removed && scene->probes.data[i].params.reflection) return true;
+    return false;
 }
 
 uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params) {
-    struct scene_probe probe = {.params = *params, .generation = scene_take_generation(scene)};
+    struct scene_probe probe = {.params = *params, .generation = scene_take_generation(scene), .version = ++scene->probe_version};
     probe.params.rotation = quat_normalize(params->rotation);
     uint32_t index = scene->probes.count;
     if (scene->free_probes.count > 0)
         scene->probes.data[index = scene->free_probes.data[--scene->free_probes.count]] = probe;
     else if (index == SCENE_NONE || !array_push(&scene->host, &scene->probes, probe))
         return SCENE_NONE;
-    scene->probe_version++;
     return index;
 }
 
@@ -58,7 +70,7 @@ fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id id, const fnl_prob
     struct scene_probe *probe = &scene->probes.data[id.index];
     probe->params = *params;
     probe->params.rotation = quat_normalize(params->rotation);
-    scene->probe_version++;
+    probe->version = ++scene->probe_version;
     return FNL_OK;
 }
 

@@ -291,6 +291,7 @@ struct scene_decal {
 /* A probe (probe.c). */
 struct scene_probe {
     fnl_probe_params params;
+    uint64_t version; /* of the scene's probes when it was added or set */
     uint32_t generation;
     bool removed;
 };
@@ -494,6 +495,7 @@ fnl_result light_hull_create(const fnl_host *host, const vec3 *points, uint32_t 
 void light_hull_free(fnl_scene *scene, struct scene_light *light);
 
 /** Of checked ones; SCENE_NONE without memory. */
+bool scene_has_reflections(const fnl_scene *scene);
 uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params);
 /** A checked decal; `node` as in struct scene_decal. SCENE_NONE when memory ran out or it cannot be painted (logged). */
 uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint32_t node);

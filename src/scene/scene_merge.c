@@ -176,8 +176,11 @@ static void append_decals(fnl_scene *into, const fnl_scene *from, const struct o
 /* In the world as they are: they do not move with the root. */
 static void append_probes(fnl_scene *into, const fnl_scene *from, const struct offsets *at) {
     APPEND(probes);
-    for (uint32_t i = at->probes; i < into->probes.count; i++) into->probes.data[i].generation = scene_take_generation(into);
     if (from->probes.count) into->probe_version++;
+    for (uint32_t i = at->probes; i < into->probes.count; i++) {
+        into->probes.data[i].generation = scene_take_generation(into);
+        into->probes.data[i].version = into->probe_version;
+    }
 }
 
 static void append_words(fnl_scene *into, const fnl_scene *from) {

@@ -19,6 +19,8 @@ static uint32_t mip_count(uint32_t side) {
     return count;
 }
 
+enum { ENVIRONMENT_TABLE_MIP = 4 }; /* the last mip that a table is for that no environment has: of cubes of 128 texels a side */
+
 uint32_t environment_side(uint32_t picture_width) {
     uint32_t side = 128;
     while (side < 1024 && side * 3 < picture_width) side *= 2;
@@ -48,6 +50,13 @@ static fnl_result create_cube(gpu_device *device, const char *name, VkFormat for
     return gpu_image_create(device, &params, out);
 }
 
+uint64_t environment_cube_bytes(const struct environment_maps *maps) {
+    const bool compressed = maps->cube.params.format == VK_FORMAT_BC6H_UFLOAT_BLOCK;
+    uint64_t texels = 0;
+    for (uint32_t mip = 0; maps->side && mip <= environment_last_mip(maps->side); mip++) texels += 6ull * (maps->side >> mip) * (maps->side >> mip);
+    return texels * (compressed ? 1 : 8);
+}
+
 void environment_release(gpu_device *device, struct environment_maps *maps) {
     for (uint32_t i = 0; i < COUNT_OF(maps->parts); i++) gpu_image_destroy(device, &maps->parts[i]);
     gpu_image_destroy(device, &maps->levels);
@@ -67,10 +76,9 @@ fnl_result environment_prepare_table(gpu_device *device, struct environment_maps
     return maps->table.handle ? FNL_OK : gpu_image_create(device, &table, &maps->table);
 }
 
-fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, bool compressed,
-                               struct environment_maps *maps) {
+fnl_result environment_prepare_cube(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps) {
     const VkFormat half = VK_FORMAT_R16G16B16A16_SFLOAT, format = compressed ? VK_FORMAT_BC6H_UFLOAT_BLOCK : half;
-    const uint32_t side = environment_side(width), mips = environment_last_mip(side) + 1;
+    const uint32_t mips = environment_last_mip(side) + 1;
     environment_release(device, maps);
     if (maps->side != side || maps->cube.params.format != format) {
         gpu_image_destroy(device, &maps->cube);
@@ -79,6 +87,12 @@ fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint3
     }
     TRY(create_cube(device, "environment levels", half, side, mip_count(side), &maps->levels));
     for (uint32_t i = 0; compressed && i < 6 * mips; i++) TRY(gpu_image_part(device, &maps->levels, i % 6, i / 6, false, &maps->parts[i]));
+    return FNL_OK;
+}
+
+fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, bool compressed,
+                               struct environment_maps *maps) {
+    TRY(environment_prepare_cube(device, environment_side(width), compressed, maps));
     TRY(environment_prepare_table(device, maps));
     if (!maps->light.handle) TRY(gpu_buffer_create(device, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
     const struct gpu_image_params picture = image_params("environment picture", VK_FORMAT_R16G16B16A16_SFLOAT, width, height);
@@ -115,8 +129,8 @@ static uint32_t linear_sampler(gpu_device *device, bool mipmapped, bool wraps) {
                                                                   .anisotropy = 1});
 }
 
-/* The picture as a cube map with all mips, in `texels`. */
-static void add_levels(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_image picture, graph_buffer texels) {
+/* The picture as a cube map, in `texels`. */
+static void add_faces(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_image picture, graph_buffer texels) {
     const uint32_t side = maps->side, width = maps->picture.params.width;
     struct gpu_environment_faces_push faces = {
         .side = side, .taps = MAX(2u, DIVIDE_UP(width, 2 * side)), .sampler_index = linear_sampler(device, false, true)};
@@ -125,6 +139,10 @@ static void add_levels(struct graph *graph, gpu_device *device, const struct env
                                                    .groups = {DIVIDE_UP(6 * side * side, 64u)},
                                                    GRAPH_PUSH(faces),
                                                    GRAPH_ROWS(graph_samples(&faces.picture, picture), graph_writes(&faces.texels, texels))});
+}
+
+/* The mips below the first. */
+static void add_levels(struct graph *graph, uint32_t side, graph_buffer texels) {
     for (uint32_t mip = 1; side >> mip; mip++) {
         struct gpu_environment_level_push level = {
             .side = side >> mip, .from = first_texel(side, mip - 1), .to = first_texel(side, mip)};
@@ -184,7 +202,8 @@ static graph_buffer add_blocks(struct graph *graph, gpu_device *device, const st
     return blocks;
 }
 
-static void add_table(struct graph *graph, graph_image table, uint32_t last_mip) {
+static void add_table(struct graph *graph, struct environment_maps *maps, graph_image table, uint32_t last_mip) {
+    maps->table_mip = last_mip;
     graph_buffer texels = graph_create_buffer(graph, "reflectance texels", ENVIRONMENT_TABLE_SIDE * ENVIRONMENT_TABLE_SIDE * 8ull);
     struct gpu_environment_table_push push = {.last_mip = (float)last_mip};
     graph_dispatch(graph, &(struct graph_dispatch){.name = "reflectance",
@@ -195,39 +214,67 @@ static void add_table(struct graph *graph, graph_image table, uint32_t last_mip)
     add_copy(graph, "reflectance copy", &(struct copy_data){texels, table});
 }
 
+graph_buffer environment_texels_create(struct graph *graph, uint32_t side) {
+    return graph_create_buffer(graph, "environment texels", first_texel(side, mip_count(side)) * 8ull);
+}
+
+/* The cube and what diffuse surfaces reflect, from the first mip; returns the blocks, where the cube has them. */
+static graph_buffer add_cube(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_buffer texels, graph_image cube,
+                             graph_buffer light) {
+    graph_image levels = graph_import_image(graph, &maps->levels, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    add_levels(graph, maps->side, texels);
+    add_diffuse(graph, maps, texels, light);
+    add_copy(graph, "environment levels copy", &(struct copy_data){texels, levels});
+    add_filter(graph, device, maps, levels, texels);
+    if (maps->parts[0].handle) return add_blocks(graph, device, maps, levels, texels, cube);
+    add_copy(graph, "environment copy", &(struct copy_data){texels, cube});
+    return (graph_buffer){0};
+}
+
 struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter) {
     const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, before = filter ? VK_IMAGE_LAYOUT_UNDEFINED : sampled;
     struct environment_light out = {.cube = graph_import_image(graph, &maps->cube, before, sampled),
                                     .table = graph_import_image(graph, &maps->table, before, sampled),
                                     .light = graph_import_buffer(graph, "environment light", &maps->light)};
     if (!filter) return out;
-    const uint32_t side = maps->side, last = environment_last_mip(side), texel_count = first_texel(side, mip_count(side));
     graph_image picture = graph_import_image(graph, &maps->picture, sampled, sampled);
-    graph_image levels = graph_import_image(graph, &maps->levels, VK_IMAGE_LAYOUT_UNDEFINED, sampled);
-    graph_buffer texels = graph_create_buffer(graph, "environment texels", texel_count * 8ull);
-    add_levels(graph, device, maps, picture, texels);
-    add_diffuse(graph, maps, texels, out.light);
-    add_copy(graph, "environment levels copy", &(struct copy_data){texels, levels});
-    add_filter(graph, device, maps, levels, texels);
-    if (maps->parts[0].handle)
-        out.blocks = add_blocks(graph, device, maps, levels, texels, out.cube);
-    else
-        add_copy(graph, "environment copy", &(struct copy_data){texels, out.cube});
-    add_table(graph, out.table, last);
-    out.texels = texels;
+    out.texels = environment_texels_create(graph, maps->side);
+    add_faces(graph, device, maps, picture, out.texels);
+    out.blocks = add_cube(graph, device, maps, out.texels, out.cube, out.light);
+    add_table(graph, maps, out.table, environment_last_mip(maps->side));
     return out;
+}
+
+void environment_face_add(struct graph *graph, gpu_device *device, uint32_t side, uint32_t face, graph_image picture, graph_buffer texels) {
+    struct gpu_reflections_face_push push = {.side = side, .face = face, .sampler_index = linear_sampler(device, false, false)};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "environment face %u", face),
+                                                   .pipeline = {.shader = &shader_reflections_face_comp},
+                                                   .groups = {DIVIDE_UP(side * side, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_samples(&push.picture, picture), graph_writes(&push.texels, texels))});
+}
+
+void environment_faces_filter(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_buffer texels) {
+    graph_image cube = graph_import_image(graph, &maps->cube, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    add_cube(graph, device, maps, texels, cube, graph_import_buffer(graph, "environment light", &maps->light));
 }
 
 struct environment_light environment_add_table(struct graph *graph, struct environment_maps *maps, bool fill) {
     const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     struct environment_light out = {.table = graph_import_image(graph, &maps->table, fill ? VK_IMAGE_LAYOUT_UNDEFINED : sampled, sampled)};
-    if (fill) add_table(graph, out.table, 1);
+    if (fill) add_table(graph, maps, out.table, ENVIRONMENT_TABLE_MIP);
     return out;
 }
 
 void environment_use(struct graph_pass *pass, const struct environment_light *light, enum graph_use use) {
     const enum graph_use sample = use == GRAPH_READ_COMPUTE ? GRAPH_SAMPLE_COMPUTE : GRAPH_SAMPLE_FRAGMENT;
     if (light->table.id) graph_use_image(pass, light->table, sample);
+    if (light->reflections.set) {
+        const struct environment_reflections *r = &light->reflections;
+        const graph_buffer used[] = {r->reflections, r->bounds, r->diffuse, r->cells, r->ids, r->spare};
+        for (uint32_t i = 0; i < COUNT_OF(used); i++)
+            if (used[i].id) graph_use_buffer(pass, used[i], use);
+    }
     if (!light->cube.id) return;
     graph_use_image(pass, light->cube, sample);
     graph_use_buffer(pass, light->light, use);

@@ -12,6 +12,7 @@
 
 #include "environment_shared.h"
 #include "graph/graph.h"
+#include "lights/lights_shared.h"
 
 enum { ENVIRONMENT_MIPS_MOST = 8 }; /* of the cube */
 
@@ -24,6 +25,14 @@ struct environment_maps {
     struct gpu_image picture; /* RGBA16F; so too */
     struct gpu_buffer light; /* struct gpu_environment */
     uint32_t side;
+    uint32_t table_mip; /* the last mip that the table is for; 0: not yet made */
+};
+
+/** Reflection probes, as one view sees them. */
+struct environment_reflections {
+    VkDeviceAddress set; /* struct gpu_reflection_set; 0: there are none */
+    graph_buffer reflections, bounds, diffuse;
+    graph_buffer cells, ids, spare; /* of their list; or id 0 */
 };
 
 /** For passes that shade: environment_use(). ids 0: there is none; `table` may be alone. */
@@ -32,7 +41,12 @@ struct environment_light {
     graph_buffer light;
     graph_buffer blocks; /* of the cube, where it is compressed and made in this frame (passes/compress/bc6h.h) */
     graph_buffer texels; /* of the cube, as environment_maps_shared.h lays them out; id 0 in frames that do not filter */
+    struct environment_reflections reflections;
 };
+/** What shaders are told of it: bits beside the kind of a list. */
+static inline uint32_t environment_kind(const struct environment_light *light) {
+    return (light->cube.id ? GPU_LIST_ENVIRONMENT : 0) | (light->reflections.set ? GPU_LIST_REFLECTIONS : 0);
+}
 
 /** Sides of the cube map for a picture of this width: a power of two, 128 .. 1024. */
 uint32_t environment_side(uint32_t picture_width);
@@ -50,7 +64,11 @@ static inline uint32_t environment_last_mip(uint32_t side) { return (uint32_t)lo
  */
 fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, bool compressed,
                                struct environment_maps *maps);
-/** The table alone, for layered materials where there is no environment. */
+/** The cube alone, of `side` texels, a power of two of at least 16, and what filtering it needs: for reflection probes. */
+fnl_result environment_prepare_cube(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps);
+/** Memory of the cube. */
+uint64_t environment_cube_bytes(const struct environment_maps *maps);
+/** The table alone, for layered materials and reflection probes where there is no environment. */
 fnl_result environment_prepare_table(gpu_device *device, struct environment_maps *maps);
 void environment_finish_maps(gpu_device *device, struct environment_maps *maps);
 /** What only filtering needs. Frames that are under way may still use it. */
@@ -60,6 +78,12 @@ void environment_release(gpu_device *device, struct environment_maps *maps);
 struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter);
 /** Of the table alone; `fill`: it is made in this frame. */
 struct environment_light environment_add_table(struct graph *graph, struct environment_maps *maps, bool fill);
+/** Texels of a cube map with all mips (environment_maps_shared.h). */
+graph_buffer environment_texels_create(struct graph *graph, uint32_t side);
+/** The first mip of a face (+X, -X, +Y, -Y, +Z, -Z) from what a camera has seen that looks that way; its upper edge is the face's first row. */
+void environment_face_add(struct graph *graph, gpu_device *device, uint32_t side, uint32_t face, graph_image picture, graph_buffer texels);
+/** Fills the cube of environment_prepare_cube() from its first mip, and maps->light. */
+void environment_faces_filter(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_buffer texels);
 /** Declares that a pass shades in compute or fragment shaders (GRAPH_READ_COMPUTE, GRAPH_READ_FRAGMENT). */
 void environment_use(struct graph_pass *pass, const struct environment_light *light, enum graph_use use);
 struct gpu_frame;

@@ -19,6 +19,15 @@ struct gpu_environment_faces_push {
     uint taps;
 };
 
+/* A face of the first mip from the picture of a camera. */
+struct gpu_reflections_face_push {
+    ADDRESS(texel_array) texels;
+    uint picture; /* sampled; side x side */
+    uint sampler_index;
+    uint side;
+    uint face;
+};
+
 /* A mip from the one before. */
 struct gpu_environment_level_push {
     ADDRESS(texel_array) texels;

@@ -52,4 +52,8 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
 void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, VkDeviceAddress view,
                      graph_image target, bool swap);
 
+/** Writes the view of reflection probes to a storage image: a colour for each, by its part of the light; grey where none is. */
+void reflections_view_add(struct graph *graph, const struct aov_images *aov, const struct environment_light *light, VkDeviceAddress view,
+                          graph_image target, bool swap);
+
 #endif

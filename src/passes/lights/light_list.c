@@ -48,7 +48,7 @@ void light_list_cast(struct light_list *list, const struct light_input *input) {
     if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->soft ? GPU_LIST_SOFT : 0) | (input->rays.top.id ? GPU_LIST_RAY_QUERY : 0);
     if (input->maps.address) list->kind |= GPU_LIST_MAPS | (input->filtered ? GPU_LIST_FILTERED : 0);
     if (input->rays.address && input->shadow_rays > 0) list->kind |= GPU_LIST_SAMPLED;
-    if (input->environment.cube.id) list->kind |= GPU_LIST_ENVIRONMENT;
+    list->kind |= environment_kind(&input->environment);
     if (input->layered) list->kind |= GPU_LIST_LAYERS;
     if (input->profiles) list->kind |= GPU_LIST_PROFILES;
     list->environment = input->environment;

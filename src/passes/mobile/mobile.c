@@ -181,7 +181,7 @@ static void add_gbuffer(struct graph *graph, const struct shade_input *input, bo
     data.state =
         (struct gpu_graphics_params){.fragment = shaders[params->layout],
                                      .constant_count = GAMMA_ID + 1,
-                                     .constants = {[LISTS_ID] = input->environment.cube.id ? GPU_LIST_ENVIRONMENT : 0, [HAS_LIGHTS_ID] = 1,
+                                     .constants = {[LISTS_ID] = environment_kind(&input->environment), [HAS_LIGHTS_ID] = 1,
                                                    [HAS_METAL_ID] = 1, [GAMMA_ID] = (uint32_t)params->gamma},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
@@ -230,7 +230,7 @@ static void add_decals(struct graph *graph, const struct shade_input *input, con
                              .state = screen_state(shaders[params->layout][merged])};
     data.push.view = input->view;
     data.state.constant_count = GAMMA_ID + 1;
-    data.state.constants[LISTS_ID] = input->environment.cube.id ? GPU_LIST_ENVIRONMENT : 0;
+    data.state.constants[LISTS_ID] = environment_kind(&input->environment);
     data.state.constants[HAS_LIGHTS_ID] = data.state.constants[HAS_METAL_ID] = 1;
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
     uint32_t changed[MOBILE_TARGETS], count = 0;

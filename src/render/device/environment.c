@@ -18,9 +18,11 @@ static fnl_result send_picture(struct device_scene *d, const struct panorama *p)
     return result;
 }
 
+static bool needs_table(const struct device_scene *d) { return device_has_layers(d) || scene_has_reflections(d->scene); }
+
 fnl_result device_environment_prepare(struct device_scene *d) {
     const struct scene_environment *e = &d->scene->environment;
-    if (e->panorama.width == 0 && device_has_layers(d)) TRY(environment_prepare_table(d->device, &d->environment));
+    if (e->panorama.width == 0 && needs_table(d)) TRY(environment_prepare_table(d->device, &d->environment));
     if (d->environment_version == e->version) {
         if (d->sent.environment == e->version) environment_release(d->device, &d->environment);
         return FNL_OK;
@@ -34,19 +36,19 @@ fnl_result device_environment_prepare(struct device_scene *d) {
 struct environment_light device_environment_add(struct device_scene *d, struct graph *graph) {
     const struct scene_environment *e = &d->scene->environment;
     if (e->panorama.width == 0) {
-        if (!device_has_layers(d)) return (struct environment_light){0};
-        const bool fill = !d->has_table;
-        d->has_table = true;
+        if (!needs_table(d)) return (struct environment_light){0};
+        const bool fill = !d->sent.table;
+        d->sent.table = true;
         return environment_add_table(graph, &d->environment, fill);
     }
     const bool filter = d->sent.environment != e->version;
     d->sent.environment = e->version;
-    d->has_table |= filter;
+    d->sent.table |= filter;
     return environment_add(graph, d->device, &d->environment, filter);
 }
 
 void device_environment_finish(struct device_scene *d) {
     environment_finish_maps(d->device, &d->environment);
     d->environment_version = UINT64_MAX;
-    d->has_table = false;
+    d->sent.table = false;
 }

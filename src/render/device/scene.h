@@ -108,6 +108,7 @@ struct device_scene_sent {
     uint64_t ray_meshes, ray_items; /* transforms of what the trees of rays.c were made for */
     uint64_t ray_poses, ray_instances; /* … and the structures of structures.c */
     uint64_t environment;              /* its maps are filtered */
+    bool table;                        /* of reflectance is filled */
 };
 
 /** The device's acceleration structure of a primitive's triangles (structures.c). */
@@ -210,7 +211,6 @@ struct device_scene {
     struct device_structures structures; /* for ray queries, once some frame has asked for them */
 
     struct environment_maps environment;
-    bool has_table;               /* its table is filled */
     uint64_t environment_version; /* of the scene, when its picture was sent; UINT64_MAX: never */
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
