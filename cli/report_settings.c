@@ -57,6 +57,8 @@ static void add_scene(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "ies", text(o->world.ies));
     uint64_t most = o->world.loading.max_memory < INT64_MAX ? o->world.loading.max_memory : INT64_MAX;
     json_object_set_new(json, "probe", probes(o));
+    json_object_set_new(json, "probe_auto", json_boolean(o->world.probe_auto));
+    json_object_set_new(json, "probe_reflections", json_boolean(o->world.probe_reflections));
     json_object_set_new(json, "grow_metal", json_integer(o->world.grow_metal));
     json_object_set_new(json, "lenient", json_boolean(o->world.loading.lenient));
     json_object_set_new(json, "confine", json_boolean(o->world.loading.confine));

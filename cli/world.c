@@ -18,11 +18,12 @@ bool world_has(int option) { return loading_has(option) || (option >= WORLD_CAME
 static bool parse_probe(const char *value, struct world_options *o) {
     fnl_probe_params p = fnl_probe_params_default();
     int used = 0, more = 0;
+    if (strcmp(value, "auto") == 0) return o->probe_auto = true;
     if (o->probe_count == WORLD_PROBES) return argument_bad("probe", value, "given 32 times at most");
     if (sscanf(value, "%f,%f,%f,%f,%f,%f%n", &p.centre.x, &p.centre.y, &p.centre.z, &p.half_size.x, &p.half_size.y, &p.half_size.z, &used) != 6)
-        return argument_bad("probe", value, "six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
+        return argument_bad("probe", value, "auto, or six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
     if (value[used] == ',' && sscanf(value + used, ",%f%n", &p.softness, &more) == 1) used += more;
-    if (value[used]) return argument_bad("probe", value, "six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
+    if (value[used]) return argument_bad("probe", value, "auto, or six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
     o->probes[o->probe_count++] = p;
     return true;
 }
@@ -60,6 +61,8 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         return true;
     case WORLD_PROBE:
         return parse_probe(value, o);
+    case WORLD_PROBE_REFLECTIONS:
+        return o->probe_reflections = true;
     case WORLD_LIGHT_SHAPES:
         return argument_light_shapes("light-shapes", value, &o->scatter);
     case WORLD_LIGHT_SCALE:
@@ -189,6 +192,32 @@ static bool give_profile(fnl_scene *scene, const char *path) {
     return true;
 }
 
+/* The scene's own become reflection probes where none is given. */
+static bool add_probes(const struct world_options *o, fnl_scene *scene) {
+    fnl_scene_info info;
+    fnl_entity_info entity;
+    fnl_probe_params params;
+    fnl_probe_id id;
+    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
+    for (uint32_t i = 0; i < info.probe_count && o->probe_reflections && o->probe_count == 0 && !o->probe_auto; i++) {
+        if (fnl_scene_query_probe(scene, i, &params) != FNL_OK || fnl_scene_query_entity(scene, FNL_ENTITY_PROBE, i, &entity) != FNL_OK) return false;
+        params.reflection = true;
+        if (fnl_scene_set_probe(scene, entity.id.probe, &params) != FNL_OK) return false;
+    }
+    for (uint32_t i = 0; i < o->probe_count; i++) {
+        params = o->probes[i];
+        params.reflection = o->probe_reflections;
+        if (fnl_scene_add_probe(scene, &params, &id) != FNL_OK) return false;
+    }
+    if (!o->probe_auto) return true;
+    const fnl_vec3 low = info.bounds_low, high = info.bounds_high;
+    params = fnl_probe_params_default();
+    params.reflection = o->probe_reflections;
+    params.centre = (fnl_vec3){(low.x + high.x) / 2, (low.y + high.y) / 2, (low.z + high.z) / 2};
+    params.half_size = (fnl_vec3){(high.x - low.x) / 2, (high.y - low.y) / 2, (high.z - low.z) / 2};
+    return !(params.half_size.x > 0 && params.half_size.y > 0 && params.half_size.z > 0) || fnl_scene_add_probe(scene, &params, &id) == FNL_OK;
+}
+
 bool world_load(const struct world_options *o, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
                 fnl_camera *camera) {
     uint32_t animation;
@@ -205,10 +234,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     environment.source = o->environment;
     environment.background &= !o->has_background || o->environment;
     if (o->environment && fnl_scene_set_environment(*scene, &environment) != FNL_OK) return false;
-    for (uint32_t i = 0; i < o->probe_count; i++) {
-        fnl_probe_id id;
-        if (fnl_scene_add_probe(*scene, &o->probes[i], &id) != FNL_OK) return false;
-    }
+    if (!add_probes(o, *scene)) return false;
     bool added = false;
     if (!o->has_ambient && !o->environment && loading_add_default_light(o->scene, *scene, &environment, &added) != FNL_OK) return false;
     if (added && !quiet) puts("The scene has no light: it stands in builtin:studio (--environment, --lights, --ambient).");

@@ -22,6 +22,7 @@ struct world_options {
     double time; /* of the animation, seconds */
     fnl_probe_params probes[WORLD_PROBES];
     uint32_t probe_count;
+    bool probe_auto, probe_reflections;
 };
 
 /* Behind those of loading, below the commands' own. */
@@ -48,6 +49,7 @@ enum {
     WORLD_TIME,
     WORLD_ANIMATION,
     WORLD_PROBE,
+    WORLD_PROBE_REFLECTIONS,
     WORLD_VARIANT,
     WORLD_END
 };
@@ -69,6 +71,7 @@ enum {
         {"range-roughness", required_argument, NULL, WORLD_RANGE_ROUGHNESS},                                                \
         {"grow-metal", required_argument, NULL, WORLD_GROW_METAL}, {"time", required_argument, NULL, WORLD_TIME},           \
         {"animation", required_argument, NULL, WORLD_ANIMATION}, {"probe", required_argument, NULL, WORLD_PROBE}, \
+        {"probe-reflections", no_argument, NULL, WORLD_PROBE_REFLECTIONS}, \
         {"variant", required_argument, NULL, WORLD_VARIANT}, LOADING_OPTIONS
 
 /** Lines for help texts. */
@@ -96,7 +99,9 @@ enum {
     "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"         \
     "  --time SECONDS             time of the animation (0)\n"                                                              \
     "  --animation NAME|INDEX     which animation (0)\n"                                                                  \
-    "  --probe X,Y,Z,HX,HY,HZ[,SOFTNESS]    adds a probe: the middle of a room and half its size, metres; may be repeated\n" LOADING_VARIANT_HELP LOADING_HELP
+    "  --probe X,Y,Z,HX,HY,HZ[,SOFTNESS]    adds a probe: the middle of a room and half its size, metres; may be repeated\n" \
+    "  --probe auto               adds one whose box is the scene's bounds\n"                                              \
+    "  --probe-reflections        the probes of --probe, else those of the scene, are reflection probes\n" LOADING_VARIANT_HELP LOADING_HELP
 
 struct world_options world_options_default(void);
 /** Whether an option that getopt_long gave is one of them. */

@@ -47,7 +47,7 @@ spheres="builtin:spheres --lists clustered"
     run 0 '' $spheres -q -o - --format exr -o still.exr
     same out still.exr 'an EXR on stdout differs from the file'
     ls -d fanal-?????? 2>/dev/null && fail 'a temporary folder was left behind'
-    run 0 'light evaluations' $spheres --probe 0,2,0,6,2.5,7 --ies "$source/examples/lamp.ies" --stats - -o still.png
+    run 0 'light evaluations' $spheres --probe 0,2,0,6,2.5,7 --probe auto --probe-reflections --ies "$source/examples/lamp.ies" --stats - -o still.png
     mv out still.json
 
     # A sequence: as many pictures as the path has points, each where the path says; parts of it have the bytes of the whole.
@@ -100,6 +100,7 @@ spheres="builtin:spheres --lists clustered"
 for i in 0 1 2 3; do sed -n $((i + 1))p walk.json | grep -q "\"picture\":$i," || fail "line $((i + 1)) is not of picture $i"; done
 tr -d ' \n' <still.json | grep -qF '"probe":[[0.0,2.0,0.0,6.0,2.5,7.0,0.0]]' || fail 'the settings do not tell the probe'
 grep -q '"ies": *".*examples/lamp.ies"' still.json || fail 'the settings do not tell the light profile'
+grep -q '"probe_auto": *true' still.json && grep -q '"probe_reflections": *true' still.json && grep -q '"captures": *[0-9]' still.json || fail 'the probe has captured nothing'
 # What was not counted is null, and what was is a number.
 grep -q '"evaluations":null' walk.json && grep -qE '"evaluations": [1-9]' still.json || fail 'evaluations are not null where they were not counted'
 grep -qE '"triangles_drawn": null' still.json && grep -qE '"triangles_drawn": [0-9]' msaa.json || fail 'triangles are not null where they were not counted'
