@@ -48,9 +48,8 @@ static void print_help(void) {
          "  --light-radius METRES      radius of all lights: above 0 shadows are soft, and need samples (that of each light)\n"
          "  --sun-angle DEGREES        the same for directional lights and boxes: half the angle that they fill\n"
          "  --roulette                 ends long paths by chance: the same mean in less time, with more noise\n"
-         "  --seed S                   the random seed (1)\n"
-         "\n"
-         "Scene\n" WORLD_SCENE_HELP "\n"
+         "  --seed S                   the random seed (1)\n");
+    puts("Scene\n" WORLD_SCENE_HELP "\n"
          "Run\n"
          "  --threads N                threads that trace, 1 to 256 (as many as there are processors); the picture is the same\n"
          "  -q, --quiet                prints nothing but errors\n"
