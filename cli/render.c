@@ -50,7 +50,7 @@ static void print_help(void) {
          "\n"
          "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall interior wall spheres pole "
          "lamps\n"
-         "grass onetile nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
+         "grass onetile nearplane sky glass room). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
          "Defaults are in brackets.\n"
          "\n"
          "Picture\n"

@@ -121,6 +121,12 @@ static void test_frames_have_what_they_do(void **state) {
     probe.reflection = true;
     probe.face_size = 16;
     for (int i = 0; i < 5; i++) assert_int_equal(fnl_scene_add_probe(stage.scene, &probe, &id), FNL_OK); /* more than do without a list */
+    fnl_material_params glass;
+    fnl_entity_info entity;
+    assert_int_equal(fnl_scene_query_entity(stage.scene, FNL_ENTITY_MATERIAL, 0, &entity), FNL_OK);
+    assert_int_equal(fnl_scene_query_material(stage.scene, 0, &glass), FNL_OK);
+    glass.transmission.strength = 1;
+    assert_int_equal(fnl_scene_set_material(stage.scene, entity.id.material, &glass), FNL_OK);
     usual.shading = FNL_SHADING_FORWARD;
     look(&stage, &usual);
     for (uint32_t i = 0; fnl_counter_query(i, &c); i++) {

@@ -439,7 +439,7 @@ static void test_occlusion_dims_only_ambient(void **state) {
 
 static void test_shaders_sample_each_texture_once(void **state) {
     UNUSED(state);
-    enum { ALL = GPU_TEXTURE_COUNT + GPU_LAYER_TEXTURE_COUNT };
+    enum { EVEN_GLASS = GPU_TEXTURE_COUNT + GPU_LAYER_TEXTURE_COUNT, ALL = EVEN_GLASS - 2 }; /* but transmission and thickness */
     static const struct {
         const struct gpu_shader *shader;
         uint32_t textures; /* that it looks at */
@@ -453,6 +453,7 @@ static void test_shaders_sample_each_texture_once(void **state) {
                    {&shader_zioma_frag, ALL},
                    {&shader_batches_frag, ALL},
                    {&shader_multipass_frag, ALL},
+                   {&shader_transmission_frag, EVEN_GLASS},
                    {&shader_mobile_gbuffer_metallic_128_frag, GPU_TEXTURE_COUNT},
                    {&shader_coarse_gbuffer_z_frag, GPU_TEXTURE_COUNT + 1}}; /* and the base colour of a block */
     for (uint32_t i = 0; i < COUNT_OF(drawing); i++) {
