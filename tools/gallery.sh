@@ -50,7 +50,7 @@ show glass 'Panes that cross and balls that reach into one another, blended exac
 put '## Sample models' ''
 show DamagedHelmet 'Core materials in a panorama.' DamagedHelmet.glb --environment spiaggia_di_mondello_1k.hdr
 show ClearCoatCarPaint '`KHR_materials_clearcoat`.' ClearCoatCarPaint.glb --environment spiaggia_di_mondello_1k.hdr --environment-hidden
-show SheenChair '`KHR_materials_sheen`, `_variants`.' SheenChair.gltf --variant 'Peacock Velvet' --environment builtin:studio
+show SheenChair '`KHR_materials_sheen`, `_variants`.' SheenChair.gltf --variant 1 --environment builtin:studio
 show IridescenceSuzanne '`KHR_materials_iridescence`: on plastic, on metal, on glass.' IridescenceSuzanne.glb --environment spiaggia_di_mondello_1k.hdr
 show AnisotropyStrengthTest '`KHR_materials_anisotropy`.' AnisotropyStrengthTest.glb --environment builtin:studio
 show SpecularTest '`KHR_materials_specular`.' SpecularTest.glb --environment builtin:studio
