@@ -8,7 +8,7 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .structure_version = UINT64_MAX,
                                .material_version = UINT64_MAX,
                                .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX,
-                                        UINT64_MAX, UINT64_MAX, UINT64_MAX},
+                                        UINT64_MAX, UINT64_MAX, UINT64_MAX, false},
                                .environment_version = UINT64_MAX,
                                .ray_structure = UINT64_MAX,
                                .structures = {.structure = UINT64_MAX},
