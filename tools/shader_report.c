@@ -601,6 +601,38 @@ static void warm_scene(fnl_device *device, const char *source, bool decals, bool
     fnl_scene_destroy(&scene);
 }
 
+/* Materials with layers, some of which one looks through. */
+static void warm_layers(fnl_device *device) {
+    static const fnl_shading shadings[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED, FNL_SHADING_VISIBILITY};
+    static const fnl_shadows shadows[] = {FNL_SHADOWS_OFF, FNL_SHADOWS_RAYS, FNL_SHADOWS_MAPS};
+    fnl_scene *scene = NULL;
+    fnl_renderer *renderer = NULL;
+    fnl_frame frame = fnl_frame_default();
+    if (fnl_scene_load(NULL, "builtin:glass?lights=10", NULL, &scene) != FNL_OK) fail("glass");
+    for (uint32_t i = 0; i < 2; i++) {
+        fnl_entity_info entity;
+        fnl_material_params params;
+        if (fnl_scene_query_entity(scene, FNL_ENTITY_MATERIAL, i, &entity) != FNL_OK || fnl_scene_query_material(scene, i, &params) != FNL_OK) fail("no materials");
+        params.alpha_mode = FNL_ALPHA_OPAQUE;
+        params.clearcoat.strength = 1;
+        params.transmission.strength = (float)i;
+        if (fnl_scene_set_material(scene, entity.id.material, &params) != FNL_OK) fail("no layers");
+    }
+    if (fnl_scene_query_framing_camera(scene, 16.0f / 9.0f, &frame.camera) != FNL_OK || fnl_renderer_create(device, scene, &renderer) != FNL_OK) fail("glass");
+    frame.width = 320;
+    frame.height = 180;
+    frame.lists = FNL_LISTS_CLUSTERED;
+    waits = true;
+    for (uint32_t i = 0; i < COUNT_OF(shadings) * COUNT_OF(shadows) * 2; i++) {
+        frame.shading = shadings[i % COUNT_OF(shadings)];
+        frame.shadows = shadows[i / COUNT_OF(shadings) % COUNT_OF(shadows)];
+        frame.msaa = i < COUNT_OF(shadings) * COUNT_OF(shadows) ? 1 : 4;
+        warm(renderer, &frame);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 static int by_shader(const void *a, const void *b) {
     const struct row *x = a, *y = b;
     int order = strcmp(x->shader, y->shader);
@@ -666,6 +698,7 @@ int main(int argc, char **argv) {
     warm_scene(device, "builtin:glass?lights=10", false, false);
     warm_scene(device, "builtin:glass?lights=10", false, true);
     warm_scene(device, "builtin:grass?lights=10", true, true);
+    warm_layers(device);
     compress(device);
     fnl_device_destroy(&device);
     unsigned long long inputs = 0;

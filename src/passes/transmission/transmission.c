@@ -31,13 +31,13 @@ static void execute_depth(const struct graph_context *context, const void *data)
                                         .depth_write = true,
                                         .depth_compare = VK_COMPARE_OP_GREATER,
                                         .samples = d->samples};
-    struct gpu_transmission_depth_push push = {.geometry = {.view = d->view}, .samples = d->samples};
+    struct gpu_transmission_depth_push push = {.geometry = {.view = d->view}};
     if (!d->nearer.id) {
         geometry_draw(context, d->scene, &d->draws, GEOMETRY_GLASS, &state, &shader_depth_frag, push.geometry);
         return;
     }
     push.nearer = graph_sampled(context, d->nearer);
-    state.fragment = &shader_transmission_depth_frag;
+    state.fragment = d->samples > 1 ? &shader_transmission_depth_samples_frag : &shader_transmission_depth_frag;
     geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_GLASS, &state, NULL, &push.geometry, sizeof push);
 }
 

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Leaves out the holes of cutouts, and what lies in a nearer layer: at each sample by itself.
+// Leaves out the holes of cutouts, and what lies in a nearer layer: with EACH_SAMPLE (of targets with several) at each by itself.
 #include "common.glsl"
 #include "view.glsl"
 #include "lights/iterate.glsl"
@@ -14,6 +14,10 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     material_array materials = push.geometry.scene.scene.materials;
     bool cut = (materials.at[in_ids.x].flags & GPU_MATERIAL_MASK) != 0u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a);
-    float nearer = push.samples > 1u ? texelFetch(textures_multisampled[push.nearer], pixel, gl_SampleID).r : texelFetch(textures[push.nearer], pixel, 0).r;
+#ifdef EACH_SAMPLE
+    float nearer = texelFetch(textures_multisampled[push.nearer], pixel, gl_SampleID).r;
+#else
+    float nearer = texelFetch(textures[push.nearer], pixel, 0).r;
+#endif
     if (cut || gl_FragCoord.z >= nearer) discard;
 }

@@ -15,7 +15,6 @@ struct gpu_transmission_push {
 struct gpu_transmission_depth_push {
     STRUCT(gpu_geometry_push) geometry;
     uint nearer; /* sampled: depth of the layer before */
-    uint samples;
 };
 
 struct gpu_transmission_count_push {
