@@ -362,7 +362,7 @@ static void test_blended_surfaces_lie_on_both_sides_MA_18(void **state) {
 
 /* ---- light ---- */
 
-/* Paper lit from behind, in an even environment too, by shadow rays as well: against rays. */
+/* Paper lit from behind, in even light too, with shadows of a card behind it and of glass before it: against rays. */
 static void test_diffuse_transmission_is_that_of_rays_MA_19(void **state) {
     UNUSED(state);
     for (int shadows = 0; shadows < 2; shadows++) {
@@ -374,6 +374,9 @@ static void test_diffuse_transmission_is_that_of_rays_MA_19(void **state) {
         paper.diffuse_transmission = (fnl_diffuse_transmission_params){.strength = 0.6f, .color = {0.3f, 0.9f, 0.5f}};
         add_pane(scene, add_material(scene, &paper), 0, 0, 0, 0.8f, 1);
         add_pane(scene, add_material(scene, &card), 0.3f, 0, -0.3f, 0.2f, 1); /* its shadow is seen from the front */
+        fnl_material_params pane = glass(0.9f, 0.8f, 0.7f);
+        pane.transmission.strength = 0.6f; /* so dark is its shadow */
+        if (shadows) add_pane(scene, add_material(scene, &pane), -0.3f, 0.05f, 0.3f, 0.1f, 1);
         coarse_add_light(scene, FNL_LIGHT_POINT, (vec3){0.3f, 0.2f, -0.8f}, 5);
         coarse_add_light(scene, FNL_LIGHT_POINT, (vec3){-0.4f, 0.1f, 0.5f}, 2);
         assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.6f, 0.8f}, (fnl_vec3){0.3f, 0.2f, 0.1f}), FNL_OK);
