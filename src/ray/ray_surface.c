@@ -226,6 +226,7 @@ struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hi
     out.normal = dvec3_length(normal) > 0 ? dvec3_scale(dvec3_normalize(normal), sign) : out.geometric;
     if (scene_material_layered(m)) {
         find_layers(s, m, &uv, dvec3_length(smooth) > 0 ? smooth : face, tangent, hand, sign, &out);
+        out.layers.thickness *= cbrt(fabs(dvec3_dot(in->axes[0], dvec3_cross(in->axes[1], in->axes[2])))); /* measured in the mesh */
         ray_layers_prepare(&s->albedos, &out, dvec3_scale(direction, -1));
         out.emissive = dvec3_scale(out.emissive, out.layers.below_coat);
     }

@@ -258,6 +258,7 @@ static void add_behind_glass(struct frame_state *f, const struct shade_input *bl
     graph_push_names(f->graph, "behind glass");
     add_transparency(f, &behind, f->depth);
     graph_pop_names(f->graph);
+    f->opaque_draws += blend_draw_count(f);
 }
 
 /* What shows what is behind it, after that and before blended surfaces in front of it. */
@@ -276,7 +277,7 @@ static void add_over(struct frame_state *f, const struct shade_input *input) {
         graph_pop_names(f->graph);
         struct shade_input over = blend;
         over.lights = &lights;
-        transmission_add(f->graph, f->r->device, &over, &found, f->radiance, f->depth);
+        transmission_add(f->graph, &over, &found, f->radiance, f->depth);
     }
     if (blends) add_transparency(f, &blend, glass ? found.depths[0] : f->depth);
 }

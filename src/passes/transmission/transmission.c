@@ -162,7 +162,7 @@ struct draw_data {
     graph_buffer counters;
     graph_image behind;
     struct gpu_graphics_params state;
-    uint32_t sampler_index, mips;
+    uint32_t mips;
 };
 
 static void execute_draw(const struct graph_context *context, const void *data) {
@@ -171,12 +171,11 @@ static void execute_draw(const struct graph_context *context, const void *data) 
                                                       .lights = d->lights,
                                                       .counters = d->counters.id ? graph_address(context, d->counters) : 0},
                                          .behind = graph_sampled(context, d->behind),
-                                         .sampler_index = d->sampler_index,
                                          .last_mip = (float)(d->mips - 1)};
     geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_GLASS, &d->state, NULL, &push.geometry, sizeof push);
 }
 
-static void add_draw(struct graph *graph, gpu_device *device, const struct shade_input *input, uint32_t layer, uint32_t mips, graph_image behind,
+static void add_draw(struct graph *graph, const struct shade_input *input, uint32_t layer, uint32_t mips, graph_image behind,
                      graph_image radiance, graph_image depth) {
     const struct graph_image_params target = graph_image_info(graph, radiance);
     struct draw_data data = {.scene = input->scene,
@@ -186,13 +185,6 @@ static void add_draw(struct graph *graph, gpu_device *device, const struct shade
                              .counters = input->counters,
                              .behind = behind,
                              .mips = mips};
-    data.sampler_index = gpu_sampler_index(device, &(struct gpu_sampler_params){.mag = VK_FILTER_LINEAR,
-                                                                                .min = VK_FILTER_LINEAR,
-                                                                                .mip = VK_SAMPLER_MIPMAP_MODE_LINEAR,
-                                                                                .mipmapped = true,
-                                                                                .wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                                                                .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                                                                .anisotropy = 1});
     data.state = (struct gpu_graphics_params){.fragment = &shader_transmission_frag,
                                               .constant_count = 2,
                                               .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
@@ -220,13 +212,13 @@ struct transmission transmission_find(struct graph *graph, const struct shade_in
     return out;
 }
 
-void transmission_add(struct graph *graph, gpu_device *device, const struct shade_input *input, const struct transmission *found,
+void transmission_add(struct graph *graph, const struct shade_input *input, const struct transmission *found,
                       graph_image radiance, graph_image depth) {
     uint32_t mips = 1;
     while (MAX(input->width, input->height) >> mips && mips < TRANSMISSION_MIPS) mips++;
     for (uint32_t i = found->layers; i-- > 0;) {
         /* As far as what is opaque: through a layer behind this one that is what one sees. */
         graph_image behind = add_behind(graph, input, i, mips, radiance, depth);
-        add_draw(graph, device, input, i, mips, behind, radiance, found->depths[i]);
+        add_draw(graph, input, i, mips, behind, radiance, found->depths[i]);
     }
 }

@@ -13,7 +13,7 @@ layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_transmission_push push; };
 layout(location = 0) out vec4 out_color;
 
-vec4 behind_at(vec2 uv, float lod) { return textureLod(sampler2D(textures[push.behind], samplers[push.sampler_index]), uv, lod); }
+vec4 behind_at(vec2 uv, float lod) { return textureLod(sampler2D(textures[push.behind], samplers[push.geometry.view.view.frame.frame.environment_sampler]), uv, lod); }
 
 // Where a point of the world is seen; false behind the viewer.
 bool screen_of(view_block v, vec3 position, out vec2 uv) {
@@ -22,18 +22,11 @@ bool screen_of(view_block v, vec3 position, out vec2 uv) {
     return clip.w > 0.0;
 }
 
-// Lengths of the instance's axes, as one number: thickness is measured in the mesh.
-float instance_scale() {
-    gpu_instance instance = push.geometry.scene.scene.instances.at[push.geometry.scene.scene.items.at[in_ids.y].instance];
-    vec3 x = instance.rows[0].xyz, y = instance.rows[1].xyz, z = instance.rows[2].xyz;
-    return pow(abs(dot(x, cross(y, z))), 1.0 / 3.0);
-}
-
 // The way through a volume, or none.
 vec3 way_through(surface s, vec3 to_view, float ior) {
     if (!(s.layers.thickness > 0.0)) return vec3(0.0);
     vec3 inside = refract(-to_view, s.normal, 1.0 / ior);
-    return inside * (s.layers.thickness * instance_scale());
+    return inside * s.layers.thickness;
 }
 
 // What is seen along the ray from the viewer through `leaves`, blurred by the surface.

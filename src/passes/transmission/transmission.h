@@ -28,7 +28,7 @@ struct transmission transmission_find(struct graph *graph, const struct shade_in
  * Draws GEOMETRY_GLASS over `radiance`, which shows all that is behind. input->lights serves any depth. Cost: geometry and a copy of the picture with its
  * mips for each layer, a shading per fragment.
  */
-void transmission_add(struct graph *graph, gpu_device *device, const struct shade_input *input, const struct transmission *found,
+void transmission_add(struct graph *graph, const struct shade_input *input, const struct transmission *found,
                       graph_image radiance, graph_image depth);
 
 #endif

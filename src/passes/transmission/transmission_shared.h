@@ -7,7 +7,6 @@
 struct gpu_transmission_push {
     STRUCT(gpu_geometry_push) geometry;
     uint behind; /* sampled, with all mips */
-    uint sampler_index;
     float last_mip;
 };
 
