@@ -19,6 +19,7 @@ static struct {
     fnl_device *device;
     fnl_scene *scene;
     fnl_renderer *renderer;
+    fnl_swapchain *swapchain;
     fnl_light_id light;
     fnl_mesh_id mesh;
     fnl_material_id material;
@@ -128,6 +129,10 @@ static char words[64];
 static fnl_vulkan_target target;
 static fnl_scene *made;
 static fnl_device *made_device;
+static fnl_swapchain *made_swapchain;
+static fnl_vulkan_handles vulkan_handles;
+static fnl_swapchain_info swapchain_info;
+static fnl_swapchain_params swapchain_params;
 static fnl_renderer *made_renderer;
 static fnl_mat4 matrix;
 static uint32_t number;
@@ -146,6 +151,19 @@ static fnl_loaded loaded;
       NULLED("import", fnl_device_import(NULL, NULL, &made_device)))                                                        \
     X(fnl_device_query_info, NULLED("device", fnl_device_query_info(NULL, &device_info));                                   \
       NULLED("out", fnl_device_query_info(w.device, NULL)))                                                                 \
+    X(fnl_device_query_vulkan, NULLED("device", fnl_device_query_vulkan(NULL, &vulkan_handles));                            \
+      NULLED("out", fnl_device_query_vulkan(w.device, NULL)))                                                               \
+    X(fnl_swapchain_create, NULLED("device", fnl_swapchain_create(NULL, VK_NULL_HANDLE, NULL, &made_swapchain));            \
+      NULLED("surface", fnl_swapchain_create(w.device, VK_NULL_HANDLE, NULL, &made_swapchain));                             \
+      NULLED("out", fnl_swapchain_create(w.device, VK_NULL_HANDLE, NULL, NULL)))                                            \
+    X(fnl_swapchain_destroy, SILENT(fnl_swapchain_destroy(NULL)))                                                           \
+    X(fnl_swapchain_set, NULLED("swapchain", fnl_swapchain_set(NULL, &swapchain_params));                                \
+      NULLED("params", fnl_swapchain_set(w.swapchain, NULL)))                                                \
+    X(fnl_swapchain_acquire, NULLED("swapchain", fnl_swapchain_acquire(NULL, &target));                                      \
+      NULLED("out", fnl_swapchain_acquire(w.swapchain, NULL)))                                     \
+    X(fnl_swapchain_present, NULLED("swapchain", fnl_swapchain_present(NULL)))                                              \
+    X(fnl_swapchain_query_info, NULLED("swapchain", fnl_swapchain_query_info(NULL, &swapchain_info));                           \
+      NULLED("out", fnl_swapchain_query_info(w.swapchain, NULL)))                       \
     X(fnl_device_validation_count, GIVES("device", 0, fnl_device_validation_count(NULL)))                                   \
     X(fnl_enumerate_devices, SILENT(fnl_enumerate_devices(NULL, NULL, 0, &number));                                         \
       SILENT(fnl_enumerate_devices(&host, NULL, 0, &number));                                                               \
@@ -707,6 +725,16 @@ static void test_unsupported_frames(void **state) {
 
 /* ---- the whole ---- */
 
+static bool make_swapchain(void) {
+    fnl_vulkan_handles handles_of;
+    if (fnl_device_query_vulkan(w.device, &handles_of) != FNL_OK) return false;
+    PFN_vkCreateHeadlessSurfaceEXT create =
+        (PFN_vkCreateHeadlessSurfaceEXT)handles_of.get_instance_proc_addr(handles_of.instance, "vkCreateHeadlessSurfaceEXT");
+    const VkHeadlessSurfaceCreateInfoEXT headless = {.sType = VK_STRUCTURE_TYPE_HEADLESS_SURFACE_CREATE_INFO_EXT};
+    VkSurfaceKHR surface = VK_NULL_HANDLE;
+    return create && create(handles_of.instance, &headless, NULL, &surface) == VK_SUCCESS && fnl_swapchain_create(w.device, surface, NULL, &w.swapchain) == FNL_OK;
+}
+
 static int set_up(void **state) {
     UNUSED(state);
     static const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -727,19 +755,21 @@ static int set_up(void **state) {
     frame = small_frame();
     fnl_device_params params = fnl_device_params_default();
     params.cache_folder = "";
+    params.presentation = true;
     bool good = w.kept && fnl_scene_create(NULL, &w.scene) == FNL_OK && fnl_scene_add_mesh(w.scene, &mesh, &w.mesh) == FNL_OK &&
                 fnl_scene_add_material(w.scene, &material, &w.material) == FNL_OK &&
                 fnl_scene_add_instance(w.scene, w.mesh, &matrix, &w.instance) == FNL_OK &&
                 fnl_scene_add_light(w.scene, &light, &w.light) == FNL_OK &&
                 fnl_scene_add_decal(w.scene, &decal, &w.decal) == FNL_OK && fnl_scene_add_probe(w.scene, &probe, &w.probe) == FNL_OK &&
                 fnl_device_create(&params, &w.device) == FNL_OK &&
-                fnl_renderer_create(w.device, w.scene, &w.renderer) == FNL_OK;
+                fnl_renderer_create(w.device, w.scene, &w.renderer) == FNL_OK && make_swapchain();
     return good ? 0 : -1;
 }
 
 static int tear_down(void **state) {
     UNUSED(state);
     fnl_renderer_destroy(&w.renderer);
+    fnl_swapchain_destroy(&w.swapchain);
     fnl_device_destroy(&w.device);
     fnl_scene_destroy(&w.scene);
     fclose(w.kept);

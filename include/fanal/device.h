@@ -19,6 +19,9 @@ typedef struct fnl_device_params {
     bool validate;    /**< Vulkan validation and synchronisation validation; messages go to the log; default false */
     /** Folder in which pipelines are kept between runs; NULL (default): $XDG_CACHE_HOME/fanal or ~/.cache/fanal; "": none. */
     const char *cache_folder;
+    /** For windows (fnl_swapchain_create in fanal/vulkan.h): switches on the kinds of surfaces that the machine has, and swapchains. FNL_ERROR_UNSUPPORTED
+        where there are none. Default false. */
+    bool presentation;
 } fnl_device_params;
 
 FNL_API fnl_device_params fnl_device_params_default(void);

@@ -17,6 +17,7 @@
 #include "fanal/mesh.h"
 #include "fanal/probe.h"
 #include "fanal/options.h"
+#include "fanal/overlay.h"
 #include "fanal/renderer.h"
 #include "fanal/scene.h"
 #include "fanal/scene_ids.h"

@@ -4,6 +4,7 @@
 #define FANAL_FRAME_H
 
 #include "fanal/gbuffer.h"
+#include "fanal/overlay.h"
 #include "fanal/scene.h"
 #include "fanal/shading.h"
 #include "fanal/shading_options.h"
@@ -257,6 +258,10 @@ typedef struct fnl_frame {
     bool decal_mip_fix;
 
     fnl_reflection_options reflections;
+
+    /** What is drawn over the picture, in frames of one view: over FNL_OUTPUT_COLOR, or over the image of fnl_renderer_render_to, whose pixels it then
+        counts in. Read only during the call. Default NULL: nothing. */
+    const fnl_overlay *overlay;
 
     /* Light lists, by the kinds that heed them (fanal/lights.h). */
     fnl_list_options list;

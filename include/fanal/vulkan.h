@@ -59,7 +59,7 @@ FNL_API fnl_result fnl_device_import(const fnl_device_params *params, const fnl_
 
 /** Where a frame goes and how it is ordered against the caller's own work. */
 typedef struct fnl_vulkan_target {
-    VkImage image; /**< 2D, one sample, one mip, usage TRANSFER_DST; of the size of the frame; with a layer for each of its views, in their order */
+    VkImage image; /**< 2D, one sample, one mip, usage TRANSFER_DST; with a layer for each of its views, in their order */
     VkFormat
         format; /**< an 8-bit RGBA or BGRA format, UNORM or SRGB: the picture is sRGB-encoded either way; or RGBA16_SFLOAT / RGBA32_SFLOAT for linear radiance times exposure */
     VkImageLayout initial_layout; /**< layout on entry; UNDEFINED discards the contents, which is what most want */
@@ -68,6 +68,8 @@ typedef struct fnl_vulkan_target {
     uint64_t wait_value;          /**< for timeline semaphores */
     VkSemaphore signal;           /**< signalled when the image is finished, or VK_NULL_HANDLE */
     uint64_t signal_value;
+    /** Of the image, where that is not the frame's: the picture is scaled to it (bilinear). Frames of one view. 0 x 0: the frame's. */
+    uint32_t width, height;
 } fnl_vulkan_target;
 
 /**
@@ -76,6 +78,82 @@ typedef struct fnl_vulkan_target {
  * neither semaphore was touched. The image must live until the frame is over.
  */
 FNL_API fnl_result fnl_renderer_render_to(fnl_renderer *renderer, const fnl_frame *frame, const fnl_vulkan_target *target);
+
+/*
+ * Windows. The program makes a window and a VkSurfaceKHR for it, with the library of its choice:
+ *
+ *     fnl_vulkan_handles handles;
+ *     fnl_device_query_vulkan(device, &handles);                 // a device with fnl_device_params.presentation
+ *     glfwCreateWindowSurface(handles.instance, window, NULL, &surface);
+ *     fnl_swapchain_create(device, surface, &params, &swapchain);
+ *     for each picture:
+ *         fnl_swapchain_acquire(swapchain, &target);
+ *         if (target.image) fnl_renderer_render_to(renderer, &frame, &target), fnl_swapchain_present(swapchain);
+ */
+
+/** What a device is made of; all stays the device's. */
+typedef struct fnl_vulkan_handles {
+    PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+    VkInstance instance;
+    VkPhysicalDevice physical_device;
+    VkDevice device;
+    uint32_t graphics_family;
+    VkQueue graphics_queue; /**< not to be used while a call of Fanal runs */
+} fnl_vulkan_handles;
+
+FNL_API fnl_result fnl_device_query_vulkan(const fnl_device *device, fnl_vulkan_handles *out);
+
+/** When a finished picture goes to the screen. */
+typedef enum fnl_present {
+    FNL_PRESENT_FIFO = 0,  /**< in order, at the screen's refresh: no tearing, and the program waits (vertical synchronisation); every device has it */
+    FNL_PRESENT_MAILBOX,   /**< the newest at the refresh; the program does not wait */
+    FNL_PRESENT_IMMEDIATE, /**< at once, with tearing */
+    FNL_PRESENT_COUNT
+} fnl_present;
+
+typedef struct fnl_swapchain_params {
+    /** Of the window's picture in pixels, 0 .. 16384; used where the surface has no size of its own. 0: minimised. Default 1280 x 720. */
+    uint32_t width, height;
+    fnl_present present; /**< FIFO is taken where the surface has no other. Default FIFO */
+    /**
+     * Asks for a target of linear light (scRGB: RGBA16_SFLOAT, 1 is 80 cd/m^2), in which pictures can be brighter than white: then tone mapping is not
+     * done. Where the surface has none the target is sRGB. Default false.
+     */
+    bool linear;
+} fnl_swapchain_params;
+
+FNL_API fnl_swapchain_params fnl_swapchain_params_default(void);
+
+/** The pictures of a window. Calls on it belong to the thread that renders. */
+typedef struct fnl_swapchain fnl_swapchain;
+
+/**
+ * `surface` becomes the swapchain's, and is destroyed with it; after an error at once. FNL_ERROR_UNSUPPORTED where the device was made without
+ * swapchains or cannot show pictures on this surface.
+ */
+FNL_API fnl_result fnl_swapchain_create(fnl_device *device, VkSurfaceKHR surface, const fnl_swapchain_params *params, fnl_swapchain **out);
+/** Waits for the device. Destroy it before the device. */
+FNL_API void fnl_swapchain_destroy(fnl_swapchain **swapchain);
+/** Other params, such as a new size: heeded from the next picture on. */
+FNL_API fnl_result fnl_swapchain_set(fnl_swapchain *swapchain, const fnl_swapchain_params *params);
+/**
+ * The next picture of the window, for fnl_renderer_render_to; may wait until one is free. `out->image` is VK_NULL_HANDLE while the window has no area:
+ * there is nothing to draw then. A picture that was not presented is handed out again, unless the window has changed meanwhile.
+ * FNL_ERROR_DEVICE when the surface is lost: make a new surface and swapchain.
+ */
+FNL_API fnl_result fnl_swapchain_acquire(fnl_swapchain *swapchain, fnl_vulkan_target *out);
+/** Shows the picture of fnl_swapchain_acquire, which was rendered to. */
+FNL_API fnl_result fnl_swapchain_present(fnl_swapchain *swapchain);
+
+typedef struct fnl_swapchain_info {
+    uint32_t width, height, image_count; /**< 0 before the first picture, or while the window has no area */
+    VkFormat format;
+    fnl_present present; /**< what is really done */
+    bool linear;
+    uint32_t made; /**< how often the chain was made: once, and once more for each new size */
+} fnl_swapchain_info;
+
+FNL_API fnl_result fnl_swapchain_query_info(const fnl_swapchain *swapchain, fnl_swapchain_info *out);
 
 #ifdef __cplusplus
 }

@@ -305,6 +305,11 @@ void gpu_end_rendering(struct gpu_commands *commands) {
     if (commands->handle) commands->device->vk.CmdEndRendering(commands->handle);
 }
 
+void gpu_scissor(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
+    const VkRect2D area = {{(int32_t)x, (int32_t)y}, {width, height}};
+    if (commands->handle) commands->device->vk.CmdSetScissor(commands->handle, 0, 1, &area);
+}
+
 void gpu_stencil_reference(struct gpu_commands *commands, uint32_t reference) {
     if (commands->handle)
         commands->device->vk.CmdSetStencilReference(commands->handle, VK_STENCIL_FACE_FRONT_AND_BACK, reference);

@@ -260,7 +260,7 @@ fnl_result gpu_device_start(gpu_device *device, const char *cache_folder) {
     return FNL_OK;
 }
 
-static fnl_result create_device(gpu_device *device, const struct gpu_physical *physical) {
+static fnl_result create_device(gpu_device *device, const struct gpu_physical *physical, bool presentation) {
     struct gpu_features features;
     gpu_features_require(&features);
     const VkPhysicalDeviceFeatures *supported = &physical->supported.features.features;
@@ -295,8 +295,13 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR,
         .pNext = &queries,
         .accelerationStructure = VK_TRUE};
-    const char *extensions[8];
+    const char *extensions[9];
     uint32_t extension_count = 0;
+    if (presentation && !physical->swapchain) {
+        log_error(&device->host, "%s: presentation was asked for, but the driver has no %s", physical->info.name, VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (presentation) extensions[extension_count++] = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     if (physical->info.conservative_raster)
         extensions[extension_count++] = VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME;
     if (physical->info.post_depth_coverage) extensions[extension_count++] = VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME;
@@ -329,11 +334,11 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     return FNL_OK;
 }
 
-static fnl_result open_device(gpu_device *device, const struct gpu_physical *physical, const char *cache_folder) {
+static fnl_result open_device(gpu_device *device, const struct gpu_physical *physical, const char *cache_folder, bool presentation) {
     device->physical = physical->handle;
     device->info = physical->info;
     device->isotropic_gradients = physical->isotropic_gradients;
-    TRY(create_device(device, physical));
+    TRY(create_device(device, physical, presentation));
     return gpu_device_start(device, cache_folder);
 }
 
@@ -355,7 +360,7 @@ fnl_result gpu_device_create_beside(const gpu_device *device, gpu_device **out) 
                                      false);
     if (result == FNL_OK) {
         gpu_physical_query(&(*out)->instance, device->physical, &physical);
-        result = open_device(*out, &physical, "");
+        result = open_device(*out, &physical, "", false);
     }
     if (result != FNL_OK) fnl_device_destroy(out);
     return result;
@@ -372,9 +377,10 @@ fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out) 
     gpu_device *device = NULL;
     struct gpu_physical physical;
     fnl_result result = gpu_device_new(params, &device);
-    if (result == FNL_OK) result = gpu_instance_open(&device->instance, &device->host, params->validate, false);
+    if (result == FNL_OK) result = gpu_instance_open(&device->instance, &device->host,
+                                   &(struct gpu_instance_params){.validate = params->validate, .presentation = params->presentation});
     if (result == FNL_OK) result = gpu_physical_pick(&device->instance, params, &physical);
-    if (result == FNL_OK) result = open_device(device, &physical, params->cache_folder);
+    if (result == FNL_OK) result = open_device(device, &physical, params->cache_folder, params->presentation);
     if (result != FNL_OK) {
         fnl_device_destroy(&device);
         return result;

@@ -113,6 +113,7 @@ static void query_extensions(const struct gpu_instance *instance, struct gpu_phy
         {VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME, &out->deferred_operations},
         {VK_EXT_MESH_SHADER_EXTENSION_NAME, &out->info.mesh_shader},
         {VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME, &out->info.conservative_raster},
+        {VK_KHR_SWAPCHAIN_EXTENSION_NAME, &out->swapchain},
         {VK_KHR_FRAGMENT_SHADER_BARYCENTRIC_EXTENSION_NAME, &out->info.barycentrics},
         {VK_EXT_SAMPLE_LOCATIONS_EXTENSION_NAME, &out->info.sample_locations},
         {VK_KHR_FRAGMENT_SHADING_RATE_EXTENSION_NAME, &out->info.fragment_shading_rate},
@@ -309,7 +310,7 @@ fnl_result fnl_enumerate_devices(const fnl_host *host, fnl_device_info *out, uin
     *out_count = 0;
     if (!out && capacity) return misuse(CALL(&resolved), "out is NULL, but capacity is %u", capacity);
     struct gpu_instance instance;
-    fnl_result result = gpu_instance_open(&instance, &resolved, false, true);
+    fnl_result result = gpu_instance_open(&instance, &resolved, &(struct gpu_instance_params){.quiet = true});
     if (result != FNL_OK) {
         bool no_loader = !instance.handle && result == FNL_ERROR_DEVICE;
         gpu_instance_close(&instance);

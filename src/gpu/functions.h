@@ -70,10 +70,22 @@
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_DEVICE_DEBUG_FUNCTIONS(X) X(SetDebugUtilsObjectNameEXT) X(CmdBeginDebugUtilsLabelEXT) X(CmdEndDebugUtilsLabelEXT)
 
+/* Present only with VK_KHR_surface and VK_KHR_swapchain. */
+#define GPU_INSTANCE_SURFACE_FUNCTIONS(X)                                                                                   \
+    X(DestroySurfaceKHR)                                                                                                    \
+    X(GetPhysicalDeviceSurfaceSupportKHR)                                                                                   \
+    X(GetPhysicalDeviceSurfaceCapabilitiesKHR) X(GetPhysicalDeviceSurfaceFormatsKHR) X(GetPhysicalDeviceSurfacePresentModesKHR)
+#define GPU_DEVICE_SWAPCHAIN_FUNCTIONS(X)                                                                                   \
+    X(CreateSwapchainKHR) X(DestroySwapchainKHR) X(GetSwapchainImagesKHR) X(AcquireNextImageKHR) X(QueuePresentKHR)
+
 #define GPU_FUNCTION_MEMBER(name) PFN_vk##name name;
 struct gpu_instance_functions {
     GPU_INSTANCE_FUNCTIONS(GPU_FUNCTION_MEMBER)
     GPU_INSTANCE_DEBUG_FUNCTIONS(GPU_FUNCTION_MEMBER)
+};
+struct gpu_swapchain_functions {
+    GPU_INSTANCE_SURFACE_FUNCTIONS(GPU_FUNCTION_MEMBER)
+    GPU_DEVICE_SWAPCHAIN_FUNCTIONS(GPU_FUNCTION_MEMBER)
 };
 struct gpu_device_functions {
     GPU_DEVICE_FUNCTIONS(GPU_FUNCTION_MEMBER)

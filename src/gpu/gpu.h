@@ -400,6 +400,8 @@ struct gpu_rendering {
 /** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
 void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);
 void gpu_end_rendering(struct gpu_commands *commands);
+/** Inside of it: the draws that follow touch only these pixels, which lie in the area; x and y from its upper left corner. */
+void gpu_scissor(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
 /** Inside of it. For the draws that follow with pipelines of GPU_STENCIL_SET, and once before the first of them. */
 void gpu_stencil_reference(struct gpu_commands *commands, uint32_t reference);
 /** Inside of it: the whole stencil of the area, in the order of the draws. */

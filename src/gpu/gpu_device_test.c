@@ -111,7 +111,7 @@ static void test_a_callers_device_is_imported(void **state) {
     UNUSED(state);
     fnl_host host = fnl_host_default();
     struct gpu_instance own;
-    assert_int_equal(gpu_instance_open(&own, &host, true, false), FNL_OK);
+    assert_int_equal(gpu_instance_open(&own, &host, &(struct gpu_instance_params){.validate = true}), FNL_OK);
     VkPhysicalDevice physical;
     uint32_t count = 1;
     assert_true(own.vk.EnumeratePhysicalDevices(own.handle, &count, &physical) >= 0 && count == 1);

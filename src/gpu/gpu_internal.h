@@ -19,6 +19,7 @@ enum {
     GPU_UPLOAD_SEGMENTS = 4,
     GPU_PIPELINE_WORKERS = 8,
     GPU_UPLOAD_SEGMENT_BYTES = 8 << 20,
+    GPU_SURFACE_EXTENSIONS = 8,
 };
 
 /* ---- instance.c: the loader, the instance and its messages ---- */
@@ -37,9 +38,12 @@ struct gpu_instance {
 
 /**
  * Opens the loader and makes an instance. `out` has its final address, for messages keep a pointer to it. Without a loader
- * or a driver FNL_ERROR_DEVICE; `quiet` then logs nothing. Close it even after a failure.
+ * or a driver FNL_ERROR_DEVICE; with `quiet` that logs nothing. Close it even after a failure.
  */
-fnl_result gpu_instance_open(struct gpu_instance *out, const fnl_host *host, bool validate, bool quiet);
+struct gpu_instance_params {
+    bool validate, presentation, quiet;
+};
+fnl_result gpu_instance_open(struct gpu_instance *out, const fnl_host *host, const struct gpu_instance_params *params);
 fnl_result gpu_instance_import(struct gpu_instance *out, const fnl_host *host, PFN_vkGetInstanceProcAddr get_proc,
                                VkInstance handle, bool validate);
 void gpu_instance_close(struct gpu_instance *instance);
@@ -66,6 +70,7 @@ struct gpu_physical {
     fnl_device_info info;
     struct gpu_features supported;
     bool isotropic_gradients;
+    bool swapchain;
     bool structures, deferred_operations; /* VK_KHR_acceleration_structure, and the extension that it asks for */
     uint32_t families[GPU_QUEUE_COUNT], queue_indices[GPU_QUEUE_COUNT]; /* the second is valid with info.async_compute */
 };

@@ -99,9 +99,25 @@ static fnl_result load_functions(struct gpu_instance *instance) {
     return FNL_OK;
 }
 
-static fnl_result create_instance(struct gpu_instance *instance, bool validate, bool quiet) {
+/* All kinds of surfaces that the loader knows of; returns how many extensions that is, 0: none. */
+static uint32_t add_surfaces(const struct gpu_instance *instance, const char *extensions[GPU_SURFACE_EXTENSIONS]) {
+    static const char *const kinds[] = {"VK_KHR_xcb_surface",   "VK_KHR_xlib_surface", "VK_KHR_wayland_surface", "VK_EXT_headless_surface",
+                                        "VK_KHR_win32_surface", "VK_EXT_metal_surface"};
+    _Static_assert(COUNT_OF(kinds) + 2 == GPU_SURFACE_EXTENSIONS, "each kind, and what they stand on");
+    if (!has_extension(instance, NULL, VK_KHR_SURFACE_EXTENSION_NAME)) return 0;
+    uint32_t count = 0;
+    extensions[count++] = VK_KHR_SURFACE_EXTENSION_NAME;
+    for (uint32_t i = 0; i < COUNT_OF(kinds); i++)
+        if (has_extension(instance, NULL, kinds[i])) extensions[count++] = kinds[i];
+    if (has_extension(instance, NULL, VK_EXT_SWAPCHAIN_COLOR_SPACE_EXTENSION_NAME))
+        extensions[count++] = VK_EXT_SWAPCHAIN_COLOR_SPACE_EXTENSION_NAME;
+    return count;
+}
+
+static fnl_result create_instance(struct gpu_instance *instance, const struct gpu_instance_params *params) {
+    const bool validate = params->validate, quiet = params->quiet;
     PFN_vkCreateInstance create = (PFN_vkCreateInstance)instance->get_proc(NULL, "vkCreateInstance");
-    const char *extensions[2];
+    const char *extensions[2 + GPU_SURFACE_EXTENSIONS];
     const char *layers[] = {validation_layer};
     uint32_t extension_count = 0;
     bool debug = has_extension(instance, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
@@ -122,6 +138,14 @@ static fnl_result create_instance(struct gpu_instance *instance, bool validate, 
         extensions[extension_count++] = VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME;
     }
     if (debug) extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    if (params->presentation) {
+        uint32_t count = add_surfaces(instance, extensions + extension_count);
+        if (count == 0) {
+            log_error(&instance->host, "presentation was asked for, but the Vulkan loader has no %s", VK_KHR_SURFACE_EXTENSION_NAME);
+            return FNL_ERROR_UNSUPPORTED;
+        }
+        extension_count += count;
+    }
 
     VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(instance);
     VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
@@ -170,7 +194,8 @@ static fnl_result create_messenger(struct gpu_instance *instance) {
     return FNL_OK;
 }
 
-fnl_result gpu_instance_open(struct gpu_instance *out, const fnl_host *host, bool validate, bool quiet) {
+fnl_result gpu_instance_open(struct gpu_instance *out, const fnl_host *host, const struct gpu_instance_params *params) {
+    const bool quiet = params->quiet;
     *out = (struct gpu_instance){.host = *host};
     out->library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
     if (!out->library) {
@@ -183,9 +208,9 @@ fnl_result gpu_instance_open(struct gpu_instance *out, const fnl_host *host, boo
         return FNL_ERROR_DEVICE;
     }
     memcpy(&out->get_proc, &symbol, sizeof symbol); /* ISO C has no cast from object to function pointer */
-    TRY(create_instance(out, validate, quiet));
+    TRY(create_instance(out, params));
     TRY(load_functions(out));
-    return validate ? create_messenger(out) : FNL_OK;
+    return params->validate ? create_messenger(out) : FNL_OK;
 }
 
 fnl_result gpu_instance_import(struct gpu_instance *out, const fnl_host *host, PFN_vkGetInstanceProcAddr get_proc,

@@ -2,6 +2,7 @@
 /** What a frame may ask for. */
 #include "render/debug_views.h"
 #include "render/options.h"
+#include "render/overlay.h"
 #include "render/shading.h"
 #include "render/shadows.h"
 
@@ -58,6 +59,7 @@ static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
 }
 
 fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    TRY(overlay_check(call, frame));
     TRY(options_check(call, frame));
     TRY(check_views(call, frame));
     TRY(lists_check(call, &frame->clusters));

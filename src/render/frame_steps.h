@@ -9,7 +9,7 @@
 void frame_cull(struct frame_state *f);
 /** Whether a debug view or an output of the frame looks at the nearest surface of each pixel (picture.c). */
 bool frame_shows_surfaces(const fnl_frame *frame);
-/** Makes the picture, or the debug view in its place: fills f->color (picture.c). */
+/** Makes the picture, or the debug view in its place, at the size of f->target, and what goes over it: fills f->color (picture.c). */
 void frame_add_picture(struct frame_state *f);
 /** Copies the picture into f->target (picture.c). */
 void frame_add_target(struct frame_state *f);

@@ -385,6 +385,48 @@ static void test_8_bit_targets_get_the_picture(void **state) {
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
+/* A picture that is not of the image's size is scaled, and what lies over it counts in the image's pixels and goes to the channels of its format. */
+static void test_targets_of_another_size_get_the_picture_scaled(void **state) {
+    UNUSED(state);
+    static const fnl_overlay_vertex corners[] = {
+        {{0, 0}, {0, 0}, {255, 128, 0, 255}}, {{200, 0}, {0, 0}, {255, 128, 0, 255}}, {{0, 200}, {0, 0}, {255, 128, 0, 255}}};
+    static const uint32_t indices[] = {0, 1, 2};
+    const fnl_overlay_draw draw = {.index_count = 3, .x = WIDTH - 5, .y = 3, .width = 50, .height = 4};
+    const fnl_overlay overlay = {.vertices = corners, .vertex_count = 3, .indices = indices, .index_count = 3, .draws = &draw, .draw_count = 1};
+    fnl_frame frame = small_frame();
+    frame.width = 31;
+    frame.height = 70;
+    fnl_image image = expected(frame, FNL_OUTPUT_COLOR);
+    struct picture p = make_picture(VK_FORMAT_B8G8R8A8_UNORM, 4);
+    frame.overlay = &overlay;
+    const fnl_vulkan_target target = {.image = p.image, .format = p.format, .final_layout = VK_IMAGE_LAYOUT_GENERAL, .width = WIDTH, .height = HEIGHT};
+    FNL(fnl_renderer_render_to(w.renderer, &frame, &target));
+    fetch(&p, VK_IMAGE_LAYOUT_GENERAL, VK_NULL_HANDLE, 0);
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        const uint32_t x = i % WIDTH, y = i / WIDTH;
+        const uint8_t *found = (const uint8_t *)p.pixels + 4 * i;
+        const bool covered = x >= WIDTH - 5 && y >= 3 && y < 7;
+        const double u = fmin(fmax((x + 0.5) / WIDTH * frame.width - 0.5, 0), frame.width - 1), v = fmin(fmax((y + 0.5) / HEIGHT * frame.height - 0.5, 0), frame.height - 1);
+        const uint32_t left = (uint32_t)u, top = (uint32_t)v, right = MIN(left + 1, frame.width - 1), bottom = MIN(top + 1, frame.height - 1);
+        for (uint32_t c = 0; c < 3; c++) {
+            const uint8_t *from = image.pixels;
+#define AT(x, y) from[4 * ((y) * frame.width + (x)) + c]
+            const double upper = AT(left, top) + (u - left) * (AT(right, top) - AT(left, top));
+            const double lower = AT(left, bottom) + (u - left) * (AT(right, bottom) - AT(left, bottom));
+#undef AT
+            static const double orange[] = {255, 128, 0};
+            const double wanted = covered ? orange[c] : upper + (v - top) * (lower - upper);
+            if (fabs(found[2 - c] - wanted) > 1.5) fail_msg("pixel %u, %u, channel %u: %d, not %g", x, y, c, found[2 - c], wanted);
+            sum += found[c];
+        }
+    }
+    assert_true(sum > PIXELS * 3ull * 20); /* far from black */
+    fnl_image_free(NULL, &image);
+    free_picture(&p);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
 /* Each view goes to the layer of its place. The device was made without multiview: they are drawn one by one, whatever the frame asks for. */
 static void test_views_go_to_layers(void **state) {
     UNUSED(state);
@@ -521,6 +563,13 @@ static void test_misuse_is_refused_and_does_no_harm(void **state) {
     bad = good;
     bad.format = VK_FORMAT_R8G8B8A8_SNORM;
     expect_refusal(&frame, &bad, FNL_ERROR_UNSUPPORTED, "format 38");
+    bad = good;
+    bad.width = 16385;
+    bad.height = 4;
+    expect_refusal(&frame, &bad, FNL_ERROR_INVALID, "width");
+    bad.width = 0;
+    expect_refusal(&frame, &bad, FNL_ERROR_INVALID, "width");
+    bad = good;
     bad.format = VK_FORMAT_UNDEFINED;
     expect_refusal(&frame, &bad, FNL_ERROR_UNSUPPORTED, "format 0");
     bad = good;
@@ -834,6 +883,7 @@ static void test_auto_makes_pipelines_in_the_background(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_8_bit_targets_get_the_picture),
+        cmocka_unit_test(test_targets_of_another_size_get_the_picture_scaled),
         cmocka_unit_test(test_views_go_to_layers),
         cmocka_unit_test(test_float_targets_get_exposed_radiance),
         cmocka_unit_test(test_semaphores_are_waited_for_and_signalled),

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /** From radiance to the picture, or to a debug view in its place. */
 #include "passes/aa/morphological.h"
+#include "passes/post/overlay.h"
 #include "passes/post/post.h"
 #include "render/debug_views.h"
 #include "render/frame_steps.h"
+#include "render/overlay.h"
 
 bool frame_shows_surfaces(const fnl_frame *frame) {
     return debug_views_need_surfaces(frame) ||
            (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
 }
 
-void frame_add_picture(struct frame_state *f) {
+static void add_picture(struct frame_state *f) {
     struct picture picture = frame_picture(f);
     bool linear = picture.tonemap.linear, swap = picture.tonemap.swap, done = f->color.id; /* by the shading order */
     if (!done) f->color = frame_create_image(f, "color", picture.format, 1);
@@ -23,6 +25,13 @@ void frame_add_picture(struct frame_state *f) {
     struct morphological_params shapes = {linear, swap};
     if (f->frame->aa == FNL_ANTIALIASING_MLAA) f->color = mlaa_add(f->graph, f->color, &shapes);
     if (f->frame->aa == FNL_ANTIALIASING_SMAA) f->color = smaa_add(f->graph, f->color, &shapes);
+}
+
+void frame_add_picture(struct frame_state *f) {
+    add_picture(f);
+    if (f->target && (f->target->image->params.width != f->frame->width || f->target->image->params.height != f->frame->height))
+        f->color = scale_add(f->r->device, f->graph, f->color, f->target->image->params.width, f->target->image->params.height);
+    if (f->frame->overlay) overlay_draw(f);
 }
 
 struct copy_image_data {

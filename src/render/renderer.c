@@ -2,6 +2,7 @@
 #include "base/check.h"
 #include "fanal/vulkan.h"
 #include "passes/aa/taa.h"
+#include "render/overlay.h"
 #include "render/shading.h"
 #include "render/shadows.h"
 
@@ -161,6 +162,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     }
     probes_finish(r);
     reflections_finish(r);
+    overlay_finish(r);
     lists_shared_finish(&r->lists, r->device);
     virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
@@ -265,6 +267,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     probes_submitted(r);
     r->frame = *frame;
     r->frame.views = NULL;
+    r->frame.overlay = NULL;
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - declared) * 1e3);
     feed_chooser(r);
@@ -301,7 +304,8 @@ static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_fra
     fnl_frame frame = given ? *given : fnl_frame_default();
     renderer_settle_views(&frame);
     TRY(frame_check(call, r, &frame));
-    fnl_result result = reflections_capture(r, &frame);
+    fnl_result result = overlay_prepare(r, &frame);
+    if (result == FNL_OK) result = reflections_capture(r, &frame);
     if (result == FNL_OK) result = make_frame(r, &frame, target, external);
     if (result != FNL_OK) {
         r->frame_number = 0; /* buffers may have changed without a frame to fill them */
@@ -337,10 +341,15 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
     TRY(check_count(call, "frame.width", frame.width, 1, 16384)); /* the image has its size */
     TRY(check_count(call, "frame.height", frame.height, 1, 16384));
     TRY(check_count(call, "frame.view_count", frame.view_count, 0, FNL_VIEWS_MAX));
+    const bool sized = target->width || target->height;
+    TRY(check_count(call, "width", target->width, sized, 16384));
+    TRY(check_count(call, "height", target->height, sized, 16384));
+    if (sized && frame.view_count > 1 && (target->width != frame.width || target->height != frame.height))
+        return unsupported(call, "frames of several views are not scaled: the target must have the frame's size");
     struct gpu_image_params params = {.name = "target",
                                       .format = target->format,
-                                      .width = frame.width,
-                                      .height = frame.height,
+                                      .width = sized ? target->width : frame.width,
+                                      .height = sized ? target->height : frame.height,
                                       .layers = frame_view_count(&frame),
                                       .mips = 1,
                                       .samples = 1,

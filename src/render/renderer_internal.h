@@ -131,6 +131,10 @@ struct fnl_renderer {
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
     uint32_t transmission_layers; /* that frames draw: as many as the last ones needed */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
+    struct renderer_overlay {
+        struct gpu_image image;
+        uint64_t version;
+    } overlay;
     uint32_t decal_capacity;  /* of what holds decals */
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
@@ -142,7 +146,7 @@ struct fnl_renderer {
     struct renderer_tests *tests; /* of the host; NULL outside of tests */
 
     /* The last frame, and where its results are. */
-    fnl_frame frame; /* without the addresses of its views */
+    fnl_frame frame; /* without the addresses of its views and its overlay */
     uint64_t frame_number; /* 0: none yet, or the last one failed */
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
     struct gpu_buffer outputs[OUTPUT_COUNT];         /* the pictures of all views, one after the other */

@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "fanal/vulkan.h"
 #include "render/multiview.h"
+#include "render/overlay.h"
 
 /* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
 struct last_frame {
@@ -88,8 +89,8 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     const struct gpu_image image = {
         .params = {.name = "target",
                    .format = target ? target->format : VK_FORMAT_UNDEFINED,
-                   .width = frame.width,
-                   .height = frame.height,
+                   .width = target && target->width ? target->width : frame.width,
+                   .height = target && target->height ? target->height : frame.height,
                    .layers = 1,
                    .mips = 1,
                    .samples = 1,
@@ -99,7 +100,8 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
         .srgb_index = GPU_NO_INDEX};
     const struct frame_target frame_target = {&image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL};
     uint64_t ticket = 0;
-    fnl_result result = renderer_prepare(r, &frame);
+    fnl_result result = overlay_prepare(r, &frame);
+    if (result == FNL_OK) result = renderer_prepare(r, &frame);
     frame.occlusion = whole.occlusion = frame_choose_occlusion(r, &whole); /* it goes by the number of views */
     const uint32_t counts = result == FNL_OK ? multiview_counts(r, &whole) : 0;
     for (uint32_t together = 1; counts >> together && result == FNL_OK; together++) {

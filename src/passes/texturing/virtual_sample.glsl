@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Reads the atlas at a pixel: how far coordinates go to the next one tells the level, as hardware would tell it.
 #include "passes/texturing/virtual_locate.glsl"
+#include "srgb.glsl"
 
 layout(constant_id = SHOWS_LEVELS_ID) const uint SHOWS_LEVELS = 0u;
 
@@ -73,7 +74,6 @@ vec2 atlas_origin(uint level) {
     return level == 0u ? vec2(0.0) : vec2(side, level == 1u ? 0.0 : side * 0.5);
 }
 
-vec3 srgb_decode(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045))); }
 
 // Images that are written cannot be sRGB: colours are decoded before they are filtered.
 vec4 atlas_color(uint layer, uint level) {

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * What goes over a finished picture, and how it comes to another size. Cost: the pixels of the triangles; of scaling, those of the target.
+ */
+#ifndef FNL_PASSES_OVERLAY_H
+#define FNL_PASSES_OVERLAY_H
+
+#include "fanal/overlay.h"
+#include "graph/graph.h"
+
+struct overlay_params {
+    const fnl_overlay *overlay;    /* read during the call */
+    const struct gpu_image *image; /* sampled; NULL: white */
+    bool linear, swap;             /* of the picture, as tonemap_params has them */
+};
+/** Draws it over `picture`. */
+void overlay_add(gpu_device *device, struct graph *graph, graph_image picture, const struct overlay_params *params);
+
+/** The picture at another size, bilinear. */
+graph_image scale_add(gpu_device *device, struct graph *graph, graph_image picture, uint32_t width, uint32_t height);
+
+#endif

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/overlay.h"
+
+#include "passes/post/overlay.h"
+
+#include <inttypes.h>
+
+static fnl_result check_draw(const struct call *call, const fnl_overlay *o, uint32_t number) {
+    const fnl_overlay_draw *draw = &o->draws[number];
+    if ((uint64_t)draw->first_index + draw->index_count > o->index_count)
+        return misuse(call, "overlay.draws[%u] uses indices %u .. %" PRIu64 ", but there are %u", number, draw->first_index,
+                      (uint64_t)draw->first_index + draw->index_count, o->index_count);
+    if (draw->index_count % 3)
+        return misuse(call, "overlay.draws[%u].index_count is %u, must be a multiple of 3", number, draw->index_count);
+    for (uint32_t i = 0; i < draw->index_count; i++) {
+        const uint64_t vertex = (uint64_t)o->indices[draw->first_index + i] + draw->first_vertex;
+        if (vertex >= o->vertex_count)
+            return misuse(call, "overlay.draws[%u]: index %u is that of vertex %" PRIu64 ", but there are %u", number, i, vertex, o->vertex_count);
+    }
+    return FNL_OK;
+}
+
+fnl_result overlay_check(const struct call *call, const fnl_frame *frame) {
+    const fnl_overlay *o = frame->overlay;
+    if (!o) return FNL_OK;
+    if (frame->view_count > 1) return unsupported(call, "an overlay goes over frames of one view, not of %u", frame->view_count);
+    if (o->vertex_count) TRY(check_pointer(call, "overlay.vertices", o->vertices));
+    if (o->index_count) TRY(check_pointer(call, "overlay.indices", o->indices));
+    if (o->draw_count) TRY(check_pointer(call, "overlay.draws", o->draws));
+    for (uint32_t i = 0; i < o->draw_count; i++) TRY(check_draw(call, o, i));
+    if (!o->image) return FNL_OK;
+    TRY(check_pointer(call, "overlay.image.pixels", o->image->pixels));
+    TRY(check_count(call, "overlay.image.width", o->image->width, 1, 16384));
+    TRY(check_count(call, "overlay.image.height", o->image->height, 1, 16384));
+    if (o->image->format != FNL_PIXEL_FORMAT_RGBA8) return misuse(call, "overlay.image is not RGBA8");
+    return FNL_OK;
+}
+
+fnl_result overlay_prepare(fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_image *image = frame->overlay ? frame->overlay->image : NULL;
+    struct renderer_overlay *kept = &r->overlay;
+    if (!image || (kept->image.handle && kept->version == frame->overlay->image_version)) return FNL_OK;
+    overlay_finish(r);
+    const struct gpu_image_params params = {.name = "overlay image",
+                                            .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                            .width = image->width,
+                                            .height = image->height,
+                                            .layers = 1,
+                                            .mips = 1,
+                                            .samples = 1,
+                                            .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    TRY(gpu_image_create(r->device, &params, &kept->image));
+    fnl_result result = gpu_upload_image(r->device, &kept->image, image->pixels, 4ull * image->width * image->height, false, false);
+    if (result != FNL_OK) overlay_finish(r);
+    kept->version = frame->overlay->image_version;
+    return result;
+}
+
+void overlay_finish(fnl_renderer *r) {
+    if (r->overlay.image.handle) gpu_image_destroy(r->device, &r->overlay.image);
+    r->overlay = (struct renderer_overlay){0};
+}
+
+void overlay_draw(struct frame_state *f) {
+    const struct picture picture = frame_picture(f);
+    const struct overlay_params params = {.overlay = f->frame->overlay,
+                                          .image = f->frame->overlay->image ? &f->r->overlay.image : NULL,
+                                          .linear = picture.tonemap.linear,
+                                          .swap = picture.tonemap.swap};
+    overlay_add(f->r->device, f->graph, f->color, &params);
+}

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Pictures for a surface without a window (VK_EXT_headless_surface): acquired, rendered to, presented, at changing sizes, with validation. What arrives
+ * on a screen is compared in tests/cli/view_test.sh.
+ */
+#include "base/base.h"
+#include "fanal/fanal.h"
+#include "fanal/vulkan.h"
+
+#include <setjmp.h>
+#include <vulkan/vulkan.h>
+
+#include <cmocka.h>
+
+static struct {
+    fnl_device *device;
+    fnl_scene *scene;
+    fnl_renderer *renderer;
+    fnl_vulkan_handles handles;
+    char last_error[1024];
+} w;
+
+static void keep_error(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    if (level == FNL_LOG_ERROR) snprintf(w.last_error, sizeof w.last_error, "%s", line);
+}
+
+static fnl_device *make_device(bool presentation) {
+    fnl_device_params params = fnl_device_params_default();
+    params.host.log = keep_error;
+    params.validate = true;
+    params.presentation = presentation;
+    params.cache_folder = "";
+    fnl_device *device = NULL;
+    assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
+    return device;
+}
+
+static int set_up(void **state) {
+    UNUSED(state);
+    w.device = make_device(true);
+    assert_int_equal(fnl_device_query_vulkan(w.device, &w.handles), FNL_OK);
+    assert_int_equal(fnl_scene_load(NULL, "builtin:onetile", NULL, &w.scene), FNL_OK);
+    assert_int_equal(fnl_renderer_create(w.device, w.scene, &w.renderer), FNL_OK);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    UNUSED(state);
+    fnl_renderer_destroy(&w.renderer);
+    fnl_scene_destroy(&w.scene);
+    assert_int_equal(fnl_device_validation_count(w.device), 0);
+    fnl_device_destroy(&w.device);
+    return 0;
+}
+
+static VkSurfaceKHR make_surface(void) {
+    PFN_vkCreateHeadlessSurfaceEXT create =
+        (PFN_vkCreateHeadlessSurfaceEXT)w.handles.get_instance_proc_addr(w.handles.instance, "vkCreateHeadlessSurfaceEXT");
+    const VkHeadlessSurfaceCreateInfoEXT info = {.sType = VK_STRUCTURE_TYPE_HEADLESS_SURFACE_CREATE_INFO_EXT};
+    VkSurfaceKHR surface = VK_NULL_HANDLE;
+    assert_non_null(create);
+    assert_int_equal(create(w.handles.instance, &info, NULL, &surface), VK_SUCCESS);
+    return surface;
+}
+
+static fnl_swapchain *make_swapchain(const fnl_swapchain_params *params) {
+    fnl_swapchain *swapchain = NULL;
+    assert_int_equal(fnl_swapchain_create(w.device, make_surface(), params, &swapchain), FNL_OK);
+    return swapchain;
+}
+
+static fnl_frame small_frame(void) {
+    fnl_frame frame = fnl_frame_default();
+    frame.width = 40;
+    frame.height = 24;
+    frame.lists = FNL_LISTS_ALL;
+    frame.shading = FNL_SHADING_FORWARD;
+    return frame;
+}
+
+static void show(fnl_swapchain *swapchain, uint32_t width, uint32_t height) {
+    const fnl_frame frame = small_frame();
+    fnl_vulkan_target target;
+    assert_int_equal(fnl_swapchain_acquire(swapchain, &target), FNL_OK);
+    assert_true(target.image != VK_NULL_HANDLE);
+    assert_int_equal(target.width, width);
+    assert_int_equal(target.height, height);
+    assert_int_equal(fnl_renderer_render_to(w.renderer, &frame, &target), FNL_OK);
+    assert_int_equal(fnl_swapchain_present(swapchain), FNL_OK);
+}
+
+/* More frames than there are images and semaphores, then at other sizes. The chain is made once for each. */
+static void test_pictures_go_round_at_any_size(void **state) {
+    UNUSED(state);
+    fnl_swapchain_params params = fnl_swapchain_params_default();
+    fnl_swapchain_info info;
+    params.width = 64;
+    params.height = 48;
+    fnl_swapchain *swapchain = make_swapchain(&params);
+    for (uint32_t i = 0; i < 9; i++) show(swapchain, 64, 48);
+    assert_int_equal(fnl_swapchain_query_info(swapchain, &info), FNL_OK);
+    assert_int_equal(info.made, 1);
+    assert_true(info.image_count >= 2 && info.width == 64 && info.height == 48);
+    params.width = 33;
+    params.height = 21;
+    params.present = FNL_PRESENT_MAILBOX;
+    assert_int_equal(fnl_swapchain_set(swapchain, &params), FNL_OK);
+    for (uint32_t i = 0; i < 5; i++) show(swapchain, 33, 21);
+    assert_int_equal(fnl_swapchain_set(swapchain, &params), FNL_OK); /* the same: nothing is made */
+    show(swapchain, 33, 21);
+    assert_int_equal(fnl_swapchain_query_info(swapchain, &info), FNL_OK);
+    assert_int_equal(info.made, 2);
+    fnl_swapchain_destroy(&swapchain);
+    assert_null(swapchain);
+}
+
+/* A window without area has no picture; with one again it has. */
+static void test_minimised_windows_have_no_picture(void **state) {
+    UNUSED(state);
+    fnl_swapchain_params params = fnl_swapchain_params_default();
+    fnl_vulkan_target target;
+    fnl_swapchain_info info;
+    params.width = 0;
+    fnl_swapchain *swapchain = make_swapchain(&params);
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(fnl_swapchain_acquire(swapchain, &target), FNL_OK);
+        assert_true(target.image == VK_NULL_HANDLE);
+    }
+    assert_int_equal(fnl_swapchain_query_info(swapchain, &info), FNL_OK);
+    assert_int_equal(info.made, 0);
+    assert_int_equal(fnl_swapchain_present(swapchain), FNL_ERROR_INVALID);
+    params.width = 50;
+    params.height = 30;
+    assert_int_equal(fnl_swapchain_set(swapchain, &params), FNL_OK);
+    show(swapchain, 50, 30);
+    params.height = 0;
+    assert_int_equal(fnl_swapchain_set(swapchain, &params), FNL_OK);
+    assert_int_equal(fnl_swapchain_acquire(swapchain, &target), FNL_OK);
+    assert_true(target.image == VK_NULL_HANDLE);
+    fnl_swapchain_destroy(&swapchain);
+}
+
+/* What was acquired and not presented comes again, also after a frame that was refused; and a chain may go while it holds one. */
+static void test_pictures_that_were_not_presented_come_again(void **state) {
+    UNUSED(state);
+    fnl_swapchain_params params = fnl_swapchain_params_default();
+    fnl_vulkan_target first, second;
+    fnl_frame frame = small_frame();
+    params.width = params.height = 32;
+    fnl_swapchain *swapchain = make_swapchain(&params);
+    assert_int_equal(fnl_swapchain_acquire(swapchain, &first), FNL_OK);
+    frame.msaa = 3;
+    assert_int_equal(fnl_renderer_render_to(w.renderer, &frame, &first), FNL_ERROR_INVALID);
+    assert_int_equal(fnl_swapchain_acquire(swapchain, &second), FNL_OK);
+    assert_true(first.image == second.image && first.wait == second.wait);
+    show(swapchain, 32, 32);
+    assert_int_equal(fnl_swapchain_present(swapchain), FNL_ERROR_INVALID);
+    assert_int_equal(fnl_swapchain_acquire(swapchain, &first), FNL_OK);
+    fnl_swapchain_destroy(&swapchain);
+}
+
+static void test_misuse_is_refused(void **state) {
+    UNUSED(state);
+    fnl_swapchain *swapchain = NULL;
+    fnl_swapchain_params params = fnl_swapchain_params_default();
+    assert_int_equal(fnl_swapchain_create(w.device, VK_NULL_HANDLE, NULL, &swapchain), FNL_ERROR_INVALID);
+    params.width = 16385;
+    assert_int_equal(fnl_swapchain_create(w.device, make_surface(), &params, &swapchain), FNL_ERROR_INVALID); /* and the surface is gone */
+    assert_non_null(strstr(w.last_error, "width"));
+    params.width = 8;
+    params.present = (fnl_present)FNL_PRESENT_COUNT;
+    assert_int_equal(fnl_swapchain_create(w.device, make_surface(), &params, &swapchain), FNL_ERROR_INVALID);
+    fnl_device *plain = make_device(false);
+    assert_int_equal(fnl_swapchain_create(plain, (VkSurfaceKHR)(uintptr_t)1, NULL, &swapchain), FNL_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(w.last_error, "without presentation"));
+    fnl_device_destroy(&plain);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pictures_go_round_at_any_size),
+        cmocka_unit_test(test_minimised_windows_have_no_picture),
+        cmocka_unit_test(test_pictures_that_were_not_presented_come_again),
+        cmocka_unit_test(test_misuse_is_refused),
+    };
+    return cmocka_run_group_tests_name("render: swapchain", tests, set_up, tear_down);
+}
