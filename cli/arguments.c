@@ -87,3 +87,13 @@ bool argument_exposure(const char *option, const char *text, fnl_exposure *out, 
     *out_ev = (float)ev;
     return true;
 }
+
+void argument_device(const char *value, fnl_device_params *out) {
+    char *end;
+    if (!value) return;
+    long index = strtol(value, &end, 10);
+    if (*value && !*end)
+        out->index = index < 0 || index > INT32_MAX ? INT32_MAX : (int32_t)index; /* no machine has that one */
+    else
+        out->name = value;
+}

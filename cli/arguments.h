@@ -20,4 +20,7 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
 /** "auto", "none", or an EV100. */
 bool argument_exposure(const char *option, const char *text, fnl_exposure *out, float *out_ev);
 
+/** --device INDEX|NAME; NULL: any. */
+void argument_device(const char *value, fnl_device_params *out);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures the plan: of each case one frame of every candidate in turn, again and again, so that what disturbs the machine disturbs
  * all alike; and compares every picture with the reference. */
+#include "arguments.h"
 #include "bench.h"
 #include "bench_lane.h"
 #include "progress.h"
@@ -546,18 +547,10 @@ static bool begin_data(struct bench_run *run) {
 
 bool bench_create_device(const struct bench_settings *settings, const fnl_host *host, fnl_device **out) {
     fnl_device_params params = fnl_device_params_default();
-    const char *name = settings->device;
     if (host) params.host = *host;
     params.validate = settings->validate;
     if (settings->no_cache) params.cache_folder = "";
-    if (name) {
-        char *end;
-        long index = strtol(name, &end, 10);
-        if (*name && !*end)
-            params.index = index < 0 || index > INT32_MAX ? INT32_MAX : (int32_t)index; /* no machine has that one */
-        else
-            params.name = name;
-    }
+    argument_device(settings->device, &params);
     return fnl_device_create(&params, out) == FNL_OK;
 }
 

@@ -11,5 +11,8 @@ int command_devices(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_render(int argc, char **argv);
 int command_trace(int argc, char **argv);
+#ifdef FANAL_VIEW
+int command_view(int argc, char **argv);
+#endif
 
 #endif

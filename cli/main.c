@@ -12,6 +12,9 @@ static const struct {
     int (*run)(int argc, char **argv);
 } commands[] = {
     {"render", "render a scene and write the picture and the numbers", command_render},
+#ifdef FANAL_VIEW
+    {"view", "show a scene in a window", command_view},
+#endif
     {"trace", "trace a scene with rays on the CPU: the truth to compare pictures with", command_trace},
     {"bench", "measure light lists and shading paths side by side", command_bench},
     {"info", "print what a scene consists of", command_info},

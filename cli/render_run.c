@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render.h"
 
+#include "arguments.h"
 #include "counters.h"
 #include "output.h"
 #include "progress.h"
@@ -21,13 +22,7 @@
 static void choose_device(const struct render_options *o, fnl_device_params *params) {
     params->validate = o->validate;
     if (o->no_cache) params->cache_folder = "";
-    if (!o->device) return;
-    char *end;
-    long index = strtol(o->device, &end, 10);
-    if (*o->device && !*end)
-        params->index = index < 0 || index > INT32_MAX ? INT32_MAX : (int32_t)index; /* no machine has that one */
-    else
-        params->name = o->device;
+    argument_device(o->device, params);
 }
 
 /* ---- outputs ---- */
@@ -309,18 +304,6 @@ static bool save_stats(const struct render_options *o, const struct render_repor
     return good;
 }
 
-/* Maps where there are lights. Where maps cannot be, rays would find all shadows, which takes far longer than anybody expects who did not ask for it. */
-static fnl_shadows usual_shadows(const struct render_options *o, const struct render_report *report) {
-    enum { MOST_MAPS = 65536, MAPS_OF_SUN = 192 }; /* fanal/shadows.h */
-    const uint32_t count = report->scene.light_count, suns = report->scene.directional_count;
-    if (count == 0) return FNL_SHADOWS_OFF;
-    if (report->device.clip_distances && count - suns + (uint64_t)MAPS_OF_SUN * suns <= MOST_MAPS) return FNL_SHADOWS_MAPS;
-    if (!o->quiet)
-        fprintf(stderr, "fanal: warning: no shadows: %s; --shadows rays finds them all, slowly\n",
-                report->device.clip_distances ? "the scene has more than the 65536 lights that may have shadow maps, of which a sun counts as 192" : "this device cannot draw shadow maps");
-    return FNL_SHADOWS_OFF;
-}
-
 int render_run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
@@ -341,7 +324,7 @@ int render_run(const struct render_options *o) {
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
-    if (good && o->lit_casts) frame.shadows = usual_shadows(o, &report);
+    if (good && o->lit_casts) frame.shadows = world_usual_shadows(&report.scene, &report.device, o->quiet);
     if (view_count > 0) frame.camera = cameras[0];
     frame.views = cameras;
     frame.view_count = view_count;

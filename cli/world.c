@@ -47,6 +47,14 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         if (!(number > 0 && number < 180)) return argument_bad("fov", value, "an angle between 0 and 180 degrees");
         o->fov = (float)(number * 3.14159265358979323846 / 180);
         return true;
+    case WORLD_NEAR:
+        if (!argument_number("near", value, &number)) return false;
+        if (!(number > 0 && number <= 1e6)) return argument_bad("near", value, "a distance above 0 and up to 1e6 metres");
+        o->near = (float)number;
+        return true;
+    case WORLD_UP:
+        if (!argument_vector("up", value, &o->up)) return false;
+        return o->up.x != 0 || o->up.y != 0 || o->up.z != 0 || argument_bad("up", value, "a direction");
     case WORLD_GROW_METAL:
         if (!argument_integer("grow-metal", value, 0, 64, &integer)) return false;
         o->grow_metal = (uint32_t)integer;
@@ -164,6 +172,8 @@ static bool choose_camera(const struct world_options *o, const fnl_scene *scene,
         return false;
     }
     if (o->fov > 0) out->vertical_fov = o->fov;
+    if (o->near > 0) out->near_distance = o->near;
+    if (o->up.x != 0 || o->up.y != 0 || o->up.z != 0) out->up = o->up;
     return true;
 }
 
@@ -222,7 +232,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
                 fnl_camera *camera) {
     uint32_t animation;
     fnl_load_params loading = o->loading;
-    loading.progress = show_loading;
+    if (!loading.progress) loading.progress = show_loading;
     if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK || !loading_select_variant(*scene, o->variant, NULL)) return false;
     if (!world_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
         return false;
@@ -242,4 +252,16 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
     return choose_camera(o, *scene, (float)width / (float)height, camera);
+}
+
+fnl_shadows world_usual_shadows(const fnl_scene_info *scene, const fnl_device_info *device, bool quiet) {
+    enum { MOST_MAPS = 65536, MAPS_OF_SUN = 192 }; /* fanal/shadows.h */
+    const uint32_t count = scene->light_count, suns = scene->directional_count;
+    if (count == 0) return FNL_SHADOWS_OFF;
+    if (device->clip_distances && count - suns + (uint64_t)MAPS_OF_SUN * suns <= MOST_MAPS) return FNL_SHADOWS_MAPS;
+    if (!quiet)
+        fprintf(stderr, "fanal: warning: no shadows: %s; --shadows rays finds them all, slowly\n",
+                device->clip_distances ? "the scene has more than the 65536 lights that may have shadow maps, of which a sun counts as 192"
+                                       : "this device cannot draw shadow maps");
+    return FNL_SHADOWS_OFF;
 }

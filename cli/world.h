@@ -14,6 +14,8 @@ struct world_options {
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy, range_roughness;
     float fov; /* radians; 0: the camera's */
+    float near; /* metres; 0: the camera's */
+    fnl_vec3 up; /* all 0: the camera's */
     const char *environment; /* NULL: the scene's own, or one where it has no light */
     fnl_environment_params environment_params; /* but for its source */
     fnl_scatter_params scatter;
@@ -31,6 +33,8 @@ enum {
     WORLD_EYE,
     WORLD_LOOK_AT,
     WORLD_FOV,
+    WORLD_NEAR,
+    WORLD_UP,
     WORLD_BACKGROUND,
     WORLD_AMBIENT,
     WORLD_ENVIRONMENT,
@@ -58,6 +62,7 @@ enum {
 #define WORLD_OPTIONS                                                                                                       \
     {"camera", required_argument, NULL, WORLD_CAMERA}, {"eye", required_argument, NULL, WORLD_EYE},                         \
         {"look-at", required_argument, NULL, WORLD_LOOK_AT}, {"fov", required_argument, NULL, WORLD_FOV},                   \
+        {"near", required_argument, NULL, WORLD_NEAR}, {"up", required_argument, NULL, WORLD_UP},                           \
         {"background", required_argument, NULL, WORLD_BACKGROUND}, {"ambient", required_argument, NULL, WORLD_AMBIENT},     \
         {"environment", required_argument, NULL, WORLD_ENVIRONMENT},                                                        \
         {"environment-rotation", required_argument, NULL, WORLD_ENVIRONMENT_ROTATION},                                      \
@@ -77,7 +82,9 @@ enum {
 /** Lines for help texts. */
 #define WORLD_CAMERA_HELP                                                                                                   \
     "  --camera NAME|INDEX        a camera of the scene (the first; without any, one that frames the scene)\n"
-#define WORLD_EYE_HELP "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
+#define WORLD_EYE_HELP                                                                                                      \
+    "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"                                                 \
+    "  --up X,Y,Z --near METRES   what is up in its picture (0,1,0), and from where on it sees (0.05)\n"
 #define WORLD_SURROUNDINGS_HELP                                                                                             \
     "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"                                              \
     "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light stands in builtin:studio)\n"        \
@@ -115,5 +122,11 @@ bool world_find_animation(const fnl_scene *scene, const char *name, uint32_t *ou
 /** Loads, poses and lights the scene, and chooses the camera for a picture of this size. False with a message. `quiet`: nothing else is printed. */
 bool world_load(const struct world_options *options, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
                 fnl_camera *camera);
+
+/**
+ * What --shadows is where nobody says it. Maps where there are lights. Where maps cannot be: none (unless `quiet`, with a warning), as rays would find all
+ * shadows, but take far longer than anybody expects who did not ask for them.
+ */
+fnl_shadows world_usual_shadows(const fnl_scene_info *scene, const fnl_device_info *device, bool quiet);
 
 #endif

@@ -8,7 +8,8 @@ packages=(
     gcc libc6-dev cmake ninja-build pkg-config glslang-tools spirv-tools             # to build
     libvulkan-dev libjansson-dev libzstd-dev libmeshoptimizer-dev                    # what it is made of
     libspng-dev libjpeg-dev libwebp-dev zlib1g-dev libopenexr-dev libembree-dev
-    libdraco-dev g++                                                                 # to read KHR_draco_mesh_compression; all else is C
+    libdraco-dev g++                                                                 # to read KHR_draco_mesh_compression; all else is C,
+    libglfw3-dev libimgui-dev                                                        # but for the window of 'fanal view'
     libjs-chart.js                                                                   # the plots of 'fanal bench'
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
 )
@@ -18,7 +19,7 @@ say() { echo "setup: $*"; }
 . /etc/os-release 2>/dev/null || ID=unknown
 for option in "$@"; do
     case $option in
-    --tests) packages+=(libcmocka-dev vulkan-validationlayers jq libglfw3-dev xvfb) ;; # the last two: examples/window.c
+    --tests) packages+=(libcmocka-dev vulkan-validationlayers jq xvfb) ;; # the last: windows without a screen
     --clang) packages+=(clang libclang-rt-dev) ;;            # for the fuzzers and `test --clang`
     --page) [ "$ID" != debian ] || packages+=(chromium) ;;   # to test the page of 'fanal bench'; Ubuntu has none as a package
     esac

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+#include "view/ui.h"
+
+#include <imgui.h>
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdlib>
+#include <cstring>
+
+// Arrays that outlive a frame, of C's memory: this file must not need the C++ library.
+template <typename T> struct growing {
+    T *data = nullptr;
+    size_t count = 0, capacity = 0;
+    T *add(size_t more) {
+        if (count + more > capacity) {
+            size_t wanted = (count + more) * 2;
+            T *moved = static_cast<T *>(realloc(static_cast<void *>(data), wanted * sizeof(T)));
+            if (!moved) return nullptr;
+            data = moved;
+            capacity = wanted;
+        }
+        count += more;
+        return data + count - more;
+    }
+    void finish() {
+        free(data);
+        *this = growing<T>();
+    }
+};
+
+struct place {
+    ImGuiID label;
+    ImVec2 inside;
+};
+
+static struct {
+    growing<place> places; // of the widgets of this frame
+    growing<fnl_overlay_vertex> vertices;
+    growing<uint32_t> indices;
+    growing<fnl_overlay_draw> draws;
+    fnl_image font;
+    uint64_t font_version;
+    float scale;
+    bool resized; // the window has another size than in the last frame
+} ui;
+
+static_assert(sizeof(fnl_overlay_vertex) == sizeof(ImDrawVert), "vertices are copied as they are");
+
+// ---- life ----
+
+static void make_font() {
+    ImGuiIO &io = ImGui::GetIO();
+    io.Fonts->Clear();
+    ImFontConfig config;
+    config.SizePixels = std::floor(13 * ui.scale);
+    io.Fonts->AddFontDefault(&config);
+    unsigned char *pixels = nullptr;
+    int width = 0, height = 0;
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+    ui.font = fnl_image();
+    ui.font.width = static_cast<uint32_t>(width);
+    ui.font.height = static_cast<uint32_t>(height);
+    ui.font.format = FNL_PIXEL_FORMAT_RGBA8;
+    ui.font.pixels = pixels;
+    ui.font_version++;
+}
+
+void ui_set_look(float scale, bool dark) {
+    ImGui::GetStyle() = ImGuiStyle();
+    if (dark)
+        ImGui::StyleColorsDark();
+    else
+        ImGui::StyleColorsLight();
+    ImGuiStyle &style = ImGui::GetStyle();
+    style.WindowRounding = style.FrameRounding = style.GrabRounding = 3;
+    style.ScaleAllSizes(scale);
+    if (scale == ui.scale) return;
+    ui.scale = scale;
+    make_font();
+}
+
+// Keys that widgets know, by GLFW's numbers.
+static const struct {
+    int number, key;
+} keys[] = {{258, ImGuiKey_Tab},       {263, ImGuiKey_LeftArrow}, {262, ImGuiKey_RightArrow}, {265, ImGuiKey_UpArrow}, {264, ImGuiKey_DownArrow},
+            {266, ImGuiKey_PageUp},    {267, ImGuiKey_PageDown},  {268, ImGuiKey_Home},       {269, ImGuiKey_End},     {260, ImGuiKey_Insert},
+            {261, ImGuiKey_Delete},    {259, ImGuiKey_Backspace}, {32, ImGuiKey_Space},       {257, ImGuiKey_Enter},   {256, ImGuiKey_Escape},
+            {335, ImGuiKey_Enter},     {'A', ImGuiKey_A},         {'C', ImGuiKey_C},          {'V', ImGuiKey_V},       {'X', ImGuiKey_X},
+            {'Y', ImGuiKey_Y},         {'Z', ImGuiKey_Z}};
+
+bool ui_create(float scale, bool dark) {
+    if (!ImGui::CreateContext()) return false;
+    ImGuiIO &io = ImGui::GetIO();
+    io.IniFilename = nullptr; // the program remembers what is worth it
+    io.LogFilename = nullptr;
+    io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
+    io.ConfigWindowsMoveFromTitleBarOnly = true;
+#if IMGUI_VERSION_NUM < 18700
+    for (const auto &k : keys) io.KeyMap[k.key] = k.number;
+#endif
+    ui_set_look(scale, dark);
+    return true;
+}
+
+void ui_destroy(void) {
+    ui.places.finish();
+    ui.vertices.finish();
+    ui.indices.finish();
+    ui.draws.finish();
+    if (ImGui::GetCurrentContext()) ImGui::DestroyContext();
+    ui.scale = 0;
+}
+
+// ---- input ----
+
+void ui_mouse_moved(float x, float y) {
+#if IMGUI_VERSION_NUM >= 18700
+    ImGui::GetIO().AddMousePosEvent(x, y);
+#else
+    ImGui::GetIO().MousePos = ImVec2(x, y);
+#endif
+}
+
+void ui_mouse_button(int button, bool down) {
+    if (button < 0 || button > 2) return;
+#if IMGUI_VERSION_NUM >= 18700
+    ImGui::GetIO().AddMouseButtonEvent(button, down);
+#else
+    ImGui::GetIO().MouseDown[button] = down;
+#endif
+}
+
+void ui_mouse_wheel(float x, float y) {
+#if IMGUI_VERSION_NUM >= 18700
+    ImGui::GetIO().AddMouseWheelEvent(x, y);
+#else
+    ImGui::GetIO().MouseWheelH += x;
+    ImGui::GetIO().MouseWheel += y;
+#endif
+}
+
+void ui_key(int key, bool down) {
+#if IMGUI_VERSION_NUM >= 18700
+    for (const auto &k : keys)
+        if (k.number == key) ImGui::GetIO().AddKeyEvent(static_cast<ImGuiKey>(k.key), down);
+#else
+    if (key >= 0 && key < 512) ImGui::GetIO().KeysDown[key] = down;
+#endif
+}
+
+void ui_modifiers(bool control, bool shift, bool alt) {
+    ImGuiIO &io = ImGui::GetIO();
+#if IMGUI_VERSION_NUM >= 18700
+    io.AddKeyEvent(ImGuiMod_Ctrl, control);
+    io.AddKeyEvent(ImGuiMod_Shift, shift);
+    io.AddKeyEvent(ImGuiMod_Alt, alt);
+#else
+    io.KeyCtrl = control;
+    io.KeyShift = shift;
+    io.KeyAlt = alt;
+#endif
+}
+
+void ui_character(uint32_t code_point) { ImGui::GetIO().AddInputCharacter(code_point); }
+bool ui_wants_mouse(void) { return ImGui::GetIO().WantCaptureMouse; }
+bool ui_wants_keys(void) { return ImGui::GetIO().WantTextInput; }
+
+// ---- frames ----
+
+void ui_begin(uint32_t width, uint32_t height, double seconds) {
+    ImGuiIO &io = ImGui::GetIO();
+    const ImVec2 size(static_cast<float>(width), static_cast<float>(height));
+    ui.resized = size.x != io.DisplaySize.x || size.y != io.DisplaySize.y;
+    io.DisplaySize = size;
+    io.DeltaTime = static_cast<float>(seconds > 1e-4 ? seconds : 1e-4);
+    ImGui::NewFrame();
+    ui.places.count = 0;
+}
+
+void ui_end(fnl_overlay *out) {
+    ImGui::Render();
+    const ImDrawData *data = ImGui::GetDrawData();
+    ui.vertices.count = ui.indices.count = ui.draws.count = 0;
+    *out = fnl_overlay();
+    for (int i = 0; i < data->CmdListsCount; i++) {
+        const ImDrawList *list = data->CmdLists[i];
+        const size_t first_vertex = ui.vertices.count, first_index = ui.indices.count;
+        fnl_overlay_vertex *vertices = ui.vertices.add(static_cast<size_t>(list->VtxBuffer.Size));
+        uint32_t *indices = ui.indices.add(static_cast<size_t>(list->IdxBuffer.Size));
+        if (!vertices || !indices) return; // nothing is drawn
+        memcpy(static_cast<void *>(vertices), list->VtxBuffer.Data, static_cast<size_t>(list->VtxBuffer.Size) * sizeof *vertices);
+        for (int k = 0; k < list->IdxBuffer.Size; k++) indices[k] = list->IdxBuffer.Data[k];
+        for (int k = 0; k < list->CmdBuffer.Size; k++) {
+            const ImDrawCmd &command = list->CmdBuffer.Data[k];
+            fnl_overlay_draw *draw = ui.draws.add(1);
+            if (!draw) return;
+            const float right = std::ceil(command.ClipRect.z), bottom = std::ceil(command.ClipRect.w);
+            draw->first_index = static_cast<uint32_t>(first_index) + command.IdxOffset;
+            draw->index_count = command.ElemCount;
+            draw->first_vertex = static_cast<uint32_t>(first_vertex) + command.VtxOffset;
+            draw->x = static_cast<int32_t>(command.ClipRect.x);
+            draw->y = static_cast<int32_t>(command.ClipRect.y);
+            draw->width = static_cast<uint32_t>(std::fmax(right - static_cast<float>(draw->x), 0));
+            draw->height = static_cast<uint32_t>(std::fmax(bottom - static_cast<float>(draw->y), 0));
+        }
+    }
+    out->vertices = ui.vertices.data;
+    out->vertex_count = static_cast<uint32_t>(ui.vertices.count);
+    out->indices = ui.indices.data;
+    out->index_count = static_cast<uint32_t>(ui.indices.count);
+    out->draws = ui.draws.data;
+    out->draw_count = static_cast<uint32_t>(ui.draws.count);
+    out->image = &ui.font;
+    out->image_version = ui.font_version;
+}
+
+// ---- widgets ----
+
+// A label without what is not shown of it.
+static ImGuiID name_of(const char *label) {
+    uint32_t hash = 2166136261u; // FNV-1a
+    for (; *label && !(label[0] == '#' && label[1] == '#'); label++) hash = (hash ^ static_cast<unsigned char>(*label)) * 16777619u;
+    return hash;
+}
+
+// Notes where the widget stands; returns what it says.
+static bool noted(const char *label, bool value) {
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    if (!ImGui::IsItemVisible()) return value;
+    place *p = ui.places.add(1);
+    if (p) *p = {name_of(label), ImVec2(low.x + 8 * ui.scale, (low.y + high.y) / 2)};
+    return value;
+}
+
+bool ui_find(const char *label, float *x, float *y) {
+    for (size_t i = 0; i < ui.places.count; i++) {
+        if (ui.places.data[i].label != name_of(label)) continue;
+        *x = std::floor(ui.places.data[i].inside.x);
+        *y = std::floor(ui.places.data[i].inside.y);
+        return true;
+    }
+    return false;
+}
+
+bool ui_window(const char *title, bool *open, float x, float y, float width, float height) {
+    const ImGuiCond when = ui.resized ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
+    ImGui::SetNextWindowPos(ImVec2(x * ui.scale, y * ui.scale), when);
+    ImGui::SetNextWindowSize(ImVec2(width * ui.scale, height * ui.scale), when);
+    return ImGui::Begin(title, open);
+}
+void ui_window_end(void) { ImGui::End(); }
+void ui_child(const char *name, float height) { ImGui::BeginChild(name, ImVec2(0, height * ui.scale), true); }
+void ui_child_end(void) { ImGui::EndChild(); }
+
+void ui_text(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::TextV(format, arguments);
+    va_end(arguments);
+}
+void ui_note(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrappedV(format, arguments);
+    ImGui::PopStyleColor();
+    va_end(arguments);
+}
+void ui_warning(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.93f, 0.45f, 0.2f, 1));
+    ImGui::TextWrappedV(format, arguments);
+    ImGui::PopStyleColor();
+    va_end(arguments);
+}
+void ui_separator(void) { ImGui::Separator(); }
+void ui_same_line(void) { ImGui::SameLine(); }
+void ui_item_width(float width) { ImGui::SetNextItemWidth(width * ui.scale); }
+void ui_tooltip(const char *text) {
+    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 36);
+    ImGui::TextUnformatted(text);
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+bool ui_header(const char *label, bool open_first) { return noted(label, ImGui::CollapsingHeader(label, open_first ? ImGuiTreeNodeFlags_DefaultOpen : 0)); }
+bool ui_button(const char *label) { return noted(label, ImGui::Button(label)); }
+bool ui_checkbox(const char *label, bool *value) { return noted(label, ImGui::Checkbox(label, value)); }
+
+bool ui_number(const char *label, float *value, float low, float high, const char *format) {
+    const float range = high - low;
+    if (range > 0 && range < 1e5f) return noted(label, ImGui::SliderFloat(label, value, low, high, format, ImGuiSliderFlags_AlwaysClamp));
+    const float speed = std::fmax(std::fabs(*value) * 0.01f, 0.01f);
+    return noted(label, ImGui::DragFloat(label, value, speed, low, high, format, ImGuiSliderFlags_AlwaysClamp));
+}
+bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high) {
+    if (high - low <= 64) return ImGui::SliderScalar(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
+    const float speed = std::fmax(static_cast<float>(*value) * 0.01f, 0.2f);
+    return ImGui::DragScalar(label, ImGuiDataType_U32, value, speed, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
+}
+bool ui_color(const char *label, float rgb[3]) { return ImGui::ColorEdit3(label, rgb, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR); }
+bool ui_input(const char *label, char *text, size_t capacity) {
+    return ImGui::InputText(label, text, capacity, ImGuiInputTextFlags_EnterReturnsTrue);
+}
+bool ui_combo(const char *label, const char *shown) { const bool open = ImGui::BeginCombo(label, shown);
+    return open || noted(label, false); }
+bool ui_choice(const char *label, bool chosen) {
+    const bool clicked = noted(label, ImGui::Selectable(label, chosen));
+    if (chosen) ImGui::SetItemDefaultFocus();
+    return clicked;
+}
+void ui_combo_end(void) { ImGui::EndCombo(); }
+void ui_disabled(void) { ImGui::BeginDisabled(); }
+void ui_enabled(void) { ImGui::EndDisabled(); }
+void ui_plot(const char *label, const float *values, uint32_t count, uint32_t first, float most, float height) {
+    ImGui::PlotLines(label, values, static_cast<int>(count), static_cast<int>(first), nullptr, 0, most, ImVec2(-1, height * ui.scale));
+}
+void ui_bar(float part, const char *text) { ImGui::ProgressBar(part, ImVec2(-1, 0), text); }
+bool ui_table(const char *name, int columns, float first) {
+    if (!ImGui::BeginTable(name, columns, ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_Resizable)) return false;
+    for (int i = 0; i < columns; i++)
+        ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch, i == 0 ? first : (1 - first) / static_cast<float>(columns - 1));
+    return true;
+}
+void ui_cell(void) { ImGui::TableNextColumn(); }
+void ui_table_end(void) { ImGui::EndTable(); }

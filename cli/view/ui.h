@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Widgets, by Dear ImGui behind C functions: what the panels need, no more. One user interface per process. Labels name widgets: what follows "##" is
+ * not shown. Widgets return true when the user has just changed their value.
+ */
+#ifndef FNL_CLI_VIEW_UI_H
+#define FNL_CLI_VIEW_UI_H
+
+#include "fanal/overlay.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- life ---- */
+
+/** False when memory ran out. `scale`: 1 for 96 dots an inch, 0.5 .. 4. */
+bool ui_create(float scale, bool dark);
+void ui_destroy(void);
+/** Sizes of letters and gaps, and colours; outside of a frame. */
+void ui_set_look(float scale, bool dark);
+
+/* ---- input, outside of a frame; places in pixels of the window's picture ---- */
+
+void ui_mouse_moved(float x, float y);
+void ui_mouse_button(int button, bool down); /* 0 left, 1 right, 2 middle */
+void ui_mouse_wheel(float x, float y);
+/** A key by GLFW's number. */
+void ui_key(int key, bool down);
+void ui_modifiers(bool control, bool shift, bool alt);
+void ui_character(uint32_t code_point);
+/** Whether input belongs to a widget, as of the last frame. */
+bool ui_wants_mouse(void);
+bool ui_wants_keys(void);
+
+/* ---- frames ---- */
+
+void ui_begin(uint32_t width, uint32_t height, double seconds); /* since the last frame */
+/** All that was drawn; lives until the next ui_begin. */
+void ui_end(fnl_overlay *out);
+
+/** A place inside of a widget that the last frame has shown, by its label; false: none is in sight. */
+bool ui_find(const char *label, float *x, float *y);
+
+/* ---- widgets, between the two ---- */
+
+/** A panel: at this place, from where it can be moved, when it is first shown and whenever the window gets another size. Always ui_window_end; false: folded. `open` NULL: it cannot be closed. */
+bool ui_window(const char *title, bool *open, float x, float y, float width, float height);
+void ui_window_end(void);
+/** A part of a window, or a list, with a scroll bar of its own. Always ui_child_end. */
+void ui_child(const char *name, float height);
+void ui_child_end(void);
+
+void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void ui_note(const char *format, ...) __attribute__((format(printf, 1, 2))); /* less loud, wraps */
+void ui_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void ui_separator(void);
+void ui_same_line(void);
+void ui_item_width(float width); /* of the next widget, pixels at scale 1; negative: leaves that much to its right */
+/** For the widget before: when the mouse rests on it. */
+void ui_tooltip(const char *text);
+bool ui_header(const char *label, bool open_first); /* folds what follows away: false */
+bool ui_button(const char *label);
+bool ui_checkbox(const char *label, bool *value);
+bool ui_number(const char *label, float *value, float low, float high, const char *format); /* a slider where both are finite, else dragged */
+bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
+bool ui_color(const char *label, float rgb[3]);
+bool ui_input(const char *label, char *text, size_t capacity); /* true when Enter was pressed */
+bool ui_combo(const char *label, const char *shown); /* true: open; then ui_choice and ui_combo_end */
+bool ui_choice(const char *label, bool chosen);
+void ui_combo_end(void);
+/** Until ui_enabled: cannot be used. */
+void ui_disabled(void);
+void ui_enabled(void);
+void ui_plot(const char *label, const float *values, uint32_t count, uint32_t first, float most, float height);
+void ui_bar(float part, const char *text);
+bool ui_table(const char *name, int columns, float first); /* the part of the width that the first column has */
+void ui_cell(void);
+void ui_table_end(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

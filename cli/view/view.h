@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+/** fanal view: a scene in a window. What its parts share. */
+#ifndef FNL_CLI_VIEW_H
+#define FNL_CLI_VIEW_H
+
+#include "world.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+
+/* ---- events: from the window, or from a file that replays them ---- */
+
+enum view_event_kind {
+    VIEW_MOVE,      /* the mouse is at x, y: pixels of the picture */
+    VIEW_BUTTON,    /* code: 0 left, 1 right, 2 middle */
+    VIEW_WHEEL,     /* x, y: steps */
+    VIEW_KEY,       /* code: GLFW's number */
+    VIEW_CHARACTER, /* code: of Unicode */
+    VIEW_SIZE,      /* the picture has x times y pixels */
+    VIEW_DROP,      /* text: a file */
+    VIEW_CLOSE,
+    /* Of a file alone. */
+    VIEW_FRAMES,  /* draws `code` frames, a sixtieth of a second each */
+    VIEW_SETTLE,  /* draws until nothing changes any more */
+    VIEW_SET,     /* text: KEY=VALUE, an option of the frame */
+    VIEW_CLICK,   /* text: the label of a widget, which is clicked */
+    VIEW_SAVE,    /* text: the picture as `fanal render` makes it */
+    VIEW_CAPTURE, /* text: the picture with what is drawn over it */
+    VIEW_COMMAND, /* text: writes the command line that renders this picture */
+    VIEW_REPORT,  /* text: writes what all tables say */
+    VIEW_EVENT_COUNT
+};
+enum { VIEW_SHIFT = 1, VIEW_CONTROL = 2, VIEW_ALT = 4 }; /* modifiers */
+
+struct view_event {
+    enum view_event_kind kind;
+    float x, y;
+    int code;
+    bool down;
+    uint32_t modifiers;
+    char text[1024];
+};
+
+enum { VIEW_QUEUE = 256 };
+struct view_queue {
+    struct view_event events[VIEW_QUEUE];
+    uint32_t first, count;
+};
+/** When it is full the oldest movement goes; false: there was no room at all. */
+bool view_queue_add(struct view_queue *queue, const struct view_event *event);
+bool view_queue_take(struct view_queue *queue, struct view_event *out);
+
+/** A line of a recording; false (with a message) for one that is none. Empty lines and those that begin with # are skipped: *out_kind VIEW_EVENT_COUNT. */
+bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out);
+void view_event_write(FILE *file, const struct view_event *event);
+
+/* ---- the window (window.c); NULL handle: without one ---- */
+
+struct fnl_swapchain;
+struct view_window;
+bool view_window_create(uint32_t width, uint32_t height, const char *title, struct view_queue *queue, struct view_window **out);
+void view_window_destroy(struct view_window **window);
+/** Pictures for the window; false with a message. */
+bool view_window_open_swapchain(struct view_window *window, fnl_device *device, bool waits, struct fnl_swapchain **out);
+/** Takes events; waits up to so many seconds for one. */
+void view_window_poll(struct view_window *window, double seconds);
+void view_window_query_size(const struct view_window *window, uint32_t *width, uint32_t *height);
+float view_window_scale(const struct view_window *window);
+void view_window_set_title(struct view_window *window, const char *title);
+/** Wakes view_window_poll; from any thread. */
+void view_window_wake(void);
+
+/* ---- the camera (view_camera.c) ---- */
+
+struct view_camera {
+    fnl_camera now;
+    float size; /* of what is looked at, metres: how fast it moves */
+};
+void view_camera_orbit(struct view_camera *camera, float right, float down); /* radians, about the target */
+void view_camera_look(struct view_camera *camera, float right, float down);  /* radians, about itself */
+void view_camera_pan(struct view_camera *camera, float right, float down);   /* parts of the picture's height */
+void view_camera_dolly(struct view_camera *camera, float steps);             /* towards the target */
+void view_camera_fly(struct view_camera *camera, fnl_vec3 metres);           /* right, up, forward */
+
+/* ---- a scene (view_scene.c) ---- */
+
+struct view_scene {
+    char *source; /* malloc */
+    fnl_scene *scene;
+    fnl_scene_info info;
+    fnl_camera camera;
+    bool changed; /* in the window: the file does not say it */
+};
+void view_scene_free(struct view_scene *scene);
+
+/** Loads on a thread of its own. */
+struct view_loader {
+    pthread_t thread;
+    bool running;
+    atomic_bool done, cancelled;
+    atomic_uint progress; /* of 1000 */
+    struct world_options world;
+    fnl_host host;
+    uint32_t width, height;
+    bool good;
+    struct view_scene scene;
+};
+/** Ends what is being loaded. `source` is copied. */
+bool view_loader_start(struct view_loader *loader, const struct world_options *world, const fnl_host *host, const char *source, uint32_t width, uint32_t height);
+/** Whether a load has ended; then `out` has the scene, or nothing when it failed (the host's log says why). `wait`: until then. */
+bool view_loader_take(struct view_loader *loader, bool wait, struct view_scene *out);
+void view_loader_stop(struct view_loader *loader);
+
+/* ---- all of it ---- */
+
+enum { VIEW_MESSAGES = 64, VIEW_HISTORY = 240, VIEW_PASSES = 512 };
+
+struct view_messages {
+    pthread_mutex_t mutex;
+    struct {
+        fnl_log_level level;
+        char text[400];
+    } lines[VIEW_MESSAGES];
+    uint32_t count; /* of all so far */
+    uint32_t seen;  /* of these the user has seen */
+};
+
+struct view {
+    struct world_options world;
+    fnl_host host;
+    fnl_device *device;
+    struct fnl_swapchain *swapchain; /* NULL: headless */
+    struct view_window *window;
+    struct view_queue queue;
+    struct view_loader loader;
+    struct view_messages messages;
+
+    struct view_scene shown;
+    fnl_renderer *renderer;
+    fnl_frame frame, usual, good; /* as the user wants it; as it began; of the last frame that could be drawn */
+    bool own_shadows;             /* the user chose them; else they are those that the scene should have */
+    struct view_camera camera;
+    uint32_t width, height;
+
+    /* How often and how finely. */
+    uint32_t wanted;      /* frames to be drawn although nothing happens */
+    bool moving;          /* the picture changes: it may be coarser */
+    float part;           /* of the picture's width that is rendered while it moves */
+    double frame_seconds; /* of the last frame, measured from end to end */
+    uint64_t frames_drawn;
+
+    /* The mouse and the keys. */
+    float mouse_x, mouse_y, pressed_x, pressed_y;
+    int drag;   /* button, or -1 */
+    bool stale; /* the mouse has moved since the last frame: widgets do not know yet where it is */
+    uint32_t modifiers;
+    bool keys[512];
+    bool quit;
+
+    /* The animation. */
+    bool plays;
+    uint32_t animation;
+    double time, speed;
+
+    /* What the panels show. */
+    bool hides_panels, shows_help, dark;
+    float scale;
+    char filter[64], save_path[256];
+    fnl_frame_stats stats;
+    float history[VIEW_HISTORY];
+    uint32_t history_at;
+    struct {
+        char name[64];
+        double milliseconds;
+    } passes[VIEW_PASSES];
+    uint32_t pass_count;
+    uint32_t light; /* that is edited */
+    struct view_pick {
+        bool asked, known, hit;
+        uint32_t x, y;
+        fnl_vec3 color, normal, position;
+        float roughness, depth;
+    } pick;
+};
+
+/** The panels of a frame (panels.c), between ui_begin and ui_end. */
+void view_panels(struct view *view);
+/** The part of a panel that changes lights (panel_lights.c). */
+void view_panel_lights(struct view *view);
+/** What the panels say, as text; false when it could not be written. */
+bool view_write_report(const struct view *view, const char *path);
+/** The command line that renders what is shown. */
+void view_print_command(const struct view *view, FILE *file);
+
+/** Draws soon. */
+static inline void view_want(struct view *view, uint32_t frames) { view->wanted = view->wanted > frames ? view->wanted : frames; }
+/** As `fanal render` would make it; false with a message. */
+bool view_save_picture(struct view *view, const char *path);
+void view_open(struct view *view, const char *source);
+void view_frame_all(struct view *view);
+void view_set_time(struct view *view, double time);
+
+#endif

@@ -1,0 +1,166 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# view_test.sh BUILD: replays what somebody does in the window, without one and (where Xvfb is there) in one, and compares what is saved with what
+# `fanal render` makes. Exit status 77: built without the window.
+set -u
+build=$(cd "$1" && pwd)
+fanal=$build/fanal
+"$fanal" view --help >/dev/null 2>&1 || { echo "SKIPPED: built without 'fanal view' (Debian: libglfw3-dev libimgui-dev)"; exit 77; }
+work=$(mktemp -d)
+display='' failures=0
+trap '[ -z "$display" ] || kill $display; rm -rf "$work"' EXIT
+cd "$work" || exit 1
+fail() { echo "FAILED: $*" >&2; [ ! -s out ] || head -c 2000 out >&2; failures=$((failures + 1)); }
+
+# replay NAME OPTION…: replays NAME.txt with validation.
+replay() {
+    local name=$1
+    shift
+    timeout 200 "$fanal" view --no-cache --validate --device 0 --replay "$name.txt" "$@" >out 2>&1
+}
+# same NAME: NAME.png is to the bit what the command in NAME.sh renders.
+same() {
+    (fanal() { "$build/fanal" "$@" --no-cache --device 0 -q; }; . "./$1.sh") >out 2>&1 || { fail "$1: the command does not run: $(cat "$1.sh")"; return; }
+    "$fanal" compare picture.png "$1.png" --max-diff 0 >out 2>&1 || fail "$1: the saved picture is not what the command makes"
+}
+# value FILE KEY: from a report.
+value() { awk -F'\t' -v key="$2" '$1 == key { print $2; exit }' "$1"; }
+
+# ---- without a window: orbit, resize, another order, a light, a pixel, broken and good files ----
+
+printf 'not a scene' >broken.glb
+cat >all.txt <<'EOF'
+# the mouse is on the picture
+move 200 60
+button 0 down 0
+move 230 75
+button 0 up 0
+wheel 0 1
+settle
+save orbit.png
+command orbit.sh
+size 201 133
+set shading=visibility
+key 70 down 0
+key 70 up 0
+settle
+save size.png
+command size.sh
+report before.tsv
+set debug=normal
+frames 2
+capture normal.png
+set msaa=8
+set shading=mobile
+frames 2
+report refused.tsv
+set debug=none
+set shading=deferred
+size 1100 800
+frames 2
+click add one
+capture panels.png
+key 341 down 2
+move 550 400
+button 0 down 2
+button 0 up 2
+key 341 up 0
+frames 2
+report light.tsv
+drop broken.glb
+settle
+report broken.tsv
+size 160 90
+drop builtin:onetile
+settle
+save dropped.png
+command dropped.sh
+key 258 down 0
+key 258 up 0
+save plain.png
+capture bare.png
+close
+save never.png
+EOF
+replay all builtin:spheres --headless --size 160x90 || fail 'the replay ended with an error'
+same orbit
+same size
+same dropped
+[ "$(value before.tsv shading)" = visibility ] || fail 'the path was not switched'
+"$fanal" compare orbit.png size.png >/dev/null 2>&1 && fail 'another size gives the same picture'
+grep -q 'MSAA' refused.tsv || fail 'what cannot be drawn is not told'
+[ "$(value refused.tsv shading)" = visibility ] || fail "what cannot be drawn was not taken back: $(value refused.tsv shading)"
+[ $(($(value light.tsv lights) - $(value before.tsv lights))) = 1 ] || fail 'no light was added'
+grep -q $'^pixel\t550\t400\thit' light.tsv || fail "nothing was picked: $(grep ^pixel light.tsv)"
+grep -q 'broken.glb' broken.tsv || fail 'the broken file is not told'
+[ "$(value broken.tsv scene)" = builtin:spheres ] || fail 'the broken file took the scene away'
+"$fanal" compare bare.png plain.png --max-diff 0 >/dev/null 2>&1 || fail 'without panels something lies over the picture'
+[ -e never.png ] && fail 'the window did not close'
+"$fanal" compare panels.png normal.png >/dev/null 2>&1 && fail 'the panels show nothing'
+
+# ---- a thousand events, of which many make no sense ----
+
+awk 'BEGIN { srand(7); for (i = 0; i < 1000; i++) { r = rand();
+    if (r < 0.5) print "move", int(rand() * 200) - 20, int(rand() * 120) - 20
+    else if (r < 0.6) print "wheel", 0, int(rand() * 5) - 2
+    else if (r < 0.75) print "button", int(rand() * 4), rand() < 0.5 ? "down" : "up", int(rand() * 8)
+    else if (r < 0.9) { k = int(rand() * 511); if (k != 81 && k != 80) print "key", k, rand() < 0.5 ? "down" : "up", int(rand() * 8) }
+    else if (r < 0.95) print "character", int(rand() * 300)
+    else print "size", int(rand() * 60), int(rand() * 40) } print "size 64 36\nsettle\nreport soak.tsv" }' >soak.txt
+replay soak builtin:onetile --headless --size 64x36 --shadows off || fail 'a thousand random events'
+[ "$(value soak.tsv scene)" = builtin:onetile ] || fail 'the scene is gone'
+
+# ---- what is refused ----
+
+refused() {
+    local words=$1
+    shift
+    timeout 60 "$fanal" view "$@" >out 2>&1 && fail "taken: $*"
+    grep -q -e "$words" out || fail "no word of '$words': $*"
+}
+printf 'move 1\n' >bad.txt
+refused 'bad.txt:1: not an event' --headless --size 16x16 --replay bad.txt --no-cache --device 0
+printf 'click nothing like it\n' >bad.txt
+refused 'no widget in sight' --headless --size 16x16 --replay bad.txt --no-cache --device 0
+refused 'cannot be read' --headless --size 16x16 --replay missing.txt --no-cache --device 0
+refused 'needs --replay' --headless
+refused 'exclude one another' --replay a --record b
+refused 'no window can be opened' --no-cache DISPLAY
+unset DISPLAY WAYLAND_DISPLAY
+refused -- '--headless draws without one' builtin:onetile --no-cache
+
+# ---- in a window ----
+
+if command -v Xvfb >/dev/null; then
+    Xvfb -displayfd 3 -screen 0 800x500x24 -fbdir "$work" -nolisten tcp 3>number 2>xvfb &
+    display=$!
+    for _ in $(seq 100); do [ -s number ] && break; sleep 0.1; done
+    export DISPLAY=:$(<number)
+    printf 'frames 3\nsave window.png\nframes 4\n' >window.txt
+    replay window builtin:onetile --size 320x180 || fail 'the window'
+    printf 'size 320 180\nframes 2\nsave headless.png\n' >headless.txt
+    replay headless builtin:onetile --headless --size 320x180 || fail 'the same without it'
+    "$fanal" compare window.png headless.png --max-diff 0 >out 2>&1 || fail 'the window saves another picture'
+    # What stands on the screen.
+    "$fanal" view builtin:onetile --no-cache --device 0 --size 320x180 --no-panels >out 2>&1 &
+    program=$!
+    arrived=
+    while [ $SECONDS -lt 200 ] && kill -0 $program 2>/dev/null; do
+        "$build/tests/screen_picture" "$work/Xvfb_screen0" 320 180 screen.png
+        "$fanal" compare screen.png window.png --max-diff 0 >out2 2>&1 && { arrived=yes; break; }
+        sleep 0.3
+    done
+    [ -n "$arrived" ] || fail "the screen does not show what is saved: $(cat out2)"
+    # Nothing happens: no processor time, as no frame is drawn.
+    sleep 3
+    before=$(awk '{ print $14 + $15 }' /proc/$program/stat)
+    sleep 3
+    after=$(awk '{ print $14 + $15 }' /proc/$program/stat)
+    [ $((after - before)) -le 6 ] || fail "at rest it takes $((after - before)) hundredths of 3 seconds of a processor"
+    kill $program
+    wait $program 2>/dev/null
+else
+    echo 'SKIPPED in part: no Xvfb (Debian: xvfb)'
+fi
+[ $failures = 0 ] && echo 'all checks of the window passed'
+exit $((failures > 0))
