@@ -186,12 +186,40 @@ struct view {
 
 /** The panels of a frame (panels.c), between ui_begin and ui_end. */
 void view_panels(struct view *view);
-/** The part of a panel that changes lights (panel_lights.c). */
-void view_panel_lights(struct view *view);
+/** Their contents, each in a file of its name. */
+void view_panel_scene(struct view *view);
+void view_panel_lights(struct view *view); /* a part of the scene's */
+void view_panel_options(struct view *view);
+void view_panel_frame(const struct view *view);
+void view_panel_pixel(const struct view *view);
 /** What the panels say, as text; false when it could not be written. */
 bool view_write_report(const struct view *view, const char *path);
 /** The command line that renders what is shown. */
 void view_print_command(const struct view *view, FILE *file);
+
+/* ---- view_frame.c ---- */
+
+/** For fnl_host.log; `user` is the view_messages. */
+void view_take_message(void *user, fnl_log_level level, const char *line);
+void view_say(struct view *view, fnl_log_level level, const char *text);
+/** The new scene takes the place of the old one; where it cannot, the old one stays. */
+void view_show(struct view *view, struct view_scene *scene);
+bool view_ends_with(const char *text, const char *end); /* in capitals or not */
+double view_now(void);                                  /* seconds */
+/** A frame of the window; false when the device is lost. */
+bool view_draw_frame(struct view *view, double seconds);
+/** The picture with the panels. */
+bool view_save_capture(struct view *view, const char *path);
+
+/* ---- view_input.c ---- */
+
+/** Hands an event on; `out_wants_frame`: one must be drawn before the next event. */
+bool view_feed(struct view *view, const struct view_event *event, bool *out_wants_frame);
+/** What goes on by itself: keys that are held down, the animation, what is being loaded. */
+void view_advance(struct view *view, double seconds);
+
+/** Replays a file (view_replay.c); ends after so many frames, if not 0. */
+bool view_replay(struct view *view, const char *path, uint32_t exit_after);
 
 /** Draws soon. */
 static inline void view_want(struct view *view, uint32_t frames) { view->wanted = view->wanted > frames ? view->wanted : frames; }

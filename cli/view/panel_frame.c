@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/* What the frame costs. */
+#include "view/view.h"
+
+#include "view/ui.h"
+
+#include <math.h>
+
+static void show_passes(const struct view *v, double most) {
+    char text[96];
+    if (!ui_table("passes", 2, 0.62f)) return;
+    for (uint32_t i = 0; i < v->pass_count; i++) {
+        if (v->passes[i].milliseconds < 0.005 * most) continue;
+        ui_cell();
+        ui_text("%s", v->passes[i].name);
+        ui_tooltip(v->passes[i].name);
+        ui_cell();
+        snprintf(text, sizeof text, "%.2f ms", v->passes[i].milliseconds);
+        ui_bar((float)(v->passes[i].milliseconds / most), text);
+    }
+    ui_table_end();
+}
+
+void view_panel_frame(const struct view *v) {
+    const fnl_frame_stats *s = &v->stats;
+    double most = 1e-3;
+    float highest = 1;
+    for (uint32_t i = 0; i < v->pass_count; i++) most = fmax(most, v->passes[i].milliseconds);
+    for (uint32_t i = 0; i < VIEW_HISTORY; i++) highest = fmaxf(highest, v->history[i]);
+    ui_text("%.1f ms in passes, %.1f ms from end to end, %.2f ms to record", s->gpu_milliseconds, v->frame_seconds * 1e3, s->cpu_milliseconds);
+    ui_plot("##history", v->history, VIEW_HISTORY, v->history_at, highest, 50);
+    ui_tooltip("Milliseconds of the last frames");
+    ui_text("%s, lists %s%s", fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists), s->choosing ? " (choosing)" : "");
+    if (s->choice && s->choice[0]) ui_note("%s", s->choice);
+    ui_text("%.1f MB on the device, %u draws, %llu of %llu objects", (double)s->device_bytes / 1e6, s->draws, (unsigned long long)s->items_visible,
+            (unsigned long long)s->items);
+    ui_text("%u of %u lights in view, %llu list entries", s->lights_in_view, s->lights_total, (unsigned long long)s->list_entries);
+    if (ui_header("passes", true)) show_passes(v, most);
+    if (!ui_header("counters", false) || !ui_table("counters", 2, 0.62f)) return;
+    for (uint32_t i = 0; i < s->counter_count; i++) {
+        ui_cell();
+        ui_text("%s", s->counters[i].key);
+        ui_tooltip(s->counters[i].help);
+        ui_cell();
+        ui_text("%llu %s", (unsigned long long)s->counters[i].value, s->counters[i].unit);
+    }
+    ui_table_end();
+}

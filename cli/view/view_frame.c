@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: MIT */
+/* Frames of the window, pictures that are saved, and the scene that is shown. */
+#include "view/view.h"
+
+#include "render.h"
+#include "view/ui.h"
+
+#include "fanal/vulkan.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* ---- messages ---- */
+
+void view_take_message(void *user, fnl_log_level level, const char *line) {
+    struct view_messages *m = user;
+    if (level >= FNL_LOG_WARNING) fprintf(stderr, "fanal: %s\n", line);
+    if (level < FNL_LOG_INFO) return;
+    pthread_mutex_lock(&m->mutex);
+    m->lines[m->count % VIEW_MESSAGES].level = level;
+    snprintf(m->lines[m->count % VIEW_MESSAGES].text, sizeof m->lines->text, "%s", line);
+    m->count++;
+    pthread_mutex_unlock(&m->mutex);
+}
+
+void view_say(struct view *v, fnl_log_level level, const char *text) { view_take_message(&v->messages, level, text); }
+
+/* ---- the scene ---- */
+
+static fnl_shadows usual_shadows(const struct view *v) {
+    fnl_device_info device;
+    return fnl_device_query_info(v->device, &device) == FNL_OK ? world_usual_shadows(&v->shown.info, &device, true) : FNL_SHADOWS_OFF;
+}
+
+/* The new scene takes the place of the old one; where it cannot, the old one stays. */
+void view_show(struct view *v, struct view_scene *scene) {
+    fnl_renderer *renderer = NULL;
+    if (!scene->scene) return;
+    if (fnl_renderer_create(v->device, scene->scene, &renderer) != FNL_OK) {
+        view_scene_free(scene);
+        return;
+    }
+    fnl_renderer_destroy(&v->renderer);
+    view_scene_free(&v->shown);
+    v->renderer = renderer;
+    v->shown = *scene;
+    v->camera.now = scene->camera;
+    const fnl_vec3 low = scene->info.bounds_low, high = scene->info.bounds_high; /* of nothing: infinite */
+    const float size = fmaxf(high.x - low.x, fmaxf(high.y - low.y, high.z - low.z));
+    v->camera.size = size > 1e-3f && size < 1e6f ? size : 1;
+    v->animation = 0;
+    v->time = v->world.time;
+    v->pick.known = false;
+    if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
+    v->good = v->frame;
+    char title[300];
+    snprintf(title, sizeof title, "%.200s%sFanal", scene->source ? scene->source : "", scene->source ? " - " : "");
+    if (v->window) view_window_set_title(v->window, title);
+    view_want(v, 2);
+}
+
+bool view_ends_with(const char *text, const char *end) {
+    const size_t a = strlen(text), b = strlen(end);
+    return a >= b && strcasecmp(text + a - b, end) == 0;
+}
+
+void view_open(struct view *v, const char *source) {
+    if (v->shown.scene && (view_ends_with(source, ".hdr") || view_ends_with(source, ".exr") || strcmp(source, "builtin:studio") == 0)) {
+        fnl_environment_params environment = v->world.environment_params;
+        environment.source = source;
+        if (fnl_scene_set_environment(v->shown.scene, &environment) == FNL_OK) view_want(v, 2);
+        return;
+    }
+    if (!view_loader_start(&v->loader, &v->world, &v->host, source, v->width, v->height)) view_say(v, FNL_LOG_ERROR, "memory ran out");
+    view_want(v, 1);
+}
+
+void view_frame_all(struct view *v) {
+    const fnl_camera before = v->camera.now;
+    if (!v->shown.scene || v->height == 0) return;
+    if (fnl_scene_query_framing_camera(v->shown.scene, (float)v->width / (float)v->height, &v->camera.now) != FNL_OK) v->camera.now = before;
+    view_want(v, 2);
+}
+
+void view_set_time(struct view *v, double time) {
+    fnl_animation_info info;
+    if (!v->shown.scene || fnl_scene_query_animation(v->shown.scene, v->animation, &info) != FNL_OK) return;
+    v->time = info.duration > 0 ? fmod(time, info.duration) : 0;
+    fnl_scene_set_time(v->shown.scene, v->animation, v->time);
+    view_want(v, 2);
+}
+
+/* ---- frames ---- */
+
+double view_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void note_stats(struct view *v) {
+    if (!v->renderer || fnl_renderer_query_stats(v->renderer, &v->stats) != FNL_OK) return;
+    v->pass_count = v->stats.pass_count < VIEW_PASSES ? v->stats.pass_count : VIEW_PASSES;
+    for (uint32_t i = 0; i < v->pass_count; i++) {
+        snprintf(v->passes[i].name, sizeof v->passes[i].name, "%s", v->stats.passes[i].name);
+        v->passes[i].milliseconds = v->stats.passes[i].milliseconds;
+    }
+    v->history[v->history_at] = (float)v->stats.gpu_milliseconds;
+    v->history_at = (v->history_at + 1) % VIEW_HISTORY;
+}
+
+/* So fine that frames take a 25th of a second while something moves, and whole when nothing does. */
+enum { FRAME_MILLISECONDS = 40 };
+static void choose_part(struct view *v) {
+    if (!v->moving || !v->swapchain) {
+        v->part = v->moving ? v->part : 1;
+        return;
+    }
+    const double wanted = FRAME_MILLISECONDS * 1e-3, ratio = sqrt(wanted / fmax(v->frame_seconds, 1e-4));
+    /* In eighths: each new size takes memory of its own. */
+    const double part = (double)v->part * fmax(0.6, fmin(1.3, ratio));
+    v->part = (float)fmax(2, fmin(8, floor(8 * part + 0.25))) / 8;
+}
+
+static fnl_frame whole_frame(const struct view *v) {
+    fnl_frame frame = v->frame;
+    frame.width = v->width;
+    frame.height = v->height;
+    frame.camera = v->camera.now;
+    frame.outputs = FNL_OUTPUT_COLOR;
+    return frame;
+}
+
+static fnl_result draw(struct view *v, const fnl_overlay *overlay) {
+    fnl_frame frame = whole_frame(v);
+    frame.overlay = overlay;
+    if (!v->swapchain) return fnl_renderer_render(v->renderer, &frame);
+    fnl_vulkan_target target;
+    fnl_result result = fnl_swapchain_acquire(v->swapchain, &target);
+    if (result != FNL_OK || target.image == VK_NULL_HANDLE) return result;
+    choose_part(v);
+    frame.pin_choice = v->part < 1; /* auto measures frames of the window's size alone */
+    frame.width = (uint32_t)fmaxf(1, (float)target.width * v->part);
+    frame.height = (uint32_t)fmaxf(1, (float)target.height * v->part);
+    result = fnl_renderer_render_to(v->renderer, &frame, &target);
+    return result == FNL_OK ? fnl_swapchain_present(v->swapchain) : result;
+}
+
+/* What cannot be drawn is taken back: the picture stays the last that could. */
+static bool draw_or_take_back(struct view *v, const fnl_overlay *overlay) {
+    fnl_result result = draw(v, overlay);
+    if (result == FNL_OK) {
+        v->good = v->frame;
+        return true;
+    }
+    if (result != FNL_ERROR_INVALID && result != FNL_ERROR_UNSUPPORTED && result != FNL_ERROR_MEMORY) return false;
+    v->frame = v->good;
+    result = draw(v, overlay);
+    view_want(v, 2); /* with the reason among the messages */
+    return result == FNL_OK;
+}
+
+static void read_pick(struct view *v) {
+    struct view_pick *p = &v->pick;
+    fnl_frame frame = whole_frame(v);
+    fnl_image images[3] = {{0}};
+    static const fnl_output outputs[3] = {FNL_OUTPUT_SURFACE, FNL_OUTPUT_NORMAL, FNL_OUTPUT_POSITION};
+    frame.outputs = FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION;
+    frame.msaa = 1;
+    bool good = fnl_renderer_render(v->renderer, &frame) == FNL_OK;
+    for (uint32_t i = 0; i < 3 && good; i++) good = fnl_renderer_read(v->renderer, outputs[i], &images[i]) == FNL_OK;
+    p->asked = false;
+    p->known = good && p->x < frame.width && p->y < frame.height;
+    if (p->known) {
+        const size_t at = 4 * ((size_t)p->y * frame.width + p->x);
+        const float *surface = (const float *)images[0].pixels + at, *normal = (const float *)images[1].pixels + at,
+                    *position = (const float *)images[2].pixels + at;
+        p->hit = position[3] > 0;
+        p->color = (fnl_vec3){surface[0], surface[1], surface[2]};
+        p->roughness = surface[3];
+        p->normal = (fnl_vec3){normal[0], normal[1], normal[2]};
+        p->depth = normal[3];
+        p->position = (fnl_vec3){position[0], position[1], position[2]};
+    }
+    for (uint32_t i = 0; i < 3; i++) fnl_image_free(&v->host, &images[i]);
+    view_want(v, 2);
+}
+
+/* A frame of the window; false when the device is lost. */
+bool view_draw_frame(struct view *v, double seconds) {
+    const double begun = view_now();
+    fnl_overlay overlay;
+    if (v->wanted > 0) v->wanted--;
+    v->stale = false;
+    if (v->width == 0 || v->height == 0) return true;
+    ui_begin(v->width, v->height, seconds);
+    view_panels(v);
+    ui_end(&overlay);
+    if (v->pick.asked && v->renderer) read_pick(v);
+    if (v->renderer && !draw_or_take_back(v, &overlay)) return false;
+    note_stats(v);
+    v->frame_seconds = view_now() - begun;
+    v->frames_drawn++;
+    return true;
+}
+
+static bool save_last(struct view *v, fnl_renderer *renderer, const char *path, fnl_output output) {
+    fnl_image image = {0};
+    bool good = fnl_renderer_read(renderer, output, &image) == FNL_OK && fnl_image_save(&v->host, path, &image) == FNL_OK;
+    fnl_image_free(&v->host, &image);
+    char text[1100];
+    snprintf(text, sizeof text, good ? "wrote %s" : "%s was not written", path);
+    view_say(v, good ? FNL_LOG_INFO : FNL_LOG_ERROR, text);
+    return good;
+}
+
+/* By a renderer of its own, which begins as that of the command does: without the shadow pages and the history of earlier frames. */
+bool view_save_picture(struct view *v, const char *path) {
+    enum { TAA_FRAMES = 16 }; /* render_run.c */
+    fnl_renderer *renderer = NULL;
+    fnl_frame_stats stats;
+    fnl_frame frame = whole_frame(v);
+    if (v->width == 0 || v->height == 0 || fnl_renderer_create(v->device, v->shown.scene, &renderer) != FNL_OK) return false;
+    frame.outputs = view_ends_with(path, ".exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
+    frame.pin_choice = true;
+    bool good = true;
+    for (int i = frame.aa == FNL_ANTIALIASING_TAA ? TAA_FRAMES : 1; i > 0 && good; i--) good = fnl_renderer_render(renderer, &frame) == FNL_OK;
+    good = good && fnl_renderer_query_stats(renderer, &stats) == FNL_OK && render_settle_pools(renderer, &frame, &stats) &&
+           save_last(v, renderer, path, (fnl_output)frame.outputs);
+    fnl_renderer_destroy(&renderer);
+    view_want(v, 2);
+    return good;
+}
+
+bool view_save_capture(struct view *v, const char *path) {
+    fnl_overlay overlay;
+    fnl_frame frame = whole_frame(v);
+    if (v->width == 0 || v->height == 0) return false;
+    ui_begin(v->width, v->height, 1.0 / 60);
+    view_panels(v);
+    ui_end(&overlay);
+    frame.overlay = &overlay;
+    return fnl_renderer_render(v->renderer, &frame) == FNL_OK && save_last(v, v->renderer, path, FNL_OUTPUT_COLOR);
+}

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT */
+/* What the mouse and the keys do, and what goes on by itself. */
+#include "view/view.h"
+
+#include "view/ui.h"
+
+#include "fanal/vulkan.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { KEY_SPACE = 32, KEY_TAB = 258, KEY_F1 = 290, KEY_SHIFT = 340, KEY_CONTROL = 341 };
+
+static void press_key(struct view *v, int key) {
+    switch (key) {
+    case 'F':
+        view_frame_all(v);
+        break;
+    case 'P':
+        view_save_picture(v, v->save_path);
+        break;
+    case 'Q':
+        v->quit = v->modifiers & VIEW_CONTROL;
+        break;
+    case KEY_SPACE:
+        v->plays = !v->plays && v->shown.info.animation_count > 0;
+        break;
+    case KEY_TAB:
+        v->hides_panels = !v->hides_panels;
+        break;
+    case KEY_F1:
+        v->shows_help = !v->shows_help;
+        break;
+    default:
+        break;
+    }
+}
+
+static void drag(struct view *v, float x, float y) {
+    const float dx = x - v->mouse_x, dy = y - v->mouse_y, height = fmaxf((float)v->height, 1);
+    const bool sideways = v->drag == 2 || (v->drag == 0 && v->modifiers & VIEW_SHIFT);
+    if (v->drag < 0 || !v->shown.scene) return;
+    if (sideways)
+        view_camera_pan(&v->camera, dx / height, dy / height);
+    else if (v->drag == 0)
+        view_camera_orbit(&v->camera, dx / height * 3, dy / height * 3);
+    else
+        view_camera_look(&v->camera, dx / height * 2, dy / height * 2);
+    v->moving = true;
+}
+
+static void press_button(struct view *v, const struct view_event *e) {
+    if (!e->down) {
+        if (v->drag == e->code) v->drag = -1;
+        return;
+    }
+    if (ui_wants_mouse()) return;
+    if (e->code == 0 && v->modifiers & VIEW_CONTROL) {
+        v->pick.asked = v->shown.scene && v->mouse_x >= 0 && v->mouse_y >= 0;
+        v->pick.x = (uint32_t)fmaxf(v->mouse_x, 0);
+        v->pick.y = (uint32_t)fmaxf(v->mouse_y, 0);
+        return;
+    }
+    v->drag = e->code;
+}
+
+/* True when a frame must be drawn before the next event: widgets see a button or a key only if it stays as it is for a frame. */
+static bool handle(struct view *v, const struct view_event *e) {
+    view_want(v, 3);
+    if (e->kind == VIEW_BUTTON || e->kind == VIEW_KEY) {
+        v->modifiers = e->modifiers;
+        /* The event of a modifier's own key does not count that key. */
+        if (e->kind == VIEW_KEY && (e->code == KEY_SHIFT || e->code == KEY_SHIFT + 4))
+            v->modifiers = e->down ? v->modifiers | VIEW_SHIFT : v->modifiers & ~(uint32_t)VIEW_SHIFT;
+        if (e->kind == VIEW_KEY && (e->code == KEY_CONTROL || e->code == KEY_CONTROL + 4))
+            v->modifiers = e->down ? v->modifiers | VIEW_CONTROL : v->modifiers & ~(uint32_t)VIEW_CONTROL;
+        ui_modifiers(v->modifiers & VIEW_CONTROL, v->modifiers & VIEW_SHIFT, v->modifiers & VIEW_ALT);
+    }
+    switch (e->kind) {
+    case VIEW_MOVE:
+        v->stale = true;
+        ui_mouse_moved(e->x, e->y);
+        drag(v, e->x, e->y);
+        v->mouse_x = e->x;
+        v->mouse_y = e->y;
+        return false;
+    case VIEW_BUTTON:
+        ui_mouse_button(e->code, e->down);
+        press_button(v, e);
+        return true;
+    case VIEW_WHEEL:
+        ui_mouse_wheel(e->x, e->y);
+        if (ui_wants_mouse() || !v->shown.scene) return false;
+        view_camera_dolly(&v->camera, e->y);
+        v->moving = true;
+        return false;
+    case VIEW_KEY:
+        ui_key(e->code, e->down);
+        v->keys[e->code] = e->down && !ui_wants_keys();
+        if (v->keys[e->code]) press_key(v, e->code);
+        return true;
+    case VIEW_CHARACTER:
+        ui_character((uint32_t)e->code);
+        return false;
+    case VIEW_SIZE:
+        v->width = (uint32_t)e->x;
+        v->height = (uint32_t)e->y;
+        if (v->swapchain) {
+            fnl_swapchain_params params = fnl_swapchain_params_default();
+            params.width = v->width;
+            params.height = v->height;
+            fnl_swapchain_set(v->swapchain, &params);
+        }
+        return false;
+    case VIEW_DROP:
+        view_open(v, e->text);
+        return false;
+    case VIEW_CLOSE:
+        v->quit = true;
+        return false;
+    default:
+        return false;
+    }
+}
+
+/* Hands an event on, between frames where that matters: first for a button, which belongs to what is under the mouse. */
+bool view_feed(struct view *v, const struct view_event *e, bool *out_wants_frame) {
+    if (e->kind == VIEW_BUTTON && v->stale && !view_draw_frame(v, 1.0 / 60)) return false;
+    *out_wants_frame = handle(v, e);
+    return true;
+}
+
+/* What goes on by itself: keys that are held down, the animation, what is being loaded. */
+void view_advance(struct view *v, double seconds) {
+    struct view_scene scene;
+    if (view_loader_take(&v->loader, false, &scene)) {
+        view_show(v, &scene);
+        view_want(v, 2);
+    }
+    if (v->loader.running) view_want(v, 1);
+    if (v->plays) {
+        view_set_time(v, v->time + seconds * v->speed);
+        v->moving = true;
+    }
+    const float step = v->camera.size * 0.4f * (v->modifiers & VIEW_SHIFT ? 4.0f : 1.0f) * (float)seconds;
+    const fnl_vec3 by = {step * (float)(v->keys['D'] - v->keys['A']), step * (float)(v->keys['E'] - v->keys['Q']), step * (float)(v->keys['W'] - v->keys['S'])};
+    if ((by.x != 0 || by.y != 0 || by.z != 0) && v->shown.scene) {
+        view_camera_fly(&v->camera, by);
+        v->moving = true;
+        view_want(v, 2);
+    }
+    if (v->drag >= 0) v->moving = true;
+    if (v->frame.aa == FNL_ANTIALIASING_TAA && v->moving) view_want(v, 16);
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/* Events from a file. */
+#include "view/view.h"
+
+#include "options.h"
+#include "view/ui.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool settle(struct view *v) {
+    struct view_scene scene;
+    if (view_loader_take(&v->loader, true, &scene)) view_show(v, &scene);
+    view_want(v, 2);
+    for (uint32_t i = 0; i < 1000 && v->wanted > 0 && !v->plays; i++) {
+        v->moving = false;
+        view_advance(v, 1.0 / 60);
+        if (!view_draw_frame(v, 1.0 / 60)) return false;
+    }
+    return true;
+}
+
+static bool write_command(const struct view *v, const char *path) {
+    FILE *file = fopen(path, "w");
+    if (!file) {
+        fprintf(stderr, "fanal: error: %s: cannot be written\n", path);
+        return false;
+    }
+    view_print_command(v, file);
+    return fclose(file) == 0;
+}
+
+/* As somebody would: the mouse goes there, and the button goes down and up, with a frame after each. */
+static bool click(struct view *v, const char *label) {
+    struct view_event e = {.kind = VIEW_MOVE};
+    bool ignored;
+    if (!view_draw_frame(v, 1.0 / 60)) return false;
+    if (!ui_find(label, &e.x, &e.y)) {
+        fprintf(stderr, "fanal: error: %s: no widget in sight is called so\n", label);
+        return false;
+    }
+    if (!view_feed(v, &e, &ignored)) return false;
+    e = (struct view_event){.kind = VIEW_BUTTON, .down = true};
+    if (!view_feed(v, &e, &ignored) || !view_draw_frame(v, 1.0 / 60)) return false;
+    e.down = false;
+    return view_feed(v, &e, &ignored) && view_draw_frame(v, 1.0 / 60);
+}
+
+static bool replay_event(struct view *v, const struct view_event *e) {
+    switch (e->kind) {
+    case VIEW_FRAMES:
+        for (int i = 0; i < e->code; i++) {
+            if (v->window) view_window_poll(v->window, 0);
+            v->queue.count = 0; /* what the real window says does not count */
+            v->moving = false;
+            view_advance(v, 1.0 / 60);
+            if (!view_draw_frame(v, 1.0 / 60)) return false;
+        }
+        return true;
+    case VIEW_SETTLE:
+        return settle(v);
+    case VIEW_SET:
+        view_want(v, 2);
+        v->own_shadows = v->own_shadows || strncmp(e->text, "shadows=", 8) == 0;
+        return options_set_text(&v->frame, "replay", e->text, NULL);
+    case VIEW_CLICK:
+        return click(v, e->text);
+    case VIEW_SAVE:
+        return view_save_picture(v, e->text);
+    case VIEW_CAPTURE:
+        return view_save_capture(v, e->text);
+    case VIEW_COMMAND:
+        return write_command(v, e->text);
+    case VIEW_REPORT:
+        return view_write_report(v, e->text);
+    default: {
+        bool wants_frame;
+        return view_feed(v, e, &wants_frame) && (!wants_frame || view_draw_frame(v, 1.0 / 60));
+    }
+    }
+}
+
+bool view_replay(struct view *v, const char *path, uint32_t exit_after) {
+    FILE *file = fopen(path, "r");
+    if (!file) {
+        fprintf(stderr, "fanal: error: %s: cannot be read\n", path);
+        return false;
+    }
+    char text[1200];
+    bool good = settle(v);
+    for (uint32_t line = 1; good && !v->quit && fgets(text, sizeof text, file); line++) {
+        struct view_event event;
+        good = view_event_parse(path, line, text, &event);
+        if (good && event.kind != VIEW_EVENT_COUNT) good = replay_event(v, &event);
+        if (exit_after && v->frames_drawn >= exit_after) break;
+    }
+    fclose(file);
+    return good;
+}
