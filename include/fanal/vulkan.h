@@ -60,8 +60,12 @@ FNL_API fnl_result fnl_device_import(const fnl_device_params *params, const fnl_
 /** Where a frame goes and how it is ordered against the caller's own work. */
 typedef struct fnl_vulkan_target {
     VkImage image; /**< 2D, one sample, one mip, usage TRANSFER_DST; with a layer for each of its views, in their order */
-    VkFormat
-        format; /**< an 8-bit RGBA or BGRA format, UNORM or SRGB: the picture is sRGB-encoded either way; or RGBA16_SFLOAT / RGBA32_SFLOAT for linear radiance times exposure */
+    /**
+     * An 8-bit RGBA or BGRA format, UNORM or SRGB: the picture is encoded as sRGB either way; RGBA16_SFLOAT or RGBA32_SFLOAT: radiance times
+     * exposure, in linear light, without tone mapping; A2B10G10R10 or A2R10G10B10 UNORM: HDR10 (BT.2020 primaries, ST 2084), where 1 of the
+     * former is 203 cd/m^2, and highlights are compressed to at most 1000 cd/m^2.
+     */
+    VkFormat format;
     VkImageLayout initial_layout; /**< layout on entry; UNDEFINED discards the contents, which is what most want */
     VkImageLayout final_layout;   /**< layout that the image is left in; not UNDEFINED */
     VkSemaphore wait;             /**< waited for before the image is touched, or VK_NULL_HANDLE */
@@ -111,15 +115,19 @@ typedef enum fnl_present {
     FNL_PRESENT_COUNT
 } fnl_present;
 
+/** What a window's pictures are encoded as. */
+typedef enum fnl_color_space {
+    FNL_COLOR_SRGB = 0, /**< 8 bits; every window has it */
+    FNL_COLOR_SCRGB,    /**< RGBA16_SFLOAT in linear light, where values above 1 are brighter than white: no tone mapping */
+    FNL_COLOR_HDR10,    /**< 10 bits, BT.2020 primaries and ST 2084: no tone mapping */
+    FNL_COLOR_SPACE_COUNT
+} fnl_color_space;
+
 typedef struct fnl_swapchain_params {
     /** Of the window's picture in pixels, 0 .. 16384; used where the surface has no size of its own. 0: minimised. Default 1280 x 720. */
     uint32_t width, height;
     fnl_present present; /**< FIFO is taken where the surface has no other. Default FIFO */
-    /**
-     * Asks for a target of linear light (scRGB: RGBA16_SFLOAT, 1 is 80 cd/m^2), in which pictures can be brighter than white: then tone mapping is not
-     * done. Where the surface has none the target is sRGB. Default false.
-     */
-    bool linear;
+    fnl_color_space color; /**< sRGB is taken where the surface has no such format. Default sRGB */
 } fnl_swapchain_params;
 
 FNL_API fnl_swapchain_params fnl_swapchain_params_default(void);
@@ -149,7 +157,7 @@ typedef struct fnl_swapchain_info {
     uint32_t width, height, image_count; /**< 0 before the first picture, or while the window has no area */
     VkFormat format;
     fnl_present present; /**< what is really done */
-    bool linear;
+    fnl_color_space color; /**< likewise */
     uint32_t made; /**< how often the chain was made: once, and once more for each new size */
 } fnl_swapchain_info;
 

@@ -18,6 +18,7 @@ struct fnl_swapchain {
     bool stale; /* the chain is to be made anew before the next picture */
     VkSwapchainKHR handle;
     VkSurfaceFormatKHR format;
+    fnl_color_space color;
     VkExtent2D extent;
     VkPresentModeKHR mode;
     uint32_t image_count, made;
@@ -45,6 +46,7 @@ fnl_swapchain_params fnl_swapchain_params_default(void) { return (fnl_swapchain_
 static fnl_result check_params(const struct call *call, const fnl_swapchain_params *params) {
     TRY(check_count(call, "width", params->width, 0, 16384));
     TRY(check_count(call, "height", params->height, 0, 16384));
+    TRY(check_enum(call, "color", (int64_t)params->color, FNL_COLOR_SPACE_COUNT, "fnl_color_space"));
     return check_enum(call, "present", (int64_t)params->present, FNL_PRESENT_COUNT, "fnl_present");
 }
 
@@ -74,22 +76,29 @@ static fnl_result create_semaphore(gpu_device *device, const char *name, VkSemap
     return FNL_OK;
 }
 
-/* In linear light where that is wanted and there is one, else 8 bits of sRGB. */
+/* What was asked for where there is such a format, else 8 bits of sRGB. */
 static fnl_result choose_format(fnl_swapchain *s) {
     gpu_device *device = s->device;
     VkSurfaceFormatKHR formats[128];
     uint32_t count = COUNT_OF(formats);
     VkResult result = s->vk.GetPhysicalDeviceSurfaceFormatsKHR(device->physical, s->surface, &count, formats);
     TRY(gpu_check(device, result, "vkGetPhysicalDeviceSurfaceFormatsKHR"));
-    static const VkSurfaceFormatKHR wanted[] = {{VK_FORMAT_R16G16B16A16_SFLOAT, VK_COLOR_SPACE_EXTENDED_SRGB_LINEAR_EXT},
-                                                {VK_FORMAT_B8G8R8A8_UNORM, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR},
-                                                {VK_FORMAT_R8G8B8A8_UNORM, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR},
-                                                {VK_FORMAT_B8G8R8A8_SRGB, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR},
-                                                {VK_FORMAT_R8G8B8A8_SRGB, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR}};
-    for (uint32_t w = s->params.linear ? 0 : 1; w < COUNT_OF(wanted); w++) {
+    static const struct {
+        fnl_color_space color;
+        VkSurfaceFormatKHR format;
+    } known[] = {{FNL_COLOR_SCRGB, {VK_FORMAT_R16G16B16A16_SFLOAT, VK_COLOR_SPACE_EXTENDED_SRGB_LINEAR_EXT}},
+                 {FNL_COLOR_HDR10, {VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_COLOR_SPACE_HDR10_ST2084_EXT}},
+                 {FNL_COLOR_HDR10, {VK_FORMAT_A2R10G10B10_UNORM_PACK32, VK_COLOR_SPACE_HDR10_ST2084_EXT}},
+                 {FNL_COLOR_SRGB, {VK_FORMAT_B8G8R8A8_UNORM, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR}},
+                 {FNL_COLOR_SRGB, {VK_FORMAT_R8G8B8A8_UNORM, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR}},
+                 {FNL_COLOR_SRGB, {VK_FORMAT_B8G8R8A8_SRGB, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR}},
+                 {FNL_COLOR_SRGB, {VK_FORMAT_R8G8B8A8_SRGB, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR}}};
+    for (uint32_t k = 0; k < COUNT_OF(known); k++) {
+        if (known[k].color != FNL_COLOR_SRGB && known[k].color != s->params.color) continue;
         for (uint32_t i = 0; i < count; i++) {
-            if (formats[i].format != wanted[w].format || formats[i].colorSpace != wanted[w].colorSpace) continue;
+            if (formats[i].format != known[k].format.format || formats[i].colorSpace != known[k].format.colorSpace) continue;
             s->format = formats[i];
+            s->color = known[k].color;
             return FNL_OK;
         }
     }
@@ -243,7 +252,7 @@ fnl_result fnl_swapchain_set(fnl_swapchain *s, const fnl_swapchain_params *param
     TRY(check_pointer(call, "params", params));
     TRY(check_params(call, params));
     const fnl_swapchain_params *old = &s->params;
-    s->stale |= old->width != params->width || old->height != params->height || old->present != params->present || old->linear != params->linear;
+    s->stale |= old->width != params->width || old->height != params->height || old->present != params->present || old->color != params->color;
     s->params = *params;
     return FNL_OK;
 }
@@ -316,6 +325,6 @@ fnl_result fnl_swapchain_query_info(const fnl_swapchain *s, fnl_swapchain_info *
     out->present = s->mode == VK_PRESENT_MODE_MAILBOX_KHR     ? FNL_PRESENT_MAILBOX
                    : s->mode == VK_PRESENT_MODE_IMMEDIATE_KHR ? FNL_PRESENT_IMMEDIATE
                                                               : FNL_PRESENT_FIFO;
-    out->linear = s->format.format == VK_FORMAT_R16G16B16A16_SFLOAT;
+    out->color = s->color;
     return FNL_OK;
 }

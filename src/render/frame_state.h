@@ -84,6 +84,7 @@ static inline float frame_exposure(const fnl_frame *frame) {
 struct picture {
     VkFormat format;
     struct tonemap_params tonemap;
+    enum display_format display; /* of linear targets */
 };
 static inline struct picture frame_picture(const struct frame_state *f) {
     struct picture picture = {.format = VK_FORMAT_R8G8B8A8_UNORM,
@@ -93,6 +94,12 @@ static inline struct picture frame_picture(const struct frame_state *f) {
         picture.tonemap.swap = wanted == VK_FORMAT_B8G8R8A8_UNORM || wanted == VK_FORMAT_B8G8R8A8_SRGB;
         picture.tonemap.linear = wanted == VK_FORMAT_R16G16B16A16_SFLOAT || wanted == VK_FORMAT_R32G32B32A32_SFLOAT;
         if (picture.tonemap.linear) picture.format = wanted;
+        if (wanted == VK_FORMAT_A2B10G10R10_UNORM_PACK32) picture.display = DISPLAY_ABGR10;
+        if (wanted == VK_FORMAT_A2R10G10B10_UNORM_PACK32) picture.display = DISPLAY_ARGB10;
+        if (picture.display != DISPLAY_LINEAR) {
+            picture.tonemap.linear = true;
+            picture.format = VK_FORMAT_R16G16B16A16_SFLOAT;
+        }
     }
     return picture;
 }

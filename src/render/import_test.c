@@ -427,6 +427,80 @@ static void test_targets_of_another_size_get_the_picture_scaled(void **state) {
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
+/* ---- screens of high dynamic range, in the words of BT.2100 ---- */
+
+static double srgb_decoded(double value) { return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4); }
+
+/* Of exposed radiance, channel by channel, 0 .. 1023. */
+static void hdr10_level(const double color[3], double level[3]) {
+    static const double wide[3][3] = {{0.6274, 0.3293, 0.0433}, {0.0691, 0.9195, 0.0114}, {0.0164, 0.0880, 0.8956}};
+    const double most = fmax(color[0], fmax(color[1], color[2])), half = 500.0 / 203;
+    const double scale = most <= half ? 1 : (2 * half - half * half / most) / most;
+    for (uint32_t i = 0; i < 3; i++) {
+        const double light = scale * (wide[i][0] * color[0] + wide[i][1] * color[1] + wide[i][2] * color[2]) * 203 / 10000;
+        const double power = pow(fmin(fmax(light, 0), 1), 0.1593017578125);
+        level[i] = 1023 * pow((0.8359375 + 18.8515625 * power) / (1 + 18.6875 * power), 78.84375);
+    }
+}
+
+static void assert_hdr10(const struct picture *p, const double *colors) {
+    const bool swap = p->format == VK_FORMAT_A2R10G10B10_UNORM_PACK32;
+    double highest = 0;
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        const uint32_t found = ((const uint32_t *)p->pixels)[i];
+        double level[3];
+        hdr10_level(colors + 3 * (size_t)i, level);
+        for (uint32_t c = 0; c < 3; c++) {
+            const double channel = found >> (swap ? 20 - 10 * c : 10 * c) & 1023;
+            if (fabs(channel - level[c]) > 1.5) fail_msg("pixel %u, channel %u: %g, not %g", i, c, channel, level[c]);
+            highest = fmax(highest, channel);
+        }
+        assert_int_equal(found >> 30, 3);
+    }
+    assert_true(highest > 300);
+}
+
+/* 10-bit targets get what float targets get, encoded; what lies over it has the white of 203 cd/m^2; debug views are colours. */
+static void test_10_bit_targets_get_hdr10(void **state) {
+    UNUSED(state);
+    static const VkFormat formats[] = {VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_A2R10G10B10_UNORM_PACK32};
+    static const fnl_overlay_vertex corners[] = {
+        {{0, 0}, {0, 0}, {255, 255, 255, 255}}, {{900, 0}, {0, 0}, {255, 255, 255, 255}}, {{0, 900}, {0, 0}, {255, 255, 255, 255}}};
+    static const uint32_t indices[] = {0, 1, 2};
+    const fnl_overlay_draw draw = {.index_count = 3, .width = WIDTH, .height = 2};
+    const fnl_overlay overlay = {.vertices = corners, .vertex_count = 3, .indices = indices, .index_count = 3, .draws = &draw, .draw_count = 1};
+    double *colors = calloc(3 * PIXELS, sizeof *colors);
+    assert_non_null(colors);
+    for (uint32_t debug = 0; debug < 2; debug++) {
+        fnl_frame frame = small_frame();
+        frame.exposure = FNL_EXPOSURE_EV;
+        frame.ev = -3; /* with highlights beyond the peak */
+        frame.debug = debug ? FNL_DEBUG_NORMAL : FNL_DEBUG_NONE;
+        fnl_image normals = expected(frame, FNL_OUTPUT_COLOR);
+        struct picture linear = make_picture(VK_FORMAT_R32G32B32A32_SFLOAT, 16);
+        render_and_fetch(&frame, &linear, ORDER_BINARY, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+        double most = 0;
+        for (uint32_t i = 0; i < 3 * PIXELS; i++) {
+            const double value = ((const float *)linear.pixels)[i / 3 * 4 + i % 3];
+            if (debug) assert_float_equal(value, srgb_decoded(((const uint8_t *)normals.pixels)[i / 3 * 4 + i % 3] / 255.0), 5e-3);
+            colors[i] = i / 3 < 2 * WIDTH ? 1 : value;
+            most = fmax(most, colors[i]);
+        }
+        assert_true(debug || most > 5); /* the shoulder is seen */
+        frame.overlay = &overlay;
+        for (uint32_t f = 0; f < COUNT_OF(formats); f++) {
+            struct picture p = make_picture(formats[f], 4);
+            render_and_fetch(&frame, &p, ORDER_TIMELINE, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+            assert_hdr10(&p, colors);
+            free_picture(&p);
+        }
+        free_picture(&linear);
+        fnl_image_free(NULL, &normals);
+    }
+    free(colors);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
 /* Each view goes to the layer of its place. The device was made without multiview: they are drawn one by one, whatever the frame asks for. */
 static void test_views_go_to_layers(void **state) {
     UNUSED(state);
@@ -884,6 +958,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_8_bit_targets_get_the_picture),
         cmocka_unit_test(test_targets_of_another_size_get_the_picture_scaled),
+        cmocka_unit_test(test_10_bit_targets_get_hdr10),
         cmocka_unit_test(test_views_go_to_layers),
         cmocka_unit_test(test_float_targets_get_exposed_radiance),
         cmocka_unit_test(test_semaphores_are_waited_for_and_signalled),

@@ -65,7 +65,7 @@ void overlay_draw(struct frame_state *f) {
     const struct picture picture = frame_picture(f);
     const struct overlay_params params = {.overlay = f->frame->overlay,
                                           .image = f->frame->overlay->image ? &f->r->overlay.image : NULL,
-                                          .linear = picture.tonemap.linear,
+                                          .linear = picture.tonemap.linear && (picture.display == DISPLAY_LINEAR || f->frame->debug == FNL_DEBUG_NONE),
                                           .swap = picture.tonemap.swap};
     overlay_add(f->r->device, f->graph, f->color, &params);
 }

@@ -31,7 +31,11 @@ void frame_add_picture(struct frame_state *f) {
     add_picture(f);
     if (f->target && (f->target->image->params.width != f->frame->width || f->target->image->params.height != f->frame->height))
         f->color = scale_add(f->r->device, f->graph, f->color, f->target->image->params.width, f->target->image->params.height);
+    const struct picture picture = frame_picture(f);
+    const bool decode = picture.tonemap.linear && f->frame->debug != FNL_DEBUG_NONE; /* debug views are colours, not light */
+    if (decode && picture.display == DISPLAY_LINEAR) f->color = display_add(f->graph, f->color, DISPLAY_LINEAR, true);
     if (f->frame->overlay) overlay_draw(f);
+    if (picture.display != DISPLAY_LINEAR) f->color = display_add(f->graph, f->color, picture.display, decode);
 }
 
 struct copy_image_data {

@@ -322,7 +322,8 @@ fnl_result fnl_renderer_render(fnl_renderer *r, const fnl_frame *frame) {
 fnl_result renderer_check_target(const struct call *call, VkFormat format) {
     static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM,      VK_FORMAT_R8G8B8A8_SRGB,
                                        VK_FORMAT_B8G8R8A8_UNORM,      VK_FORMAT_B8G8R8A8_SRGB,
-                                       VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
+                                       VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                       VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_A2R10G10B10_UNORM_PACK32};
     for (uint32_t i = 0; i < COUNT_OF(formats); i++)
         if (formats[i] == format) return FNL_OK;
     return unsupported(call, "the target image has format %d, which is none of those that fnl_vulkan_target lists",

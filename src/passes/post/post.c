@@ -2,6 +2,7 @@
 #include "passes/post/post.h"
 
 #include "fanal/renderer.h"
+#include "passes/post/display_shared.h"
 #include "passes/post/post_shared.h"
 #include "shaders.h"
 
@@ -54,6 +55,26 @@ void tonemap_add(struct graph *graph, graph_image radiance, graph_image target, 
                               GRAPH_PUSH(push),
                               GRAPH_ROWS(graph_samples(&push.radiance, radiance), graph_stores(&push.target, target),
                                          graph_row_if(push.metered, graph_reads(&push.exposure, params->exposure)))});
+}
+
+/* ---- displays ---- */
+
+_Static_assert(DISPLAY_ABGR10 == GPU_DISPLAY_ABGR10 && DISPLAY_ARGB10 == GPU_DISPLAY_ARGB10, "display_shared.h has these values");
+
+graph_image display_add(struct graph *graph, graph_image picture, enum display_format format, bool decode) {
+    const struct graph_image_params from = graph_image_info(graph, picture);
+    graph_image target = graph_create_image(graph, &(struct graph_image_params){.name = "encoded for the display",
+                                                                                .format = format == DISPLAY_LINEAR ? from.format : VK_FORMAT_R8G8B8A8_UNORM,
+                                                                                .width = from.width,
+                                                                                .height = from.height,
+                                                                                .samples = 1});
+    struct gpu_display_push push = {.width = from.width, .height = from.height, .decode = decode, .format = (uint32_t)format};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "encode for display",
+                                                   .pipeline = {.shader = &shader_display_comp},
+                                                   .groups = {DIVIDE_UP(from.width, 8u), DIVIDE_UP(from.height, 8u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_samples(&push.picture, picture), graph_stores(&push.target, target))});
+    return target;
 }
 
 /* ---- resolve ---- */

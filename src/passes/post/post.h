@@ -18,6 +18,14 @@ struct tonemap_params {
 /** Writes the picture of `radiance` (single- or multisampled) to `target`, a storage image of the same size. */
 void tonemap_add(struct graph *graph, graph_image radiance, graph_image target, const struct tonemap_params *params);
 
+/** What a target of linear light, or of high dynamic range, takes: the picture in the other encoding. */
+enum display_format { DISPLAY_LINEAR, DISPLAY_ABGR10, DISPLAY_ARGB10 }; /* GPU_DISPLAY_ */
+/**
+ * `picture` is in linear light, or with `decode` encoded as sRGB. For the 10-bit formats the result is HDR10 (ITU-R BT.2100: BT.2020 primaries,
+ * ST 2084), in an image of RGBA8 whose bytes are those of the packed format.
+ */
+graph_image display_add(struct graph *graph, graph_image picture, enum display_format format, bool decode);
+
 /** Averages the samples of `radiance` into `target` (RGBA32F), in linear light. */
 void resolve_add(struct graph *graph, graph_image radiance, graph_image target);
 
