@@ -106,6 +106,7 @@ static fnl_pose pose;
 static fnl_light_params light;
 static fnl_decal_params decal;
 static fnl_probe_params probe;
+static fnl_environment_params surroundings;
 static fnl_probe_id probe_id;
 static fnl_camera camera;
 static fnl_frame_stats stats;
@@ -264,6 +265,8 @@ static fnl_loaded loaded;
     X(fnl_scene_add_probe, NULLED("scene", fnl_scene_add_probe(NULL, &probe, &probe_id));                                   \
       NULLED("params", fnl_scene_add_probe(w.scene, NULL, &probe_id));                                                      \
       NULLED("out", fnl_scene_add_probe(w.scene, &probe, NULL)))                                                            \
+    X(fnl_scene_query_environment, NULLED("scene", fnl_scene_query_environment(NULL, &surroundings));                       \
+      NULLED("out", fnl_scene_query_environment(w.scene, NULL)))                                                            \
     X(fnl_scene_query_probe, NULLED("scene", fnl_scene_query_probe(NULL, 0, &probe));                                       \
       NULLED("out", fnl_scene_query_probe(w.scene, 0, NULL)))                                                               \
     X(fnl_scene_remove_probe, NULLED("scene", fnl_scene_remove_probe(NULL, w.probe)))                                       \
@@ -556,6 +559,7 @@ static void test_other_arguments(void **state) {
     environment.source = "builtin:sky";
     environment.intensity = -1;
     SAYS("fnl_scene_set_environment", "intensity is -1, must be 0 .. 1e+06", fnl_scene_set_environment(w.scene, &environment));
+    SAYS("fnl_scene_query_environment", "the scene has no environment", fnl_scene_query_environment(w.scene, &environment));
     SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
     SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));
     SAYS("fnl_scene_set_time", "animation is 1, but there are no animations", fnl_scene_set_time(w.scene, 1, 0));

@@ -9,7 +9,7 @@ packages=(
     libvulkan-dev libjansson-dev libzstd-dev libmeshoptimizer-dev                    # what it is made of
     libspng-dev libjpeg-dev libwebp-dev zlib1g-dev libopenexr-dev libembree-dev
     libdraco-dev g++                                                                 # to read KHR_draco_mesh_compression; all else is C,
-    libglfw3-dev libimgui-dev                                                        # but for the window of 'fanal view'
+    libglfw3-dev libimgui-dev fonts-dejavu-core                                      # but for the window of 'fanal view'
     libjs-chart.js                                                                   # the plots of 'fanal bench'
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
 )

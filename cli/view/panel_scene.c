@@ -58,15 +58,93 @@ static void show_variants(struct view *v) {
     char label[96];
     if (v->shown.info.variant_count == 0) return;
     ui_item_width(150);
-    if (!ui_combo("variant", "choose")) return;
-    if (ui_choice("none", false)) fnl_scene_select_variant(v->shown.scene, FNL_NO_VARIANT);
+    if (!ui_combo("variant", v->variant[0] ? v->variant : "as the file has it")) return;
+    if (ui_choice("none", false) && fnl_scene_select_variant(v->shown.scene, FNL_NO_VARIANT) == FNL_OK) v->variant[0] = 0;
     for (uint32_t i = 0; i < v->shown.info.variant_count; i++) {
         const bool known = fnl_scene_query_entity(v->shown.scene, FNL_ENTITY_VARIANT, i, &info) == FNL_OK;
         snprintf(label, sizeof label, "%s##%u", known && info.name ? info.name : "without a name", i);
-        if (ui_choice(label, false)) fnl_scene_select_variant(v->shown.scene, i);
+        if (ui_choice(label, false) && fnl_scene_select_variant(v->shown.scene, i) == FNL_OK) snprintf(v->variant, sizeof v->variant, "%s", known && info.name ? info.name : "");
     }
     view_want(v, 2);
     ui_combo_end();
+}
+
+static void show_navigation(struct view *v) {
+    static const char *const names[VIEW_NAVIGATION_COUNT] = {"orbit", "fly", "walk"};
+    static const char *const helps[VIEW_NAVIGATION_COUNT] = {"the left mouse button turns about what is looked at", "it looks around; W A S D Q E fly where you look",
+                                                             "it looks around; W A S D stay at this height, Q E change it"};
+    ui_item_width(150);
+    if (!ui_combo("navigation", names[v->settings.navigation])) return;
+    for (uint32_t i = 0; i < VIEW_NAVIGATION_COUNT; i++) {
+        if (ui_choice(names[i], i == v->settings.navigation)) v->settings.navigation = i;
+        ui_tooltip(helps[i]);
+    }
+    ui_combo_end();
+}
+
+static void show_surroundings(struct view *v) {
+    static const char *const made[] = {"builtin:studio", "builtin:sky", "builtin:overcast"};
+    struct view_surroundings *s = &v->surroundings;
+    fnl_environment_params *params = &s->params;
+    float degrees = params->rotation * (180 / 3.14159265f);
+    bool changed = false;
+    ui_item_width(200);
+    if (ui_combo("environment", s->none ? "none" : s->source[0] ? s->source : "of the file")) {
+        if (ui_choice("none##environment", s->none)) changed = s->none = true;
+        for (size_t i = 0; i < sizeof made / sizeof *made; i++) {
+            if (!ui_choice(made[i], !s->none && strcmp(s->source, made[i]) == 0)) continue;
+            snprintf(s->source, sizeof s->source, "%s", made[i]);
+            s->none = false;
+            changed = true;
+        }
+        ui_combo_end();
+    }
+    ui_tooltip("Drop an .hdr or .exr panorama into the window to stand the scene in it.");
+    if (!s->none && (s->source[0] || s->changed)) {
+        ui_item_width(150);
+        if (ui_number("rotation", &degrees, -180, 180, "%.1f degrees")) {
+            params->rotation = degrees * (3.14159265f / 180);
+            changed = true;
+        }
+        ui_item_width(150);
+        changed |= ui_number("intensity", &params->intensity, 0, 20, "%.3g");
+        changed |= ui_checkbox("seen behind the scene", &params->background);
+    }
+    if (changed) view_apply_surroundings(v);
+}
+
+static uint32_t show_names(const char *label, const char *const *names, uint32_t count, uint32_t chosen) {
+    ui_item_width(150);
+    if (!ui_combo(label, names[chosen])) return chosen;
+    for (uint32_t i = 0; i < count; i++)
+        if (ui_choice(names[i], i == chosen)) chosen = i;
+    ui_combo_end();
+    return chosen;
+}
+
+static void show_window(struct view *v) {
+    struct view_settings *s = &v->settings;
+    const struct view_settings before = *s;
+    float scale = v->scale;
+    s->present = show_names("presentation", view_present_names, VIEW_PRESENT_COUNT, s->present);
+    ui_tooltip("fifo waits for the screen; mailbox shows the newest picture and does not wait; immediate may tear");
+    s->color = show_names("colour space", view_color_names, VIEW_COLOR_COUNT, s->color);
+    ui_tooltip("scrgb and hdr10: brighter than white, where the screen can; else srgb");
+    ui_item_width(150);
+    if (ui_number("size of letters", &scale, 0.5f, 4, "%.2f")) v->wanted_scale = scale;
+    ui_checkbox("dark", &s->dark);
+    if (s->present != before.present || s->color != before.color || s->dark != before.dark) view_apply_settings(v);
+}
+
+static void show_recent(struct view *v) {
+    char source[sizeof v->settings.recent[0]] = "";
+    if (v->settings.recent_count == 0) return;
+    ui_item_width(200);
+    if (!ui_combo("recent", "open again")) return;
+    for (uint32_t i = 0; i < v->settings.recent_count; i++)
+        if (ui_choice(v->settings.recent[i], false)) snprintf(source, sizeof source, "%s", v->settings.recent[i]);
+    ui_combo_end();
+    if (source[0]) view_open(v, source);
 }
 
 static void show_exposure(struct view *v) {
@@ -84,11 +162,13 @@ static void show_exposure(struct view *v) {
 void view_panel_scene(struct view *v) {
     const fnl_scene_info *info = &v->shown.info;
     ui_note("%s", v->shown.source ? v->shown.source : "Drop a glTF file here.");
+    show_recent(v);
     if (v->loader.running) ui_bar((float)atomic_load(&v->loader.progress) / 1000, "loading");
     if (!v->shown.scene) return;
     ui_text("%llu triangles, %llu instances, %u materials", (unsigned long long)info->triangle_count, (unsigned long long)info->instance_count,
             info->material_count);
     show_cameras(v);
+    show_navigation(v);
     show_animation(v);
     show_variants(v);
     show_exposure(v);
@@ -97,7 +177,9 @@ void view_panel_scene(struct view *v) {
     ui_same_line();
     if (ui_button("save")) view_save_picture(v, v->save_path);
     ui_tooltip("Saves the picture at the window's size, as 'fanal render' would make it: .png or .exr (P)");
-    if (ui_button("print the command")) view_print_command(v, stdout);
-    ui_tooltip("Writes to the terminal which 'fanal render' makes this picture");
+    if (ui_button("copy the command")) view_copy_command(v);
+    ui_tooltip("Which 'fanal render' makes this picture: into the clipboard, and to the terminal");
     if (ui_header("lights", true)) view_panel_lights(v);
+    if (ui_header("surroundings", false)) show_surroundings(v);
+    if (ui_header("window", false)) show_window(v);
 }

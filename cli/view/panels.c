@@ -32,6 +32,8 @@ static void show_help(struct view *v) {
                                               {"wheel", "closer, farther"},
                                               {"W A S D Q E", "fly; Shift: faster"},
                                               {"Ctrl and left mouse", "what is at this pixel"},
+                                              {"N", "orbit, fly, walk"},
+                                              {"M", "the mouse looks around; Escape ends it"},
                                               {"F", "see the whole scene"},
                                               {"Space", "play, pause"},
                                               {"P", "save the picture"},
@@ -78,6 +80,9 @@ bool view_write_report(const struct view *v, const char *path) {
     const fnl_frame_stats *s = &v->stats;
     fprintf(file, "scene\t%s\ntriangles\t%llu\nlights\t%u\nframes\t%llu\n", v->shown.source ? v->shown.source : "",
             (unsigned long long)v->shown.info.triangle_count, v->shown.info.light_count, (unsigned long long)v->frames_drawn);
+    const fnl_camera *c = &v->camera.now;
+    fprintf(file, "camera\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\n", (double)c->position.x, (double)c->position.y, (double)c->position.z,
+            (double)c->target.x, (double)c->target.y, (double)c->target.z);
     fprintf(file, "shading\t%s\nlists\t%s\npasses_ms\t%.4f\n", fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists),
             s->gpu_milliseconds);
     for (uint32_t i = 0; i < v->pass_count; i++) fprintf(file, "pass\t%s\t%.4f\n", v->passes[i].name, v->passes[i].milliseconds);
@@ -90,15 +95,75 @@ bool view_write_report(const struct view *v, const char *path) {
     return fclose(file) == 0;
 }
 
-void view_print_command(const struct view *v, FILE *file) {
+static bool equal(fnl_vec3 a, fnl_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+/* Which camera of the scene it is; -1: none. */
+static int camera_index(const struct view *v) {
     const fnl_camera *c = &v->camera.now;
+    fnl_camera other;
+    const uint32_t count = fnl_scene_count(v->shown.scene, FNL_ENTITY_CAMERA);
+    for (uint32_t i = 0; i < count; i++) {
+        if (fnl_scene_query_camera(v->shown.scene, i, &other) != FNL_OK) continue;
+        if (equal(c->position, other.position) && equal(c->target, other.target) && equal(c->up, other.up) && c->orthographic == other.orthographic &&
+            c->vertical_fov == other.vertical_fov && c->vertical_extent == other.vertical_extent && c->near_distance == other.near_distance &&
+            c->far_distance == other.far_distance && c->shift.x == other.shift.x && c->shift.y == other.shift.y)
+            return (int)i;
+    }
+    return -1;
+}
+
+static void print_camera(const struct view *v, FILE *file) {
+    const fnl_camera *c = &v->camera.now;
+    const int index = camera_index(v);
+    if (index >= 0) {
+        fprintf(file, " --camera %d", index);
+        return;
+    }
+    fprintf(file, " --eye %.9g,%.9g,%.9g --look-at %.9g,%.9g,%.9g --fov %.17g --near %.9g", (double)c->position.x, (double)c->position.y,
+            (double)c->position.z, (double)c->target.x, (double)c->target.y, (double)c->target.z,
+            (double)c->vertical_fov * (180 / 3.14159265358979323846), (double)c->near_distance);
+    if (c->up.x != 0 || c->up.y != 1 || c->up.z != 0) fprintf(file, " --up %.9g,%.9g,%.9g", (double)c->up.x, (double)c->up.y, (double)c->up.z);
+}
+
+static void print_surroundings(const struct view *v, FILE *file) {
+    const struct view_surroundings *s = &v->surroundings;
+    if (!s->changed) {
+        fputs(v->environment_arguments, file);
+        return;
+    }
+    if (s->none) {
+        if (v->shown.info.light_count == 0) fputs(" --ambient 0,0,0", file); /* nothing takes its place */
+        return;
+    }
+    if (s->source[0]) fprintf(file, " --environment '%s'", s->source);
+    fprintf(file, " --environment-rotation %.9g --environment-intensity %.9g", (double)s->params.rotation * (180 / 3.14159265358979323846),
+            (double)s->params.intensity);
+    if (!s->params.background) fputs(" --environment-hidden", file);
+}
+
+void view_copy_command(const struct view *v) {
+    char *text = NULL;
+    size_t size;
+    FILE *file = open_memstream(&text, &size);
+    if (!file) return;
+    view_print_command(v, file);
+    if (fclose(file) == 0) {
+        fputs(text, stdout);
+        fflush(stdout);
+        if (v->window) view_window_set_clipboard(v->window, text);
+    }
+    free(text);
+}
+
+void view_print_command(const struct view *v, FILE *file) {
     fnl_option o;
     char value[64], usual[64];
     const fnl_frame frame = fnl_frame_default();
-    fprintf(file, "fanal render '%s' --size %ux%u --eye %.9g,%.9g,%.9g --look-at %.9g,%.9g,%.9g --fov %.17g --near %.9g", v->shown.source, v->width, v->height,
-            (double)c->position.x, (double)c->position.y, (double)c->position.z, (double)c->target.x, (double)c->target.y, (double)c->target.z,
-            (double)c->vertical_fov * (180 / 3.14159265358979323846), (double)c->near_distance);
-    if (c->up.x != 0 || c->up.y != 1 || c->up.z != 0) fprintf(file, " --up %.9g,%.9g,%.9g", (double)c->up.x, (double)c->up.y, (double)c->up.z);
+    fprintf(file, "fanal render '%s' --size %ux%u", v->shown.source, v->width, v->height);
+    print_camera(v, file);
+    fputs(v->arguments, file);
+    print_surroundings(v, file);
+    if (v->variant[0]) fprintf(file, " --variant '%s'", v->variant);
     if (v->time > 0) fprintf(file, " --time %.9g --animation %u", v->time, v->animation);
     for (uint32_t i = 0; fnl_option_query(i, &o); i++) {
         fnl_frame_get(&v->frame, o.key, value, sizeof value);
@@ -106,6 +171,8 @@ void view_print_command(const struct view *v, FILE *file) {
         if (strcmp(o.key, "width") != 0 && strcmp(o.key, "height") != 0 && (strcmp(o.key, "shadows") == 0 || strcmp(value, usual) != 0)) fprintf(file, " --set %s=%s", o.key, value);
     }
     fputs(" -o picture.png\n", file);
+    const fnl_camera *c = &v->camera.now;
+    if ((c->orthographic || c->shift.x != 0 || c->shift.y != 0) && camera_index(v) < 0) fputs("# with a camera that is neither orthographic nor shifted\n", file);
     if (v->shown.changed) fputs("# without the lights that were changed in the window\n", file);
     fflush(file);
 }

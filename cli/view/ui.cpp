@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdarg>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -42,6 +43,7 @@ static struct {
     fnl_image font;
     uint64_t font_version;
     float scale;
+    ImGuiID sought;
     bool resized; // the window has another size than in the last frame
 } ui;
 
@@ -52,9 +54,22 @@ static_assert(sizeof(fnl_overlay_vertex) == sizeof(ImDrawVert), "vertices are co
 static void make_font() {
     ImGuiIO &io = ImGui::GetIO();
     io.Fonts->Clear();
-    ImFontConfig config;
-    config.SizePixels = std::floor(13 * ui.scale);
-    io.Fonts->AddFontDefault(&config);
+    // Latin with accents, Greek, Cyrillic, and signs.
+    static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2027, 0x20ac, 0x20ac, 0x2190, 0x21ff, 0x25a0, 0x25ff, 0};
+    static const char *const files[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                                        "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf"};
+    ImFont *font = nullptr;
+    for (size_t i = 0; i < sizeof files / sizeof *files && !font; i++) {
+        FILE *file = fopen(files[i], "rb");
+        if (!file) continue;
+        fclose(file);
+        font = io.Fonts->AddFontFromFileTTF(files[i], std::floor(14 * ui.scale), nullptr, ranges);
+    }
+    if (!font) { // coarse, and without accents
+        ImFontConfig config;
+        config.SizePixels = std::floor(13 * ui.scale);
+        io.Fonts->AddFontDefault(&config);
+    }
     unsigned char *pixels = nullptr;
     int width = 0, height = 0;
     io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
@@ -227,7 +242,10 @@ static ImGuiID name_of(const char *label) {
 // Notes where the widget stands; returns what it says.
 static bool noted(const char *label, bool value) {
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    if (!ImGui::IsItemVisible()) return value;
+    if (!ImGui::IsItemVisible()) {
+        if (name_of(label) == ui.sought) ImGui::SetScrollHereY();
+        return value;
+    }
     place *p = ui.places.add(1);
     if (p) *p = {name_of(label), ImVec2(low.x + 8 * ui.scale, (low.y + high.y) / 2)};
     return value;
@@ -242,6 +260,8 @@ bool ui_find(const char *label, float *x, float *y) {
     }
     return false;
 }
+
+void ui_seek(const char *label) { ui.sought = label ? name_of(label) : 0; }
 
 bool ui_window(const char *title, bool *open, float x, float y, float width, float height) {
     const ImGuiCond when = ui.resized ? ImGuiCond_Always : ImGuiCond_FirstUseEver;

@@ -39,6 +39,8 @@ void ui_begin(uint32_t width, uint32_t height, double seconds); /* since the las
 /** All that was drawn; lives until the next ui_begin. */
 void ui_end(fnl_overlay *out);
 
+/** Has the next frame scroll to a widget; NULL: no longer. */
+void ui_seek(const char *label);
 /** A place inside of a widget that the last frame has shown, by its label; false: none is in sight. */
 bool ui_find(const char *label, float *x, float *y);
 

@@ -18,8 +18,12 @@ struct view_options {
     fnl_frame frame;
     const char *device, *replay, *record;
     uint32_t exit_after; /* frames; 0: never */
-    bool headless, validate, no_cache, light, own_shadows, no_vsync, no_panels;
+    bool headless, validate, no_cache, own_shadows, no_settings;
+    /* Instead of what is remembered. */
+    bool has_size, has_scale, has_present, has_color, light, dark, no_panels;
     double scale; /* 0: the screen's */
+    uint32_t present, color;
+    char arguments[2048], environment_arguments[1200];
 };
 
 static void print_help(void) {
@@ -29,10 +33,12 @@ static void print_help(void) {
          "\n"
          "Window\n"
          "  --size WxH                 pixels (1280x720)\n"
-         "  --scale X                  size of letters and gaps, 0.5 to 4 (the screen's)\n"
-         "  --light                    dark letters on light panels\n"
+         "  --scale X|auto             size of letters and gaps, 0.5 to 4 (auto: the screen's)\n"
+         "  --dark, --light            light letters on dark panels, or the other way round (dark)\n"
          "  --no-panels                begins with the picture alone (Tab shows the panels)\n"
-         "  --no-vsync                 does not wait for the screen\n"
+         "  --present MODE             fifo (waits for the screen), mailbox (the newest picture, does not wait), immediate (with tearing) (fifo)\n"
+         "  --color SPACE              srgb, scrgb or hdr10; srgb where the screen has nothing else (srgb)\n"
+         "  --no-settings              neither reads nor writes what windows remember: these options, their size, the last scenes\n"
          "  --headless                 draws the same frames without a window; with --replay\n"
          "  --replay FILE              takes its events from a file that --record has written, a line each; besides what a window sends,\n"
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE', 'capture FILE' (with the panels), 'command FILE', 'report FILE'\n"
@@ -70,7 +76,8 @@ static bool run_window(struct view *v, const struct view_options *o) {
     while (!v->quit && good && (o->exit_after == 0 || v->frames_drawn < o->exit_after)) {
         struct view_event event;
         const bool idle = v->wanted == 0 && v->queue.count == 0;
-        view_window_poll(v->window, idle ? (v->part < 1 ? 0.15 : 0.5) : v->loader.running ? 0.03 : 0);
+        const double rest = view_window_has_gamepad(v->window) ? 0.05 : 0.5; /* sticks do not wake */
+        view_window_poll(v->window, idle ? (v->part < 1 ? fmin(rest, 0.15) : rest) : v->loader.running ? 0.03 : 0);
         if (idle && v->queue.count == 0 && v->part < 1) { /* it has come to rest: now as fine as the window */
             v->part = 1;
             view_want(v, 1);
@@ -102,19 +109,48 @@ static bool open_device(struct view *v, const struct view_options *o) {
     if (o->no_cache) params.cache_folder = "";
     argument_device(o->device, &params);
     return fnl_device_create(&params, &v->device) == FNL_OK &&
-           (!v->window || view_window_open_swapchain(v->window, v->device, !o->no_vsync, &v->swapchain));
+           (!v->window || view_window_open_swapchain(v->window, v->device, v->settings.present, v->settings.color, &v->swapchain));
+}
+
+/* What is remembered, and what the command line says instead. */
+static void choose_settings(struct view *v, const struct view_options *o) {
+    struct view_settings *s = &v->settings;
+    v->remembers = !o->headless && !o->replay && !o->no_settings;
+    *s = view_settings_default();
+    if (v->remembers) view_settings_load(s);
+    if (o->has_size) {
+        s->width = o->frame.width;
+        s->height = o->frame.height;
+    }
+    if (o->has_scale) s->scale = (float)o->scale;
+    if (o->has_present) s->present = o->present;
+    if (o->has_color) s->color = o->color;
+    s->dark = o->light ? false : o->dark ? true : s->dark;
+    v->hides_panels = o->no_panels || !s->panels;
+    snprintf(v->arguments, sizeof v->arguments, "%s", o->arguments);
+    snprintf(v->environment_arguments, sizeof v->environment_arguments, "%s", o->environment_arguments);
+}
+
+static void remember(struct view *v) {
+    if (!v->remembers) return;
+    const float scale = view_window_scale(v->window);
+    if (v->width > 0 && v->height > 0) {
+        v->settings.width = (uint32_t)lroundf((float)v->width / scale);
+        v->settings.height = (uint32_t)lroundf((float)v->height / scale);
+    }
+    v->settings.panels = !v->hides_panels;
+    view_settings_save(&v->settings);
 }
 
 static bool run(struct view *v, const struct view_options *o) {
-    v->width = o->frame.width;
-    v->height = o->frame.height;
+    choose_settings(v, o);
+    v->width = v->settings.width;
+    v->height = v->settings.height;
     if (!o->headless && !view_window_create(v->width, v->height, "Fanal", &v->queue, &v->window)) return false;
     if (v->window) view_window_query_size(v->window, &v->width, &v->height);
-    v->scale = o->scale > 0 ? (float)o->scale : v->window ? view_window_scale(v->window) : 1;
-    v->dark = !o->light;
-    v->hides_panels = o->no_panels;
+    v->scale = v->settings.scale > 0 ? v->settings.scale : v->window ? view_window_scale(v->window) : 1;
     if (!open_device(v, o)) return false;
-    if (!ui_create(v->scale, v->dark)) {
+    if (!ui_create(v->scale, v->settings.dark)) {
         fputs("fanal: error: memory ran out\n", stderr);
         return false;
     }
@@ -125,6 +161,7 @@ static bool run(struct view *v, const struct view_options *o) {
     if (o->world.scene) view_open(v, o->world.scene);
     bool good = o->replay ? view_replay(v, o->replay, o->exit_after) : run_window(v, o);
     view_loader_stop(&v->loader);
+    remember(v);
     fnl_renderer_destroy(&v->renderer);
     if (good && o->validate && fnl_device_validation_count(v->device)) {
         fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", (unsigned long long)fnl_device_validation_count(v->device));
@@ -134,7 +171,7 @@ static bool run(struct view *v, const struct view_options *o) {
     return good;
 }
 
-enum { O_SIZE = 256, O_SET, O_EXPOSURE, O_SCALE, O_LIGHT, O_NO_VSYNC, O_NO_PANELS, O_HEADLESS, O_REPLAY, O_RECORD, O_EXIT_AFTER, O_DEVICE, O_NO_CACHE, O_VALIDATE };
+enum { O_SIZE = 256, O_SET, O_EXPOSURE, O_SCALE, O_DARK, O_LIGHT, O_PRESENT, O_COLOR, O_NO_SETTINGS, O_NO_PANELS, O_HEADLESS, O_REPLAY, O_RECORD, O_EXIT_AFTER, O_DEVICE, O_NO_CACHE, O_VALIDATE };
 
 static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"size", required_argument, NULL, O_SIZE},
@@ -142,7 +179,10 @@ static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"exposure", required_argument, NULL, O_EXPOSURE},
                                             {"scale", required_argument, NULL, O_SCALE},
                                             {"light", no_argument, NULL, O_LIGHT},
-                                            {"no-vsync", no_argument, NULL, O_NO_VSYNC},
+                                            {"dark", no_argument, NULL, O_DARK},
+                                            {"present", required_argument, NULL, O_PRESENT},
+                                            {"color", required_argument, NULL, O_COLOR},
+                                            {"no-settings", no_argument, NULL, O_NO_SETTINGS},
                                             {"no-panels", no_argument, NULL, O_NO_PANELS},
                                             {"headless", no_argument, NULL, O_HEADLESS},
                                             {"replay", required_argument, NULL, O_REPLAY},
@@ -159,12 +199,21 @@ static bool set_option(struct view_options *o, const char *option, const char *k
     return options_set(&o->frame, option, key, value);
 }
 
+/* One of three names. */
+static bool parse_name(const char *option, const char *value, const char *const names[3], bool *out_has, uint32_t *out) {
+    for (*out = 0; *out < 3 && strcmp(value, names[*out]) != 0;) ++*out;
+    char text[64];
+    snprintf(text, sizeof text, "%s, %s or %s", names[0], names[1], names[2]);
+    return (*out_has = *out < 3) || argument_bad(option, value, text);
+}
+
 static bool parse_option(struct view_options *o, int option, const char *value) {
     long long integer;
     const char *key = NULL, *name = option >= OPTIONS_NAMED ? options_named((uint32_t)(option - OPTIONS_NAMED), &key) : NULL;
     if (name) return set_option(o, name, key, value ? value : "on");
     switch (option) {
     case O_SIZE:
+        o->has_size = true;
         return argument_size("size", value, &o->frame.width, &o->frame.height);
     case O_SET:
         if (!options_set_text(&o->frame, "set", value, &key)) return false;
@@ -173,12 +222,20 @@ static bool parse_option(struct view_options *o, int option, const char *value) 
     case O_EXPOSURE:
         return argument_exposure("exposure", value, &o->frame.exposure, &o->frame.ev);
     case O_SCALE:
+        o->has_scale = true;
+        if (strcmp(value, "auto") == 0) return true;
         if (!argument_number("scale", value, &o->scale)) return false;
-        return (o->scale >= 0.5 && o->scale <= 4) || argument_bad("scale", value, "a number from 0.5 to 4");
+        return (o->scale >= 0.5 && o->scale <= 4) || argument_bad("scale", value, "auto, or a number from 0.5 to 4");
     case O_LIGHT:
         return o->light = true;
-    case O_NO_VSYNC:
-        return o->no_vsync = true;
+    case O_DARK:
+        return o->dark = true;
+    case O_PRESENT:
+        return parse_name("present", value, view_present_names, &o->has_present, &o->present);
+    case O_COLOR:
+        return parse_name("color", value, view_color_names, &o->has_color, &o->color);
+    case O_NO_SETTINGS:
+        return o->no_settings = true;
     case O_NO_PANELS:
         return o->no_panels = true;
     case O_HEADLESS:
@@ -205,6 +262,19 @@ static bool parse_option(struct view_options *o, int option, const char *value) 
     }
 }
 
+/* For the command that renders the picture: what it says of the scene, but for what it sees of it and when. */
+static void note_argument(struct view_options *o, const struct option *long_options, int option, const char *value) {
+    static const int seen[] = {WORLD_CAMERA, WORLD_EYE, WORLD_LOOK_AT, WORLD_FOV, WORLD_NEAR, WORLD_UP, WORLD_TIME, WORLD_ANIMATION};
+    for (size_t i = 0; i < sizeof seen / sizeof *seen; i++)
+        if (seen[i] == option) return;
+    const bool environment = option >= WORLD_ENVIRONMENT && option <= WORLD_ENVIRONMENT_COMPRESSED;
+    char *text = environment ? o->environment_arguments : o->arguments;
+    const size_t capacity = environment ? sizeof o->environment_arguments : sizeof o->arguments, used = strlen(text);
+    const struct option *row = long_options;
+    while (row->val != option) row++;
+    snprintf(text + used, capacity - used, value ? " --%s '%s'" : " --%s", row->name, value);
+}
+
 int command_view(int argc, char **argv) {
     struct view_options o = {.frame = fnl_frame_default(), .world = world_options_default()};
     struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
@@ -221,6 +291,7 @@ int command_view(int argc, char **argv) {
             return 2;
         }
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg)) return 0;
+        if (world_has(option)) note_argument(&o, long_options, option, optarg);
         if (!(world_has(option) ? world_parse(option, optarg, &o.world) : parse_option(&o, option, optarg))) return 2;
     }
     const char *problem = world_problem(&o.world);
@@ -240,6 +311,7 @@ int command_view(int argc, char **argv) {
     v->host.user = &v->messages;
     v->world = o.world;
     v->frame = v->usual = v->good = o.frame;
+    v->surroundings.params = fnl_environment_params_default();
     v->own_shadows = o.own_shadows;
     v->drag = -1;
     v->part = 1;

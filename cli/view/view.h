@@ -19,6 +19,9 @@ enum view_event_kind {
     VIEW_CHARACTER, /* code: of Unicode */
     VIEW_SIZE,      /* the picture has x times y pixels */
     VIEW_DROP,      /* text: a file */
+    VIEW_SCALE,     /* x: of letters and gaps, as the screen has it */
+    VIEW_PAD,       /* of a gamepad; code: axis of GLFW, x: -1 .. 1 */
+    VIEW_PAD_BUTTON, /* code: GLFW's number */
     VIEW_CLOSE,
     /* Of a file alone. */
     VIEW_FRAMES,  /* draws `code` frames, a sixtieth of a second each */
@@ -59,17 +62,22 @@ void view_event_write(FILE *file, const struct view_event *event);
 
 struct fnl_swapchain;
 struct view_window;
+/* As fnl_present and fnl_color_space, which stand in a header of Vulkan. */
+enum { VIEW_PRESENT_COUNT = 3, VIEW_COLOR_COUNT = 3 };
+extern const char *const view_present_names[VIEW_PRESENT_COUNT], *const view_color_names[VIEW_COLOR_COUNT];
 bool view_window_create(uint32_t width, uint32_t height, const char *title, struct view_queue *queue, struct view_window **out);
 void view_window_destroy(struct view_window **window);
-/** Pictures for the window; false with a message. */
-bool view_window_open_swapchain(struct view_window *window, fnl_device *device, bool waits, struct fnl_swapchain **out);
+/** Pictures for the window; `present` and `color` as fnl_swapchain_params has them. False with a message. */
+bool view_window_open_swapchain(struct view_window *window, fnl_device *device, uint32_t present, uint32_t color, struct fnl_swapchain **out);
+/** The mouse belongs to the window, is not seen, and can be moved without end. */
+void view_window_capture_mouse(struct view_window *window, bool captured);
 /** Takes events; waits up to so many seconds for one. */
 void view_window_poll(struct view_window *window, double seconds);
 void view_window_query_size(const struct view_window *window, uint32_t *width, uint32_t *height);
 float view_window_scale(const struct view_window *window);
 void view_window_set_title(struct view_window *window, const char *title);
-/** Wakes view_window_poll; from any thread. */
-void view_window_wake(void);
+void view_window_set_clipboard(struct view_window *window, const char *text);
+bool view_window_has_gamepad(const struct view_window *window);
 
 /* ---- the camera (view_camera.c) ---- */
 
@@ -82,6 +90,7 @@ void view_camera_look(struct view_camera *camera, float right, float down);  /* 
 void view_camera_pan(struct view_camera *camera, float right, float down);   /* parts of the picture's height */
 void view_camera_dolly(struct view_camera *camera, float steps);             /* towards the target */
 void view_camera_fly(struct view_camera *camera, fnl_vec3 metres);           /* right, up, forward */
+void view_camera_walk(struct view_camera *camera, fnl_vec3 metres);          /* the same on level ground */
 
 /* ---- a scene (view_scene.c) ---- */
 
@@ -111,6 +120,33 @@ bool view_loader_start(struct view_loader *loader, const struct world_options *w
 /** Whether a load has ended; then `out` has the scene, or nothing when it failed (the host's log says why). `wait`: until then. */
 bool view_loader_take(struct view_loader *loader, bool wait, struct view_scene *out);
 void view_loader_stop(struct view_loader *loader);
+
+/* ---- what is remembered from one window to the next (view_settings.c) ---- */
+
+/** What the left mouse button and the keys that move do. */
+enum view_navigation {
+    VIEW_ORBIT, /* turns about what is looked at */
+    VIEW_FLY,   /* looks around, and flies where it looks */
+    VIEW_WALK,  /* looks around, and stays at its height */
+    VIEW_NAVIGATION_COUNT
+};
+
+enum { VIEW_RECENT = 8 };
+struct view_settings {
+    uint32_t width, height; /* of the window, in the screen's units */
+    float scale;            /* 0: the screen's */
+    bool dark, panels;
+    uint32_t present, color; /* fnl_present, fnl_color_space */
+    uint32_t navigation;     /* enum view_navigation */
+    char recent[VIEW_RECENT][1024]; /* scenes, the last one first */
+    uint32_t recent_count;
+};
+struct view_settings view_settings_default(void);
+/** From the user's folder of settings; lines that make no sense are left out with a warning. */
+void view_settings_load(struct view_settings *settings);
+/** False with a message. */
+bool view_settings_save(const struct view_settings *settings);
+void view_settings_note_scene(struct view_settings *settings, const char *source);
 
 /* ---- all of it ---- */
 
@@ -156,7 +192,22 @@ struct view {
     bool stale; /* the mouse has moved since the last frame: widgets do not know yet where it is */
     uint32_t modifiers;
     bool keys[512];
+    float pad[6];  /* the gamepad's axes */
+    bool captured; /* the mouse looks around without a button */
     bool quit;
+
+    struct view_settings settings;
+    bool remembers; /* settings are read and written */
+
+    /* What the command line said of the scene: goes into the command that renders the picture. */
+    char arguments[2048], environment_arguments[1200];
+    struct view_surroundings {
+        bool changed; /* in the window */
+        bool none;
+        char source[1024];
+        fnl_environment_params params; /* but for its source */
+    } surroundings;
+    char variant[96]; /* chosen in the window; "": none was */
 
     /* The animation. */
     bool plays;
@@ -164,8 +215,8 @@ struct view {
     double time, speed;
 
     /* What the panels show. */
-    bool hides_panels, shows_help, dark;
-    float scale;
+    bool hides_panels, shows_help;
+    float scale, wanted_scale; /* 0: as it is */
     char filter[64], save_path[256];
     fnl_frame_stats stats;
     float history[VIEW_HISTORY];
@@ -196,6 +247,8 @@ void view_panel_pixel(const struct view *view);
 bool view_write_report(const struct view *view, const char *path);
 /** The command line that renders what is shown. */
 void view_print_command(const struct view *view, FILE *file);
+/** The same into the clipboard, and to the terminal. */
+void view_copy_command(const struct view *view);
 
 /* ---- view_frame.c ---- */
 
@@ -217,6 +270,11 @@ bool view_save_capture(struct view *view, const char *path);
 bool view_feed(struct view *view, const struct view_event *event, bool *out_wants_frame);
 /** What goes on by itself: keys that are held down, the animation, what is being loaded. */
 void view_advance(struct view *view, double seconds);
+
+/** Sizes, colours and the swapchain follow the settings. */
+void view_apply_settings(struct view *view);
+/** The environment as the widgets have it goes to the scene. */
+void view_apply_surroundings(struct view *view);
 
 /** Replays a file (view_replay.c); ends after so many frames, if not 0. */
 bool view_replay(struct view *view, const char *path, uint32_t exit_after);

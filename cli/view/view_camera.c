@@ -76,6 +76,15 @@ void view_camera_dolly(struct view_camera *camera, float steps) {
     if (distance == least && steps > 0) view_camera_fly(camera, (fnl_vec3){0, 0, steps * least});
 }
 
+void view_camera_walk(struct view_camera *camera, fnl_vec3 metres) {
+    fnl_camera *c = &camera->now;
+    const struct axes a = axes_of(c);
+    const fnl_vec3 up = normalize(c->up), ahead = normalize(cross(up, a.right));
+    const fnl_vec3 by = add(add(scale(a.right, metres.x), up, metres.y), ahead, metres.z);
+    c->position = add(c->position, by, 1);
+    c->target = add(c->target, by, 1);
+}
+
 void view_camera_fly(struct view_camera *camera, fnl_vec3 metres) {
     fnl_camera *c = &camera->now;
     const struct axes a = axes_of(c);

@@ -27,9 +27,10 @@ bool view_queue_take(struct view_queue *q, struct view_event *out) {
 
 static const struct {
     const char *name;
-    enum { PLACE, PRESS, NUMBER, TEXT, ALONE } takes;
+    enum { PLACE, PRESS, NUMBER, AXIS, FACTOR, TEXT, ALONE } takes;
 } lines[VIEW_EVENT_COUNT] = {[VIEW_MOVE] = {"move", PLACE},       [VIEW_BUTTON] = {"button", PRESS},  [VIEW_WHEEL] = {"wheel", PLACE},
                              [VIEW_KEY] = {"key", PRESS},         [VIEW_CHARACTER] = {"character", NUMBER}, [VIEW_SIZE] = {"size", PLACE},
+                             [VIEW_SCALE] = {"scale", FACTOR},     [VIEW_PAD] = {"pad", AXIS},        [VIEW_PAD_BUTTON] = {"padbutton", PRESS},
                              [VIEW_DROP] = {"drop", TEXT},        [VIEW_CLOSE] = {"close", ALONE},    [VIEW_FRAMES] = {"frames", NUMBER},
                              [VIEW_SETTLE] = {"settle", ALONE},   [VIEW_SET] = {"set", TEXT},            [VIEW_CLICK] = {"click", TEXT},
                              [VIEW_SAVE] = {"save", TEXT},       [VIEW_CAPTURE] = {"capture", TEXT},
@@ -52,6 +53,12 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
             good = sscanf(arguments, "%d %7s %u %1s", &out->code, state, &out->modifiers, rest) == 3 && (!strcmp(state, "down") || !strcmp(state, "up"));
             out->down = strcmp(state, "down") == 0;
             break;
+        case AXIS:
+            good = sscanf(arguments, "%d %f %1s", &out->code, &out->x, rest) == 2;
+            break;
+        case FACTOR:
+            good = sscanf(arguments, "%f %1s", &out->x, rest) == 1;
+            break;
         case NUMBER:
             good = sscanf(arguments, "%d %1s", &out->code, rest) == 1;
             break;
@@ -65,6 +72,8 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
     }
     if (good && (kind == VIEW_SIZE || kind == VIEW_FRAMES))
         good = kind == VIEW_SIZE ? out->x >= 0 && out->x <= 16384 && out->y >= 0 && out->y <= 16384 : out->code >= 0 && out->code <= 100000;
+    if (good && kind == VIEW_SCALE) good = out->x >= 0.5f && out->x <= 4;
+    if (good && kind == VIEW_PAD) good = out->code >= 0 && out->code < 6 && out->x >= -1 && out->x <= 1;
     if (good && kind == VIEW_KEY) good = out->code >= 0 && out->code < 512;
     if (!good) {
         fprintf(stderr, "fanal: error: %s:%u: not an event: %.100s", path, line, text);
@@ -83,6 +92,12 @@ void view_event_write(FILE *file, const struct view_event *e) {
         break;
     case PRESS:
         fprintf(file, " %d %s %u", e->code, e->down ? "down" : "up", e->modifiers);
+        break;
+    case AXIS:
+        fprintf(file, " %d %.9g", e->code, (double)e->x);
+        break;
+    case FACTOR:
+        fprintf(file, " %.9g", (double)e->x);
         break;
     case NUMBER:
         fprintf(file, " %d", e->code);

@@ -53,6 +53,15 @@ void view_show(struct view *v, struct view_scene *scene) {
     v->animation = 0;
     v->time = v->world.time;
     v->pick.known = false;
+    v->variant[0] = 0;
+    v->surroundings.changed = false;
+    v->surroundings.none = !scene->info.has_environment;
+    v->surroundings.params = fnl_environment_params_default();
+    v->surroundings.source[0] = 0;
+    if (scene->info.has_environment && fnl_scene_query_environment(scene->scene, &v->surroundings.params) == FNL_OK && v->surroundings.params.source)
+        snprintf(v->surroundings.source, sizeof v->surroundings.source, "%s", v->surroundings.params.source);
+    v->surroundings.params.source = NULL;
+    if (scene->source) view_settings_note_scene(&v->settings, scene->source);
     if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
     v->good = v->frame;
     char title[300];
@@ -68,13 +77,37 @@ bool view_ends_with(const char *text, const char *end) {
 
 void view_open(struct view *v, const char *source) {
     if (v->shown.scene && (view_ends_with(source, ".hdr") || view_ends_with(source, ".exr") || strcmp(source, "builtin:studio") == 0)) {
-        fnl_environment_params environment = v->world.environment_params;
-        environment.source = source;
-        if (fnl_scene_set_environment(v->shown.scene, &environment) == FNL_OK) view_want(v, 2);
+        snprintf(v->surroundings.source, sizeof v->surroundings.source, "%s", source);
+        v->surroundings.none = false;
+        view_apply_surroundings(v);
         return;
     }
     if (!view_loader_start(&v->loader, &v->world, &v->host, source, v->width, v->height)) view_say(v, FNL_LOG_ERROR, "memory ran out");
     view_want(v, 1);
+}
+
+void view_apply_surroundings(struct view *v) {
+    struct view_surroundings *s = &v->surroundings;
+    fnl_environment_params params = s->params;
+    params.source = s->source[0] ? s->source : NULL;
+    /* On errors, which the log tells, the scene keeps what it had. */
+    if (fnl_scene_set_environment(v->shown.scene, s->none ? NULL : &params) == FNL_OK) {
+        s->changed = true;
+        fnl_scene_query_info(v->shown.scene, &v->shown.info);
+        if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
+    }
+    view_want(v, 2);
+}
+
+void view_apply_settings(struct view *v) {
+    fnl_swapchain_params params = fnl_swapchain_params_default();
+    params.width = v->width;
+    params.height = v->height;
+    params.present = (fnl_present)v->settings.present;
+    params.color = (fnl_color_space)v->settings.color;
+    if (v->swapchain) fnl_swapchain_set(v->swapchain, &params);
+    ui_set_look(v->scale, v->settings.dark);
+    view_want(v, 2);
 }
 
 void view_frame_all(struct view *v) {
@@ -133,31 +166,37 @@ static fnl_frame whole_frame(const struct view *v) {
     return frame;
 }
 
-static fnl_result draw(struct view *v, const fnl_overlay *overlay) {
+static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried) {
     fnl_frame frame = whole_frame(v);
     frame.overlay = overlay;
     if (!v->swapchain) return fnl_renderer_render(v->renderer, &frame);
     fnl_vulkan_target target;
     fnl_result result = fnl_swapchain_acquire(v->swapchain, &target);
+    if (result == FNL_ERROR_DEVICE && !retried) { /* the surface is lost: another one, once */
+        fnl_swapchain_destroy(&v->swapchain);
+        if (!view_window_open_swapchain(v->window, v->device, v->settings.present, v->settings.color, &v->swapchain)) return result;
+        return draw(v, overlay, true);
+    }
     if (result != FNL_OK || target.image == VK_NULL_HANDLE) return result;
     choose_part(v);
     frame.pin_choice = v->part < 1; /* auto measures frames of the window's size alone */
     frame.width = (uint32_t)fmaxf(1, (float)target.width * v->part);
     frame.height = (uint32_t)fmaxf(1, (float)target.height * v->part);
     result = fnl_renderer_render_to(v->renderer, &frame, &target);
-    return result == FNL_OK ? fnl_swapchain_present(v->swapchain) : result;
+    if (result == FNL_OK) result = fnl_swapchain_present(v->swapchain);
+    return result == FNL_ERROR_DEVICE && !retried ? FNL_OK : result; /* the next one finds out whether the surface is lost */
 }
 
 /* What cannot be drawn is taken back: the picture stays the last that could. */
 static bool draw_or_take_back(struct view *v, const fnl_overlay *overlay) {
-    fnl_result result = draw(v, overlay);
+    fnl_result result = draw(v, overlay, false);
     if (result == FNL_OK) {
         v->good = v->frame;
         return true;
     }
     if (result != FNL_ERROR_INVALID && result != FNL_ERROR_UNSUPPORTED && result != FNL_ERROR_MEMORY) return false;
     v->frame = v->good;
-    result = draw(v, overlay);
+    result = draw(v, overlay, false);
     view_want(v, 2); /* with the reason among the messages */
     return result == FNL_OK;
 }
@@ -195,6 +234,11 @@ bool view_draw_frame(struct view *v, double seconds) {
     if (v->wanted > 0) v->wanted--;
     v->stale = false;
     if (v->width == 0 || v->height == 0) return true;
+    if (v->wanted_scale > 0) { /* letters are made anew between frames */
+        v->scale = v->settings.scale = v->wanted_scale;
+        v->wanted_scale = 0;
+        view_apply_settings(v);
+    }
     ui_begin(v->width, v->height, seconds);
     view_panels(v);
     ui_end(&overlay);

@@ -9,7 +9,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { KEY_SPACE = 32, KEY_TAB = 258, KEY_F1 = 290, KEY_SHIFT = 340, KEY_CONTROL = 341 };
+enum { KEY_SPACE = 32, KEY_ESCAPE = 256, KEY_TAB = 258, KEY_F1 = 290, KEY_SHIFT = 340, KEY_CONTROL = 341 };
+
+static void capture_mouse(struct view *v, bool captured) {
+    v->captured = captured;
+    if (captured && v->settings.navigation == VIEW_ORBIT) v->settings.navigation = VIEW_FLY;
+    if (v->window) view_window_capture_mouse(v->window, captured);
+}
 
 static void press_key(struct view *v, int key) {
     switch (key) {
@@ -28,6 +34,15 @@ static void press_key(struct view *v, int key) {
     case KEY_TAB:
         v->hides_panels = !v->hides_panels;
         break;
+    case 'N':
+        v->settings.navigation = (v->settings.navigation + 1) % VIEW_NAVIGATION_COUNT;
+        break;
+    case 'M':
+        capture_mouse(v, !v->captured);
+        break;
+    case KEY_ESCAPE:
+        capture_mouse(v, false);
+        break;
     case KEY_F1:
         v->shows_help = !v->shows_help;
         break;
@@ -39,10 +54,10 @@ static void press_key(struct view *v, int key) {
 static void drag(struct view *v, float x, float y) {
     const float dx = x - v->mouse_x, dy = y - v->mouse_y, height = fmaxf((float)v->height, 1);
     const bool sideways = v->drag == 2 || (v->drag == 0 && v->modifiers & VIEW_SHIFT);
-    if (v->drag < 0 || !v->shown.scene) return;
+    if ((v->drag < 0 && !v->captured) || !v->shown.scene) return;
     if (sideways)
         view_camera_pan(&v->camera, dx / height, dy / height);
-    else if (v->drag == 0)
+    else if (v->drag == 0 && v->settings.navigation == VIEW_ORBIT)
         view_camera_orbit(&v->camera, dx / height * 3, dy / height * 3);
     else
         view_camera_look(&v->camera, dx / height * 2, dy / height * 2);
@@ -64,6 +79,15 @@ static void press_button(struct view *v, const struct view_event *e) {
     v->drag = e->code;
 }
 
+/* Of a gamepad, by the places of their letters on Microsoft's. */
+static void press_pad(struct view *v, int button) {
+    enum { PAD_A = 0, PAD_X = 2, PAD_Y = 3, PAD_START = 7 };
+    if (button == PAD_A) press_key(v, KEY_SPACE);
+    if (button == PAD_X) press_key(v, 'N');
+    if (button == PAD_Y) press_key(v, 'F');
+    if (button == PAD_START) press_key(v, KEY_TAB);
+}
+
 /* True when a frame must be drawn before the next event: widgets see a button or a key only if it stays as it is for a frame. */
 static bool handle(struct view *v, const struct view_event *e) {
     view_want(v, 3);
@@ -79,7 +103,7 @@ static bool handle(struct view *v, const struct view_event *e) {
     switch (e->kind) {
     case VIEW_MOVE:
         v->stale = true;
-        ui_mouse_moved(e->x, e->y);
+        if (!v->captured) ui_mouse_moved(e->x, e->y);
         drag(v, e->x, e->y);
         v->mouse_x = e->x;
         v->mouse_y = e->y;
@@ -105,12 +129,17 @@ static bool handle(struct view *v, const struct view_event *e) {
     case VIEW_SIZE:
         v->width = (uint32_t)e->x;
         v->height = (uint32_t)e->y;
-        if (v->swapchain) {
-            fnl_swapchain_params params = fnl_swapchain_params_default();
-            params.width = v->width;
-            params.height = v->height;
-            fnl_swapchain_set(v->swapchain, &params);
-        }
+        view_apply_settings(v);
+        return false;
+    case VIEW_SCALE:
+        if (v->settings.scale == 0) v->scale = e->x;
+        view_apply_settings(v);
+        return false;
+    case VIEW_PAD:
+        v->pad[e->code] = e->x;
+        return false;
+    case VIEW_PAD_BUTTON:
+        if (e->down) press_pad(v, e->code);
         return false;
     case VIEW_DROP:
         view_open(v, e->text);
@@ -143,9 +172,25 @@ void view_advance(struct view *v, double seconds) {
         v->moving = true;
     }
     const float step = v->camera.size * 0.4f * (v->modifiers & VIEW_SHIFT ? 4.0f : 1.0f) * (float)seconds;
-    const fnl_vec3 by = {step * (float)(v->keys['D'] - v->keys['A']), step * (float)(v->keys['E'] - v->keys['Q']), step * (float)(v->keys['W'] - v->keys['S'])};
+    enum { LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y, LEFT_TRIGGER, RIGHT_TRIGGER };
+    const float *pad = v->pad;
+    const fnl_vec3 by = {step * ((float)(v->keys['D'] - v->keys['A']) + pad[LEFT_X]),
+                         step * ((float)(v->keys['E'] - v->keys['Q']) + pad[RIGHT_TRIGGER] - pad[LEFT_TRIGGER]),
+                         step * ((float)(v->keys['W'] - v->keys['S']) - pad[LEFT_Y])};
     if ((by.x != 0 || by.y != 0 || by.z != 0) && v->shown.scene) {
-        view_camera_fly(&v->camera, by);
+        if (v->settings.navigation == VIEW_WALK)
+            view_camera_walk(&v->camera, by);
+        else
+            view_camera_fly(&v->camera, by);
+        v->moving = true;
+        view_want(v, 2);
+    }
+    if ((pad[RIGHT_X] != 0 || pad[RIGHT_Y] != 0) && v->shown.scene) {
+        const float turn = 2 * (float)seconds;
+        if (v->settings.navigation == VIEW_ORBIT)
+            view_camera_orbit(&v->camera, turn * pad[RIGHT_X], turn * pad[RIGHT_Y]);
+        else
+            view_camera_look(&v->camera, turn * pad[RIGHT_X], turn * pad[RIGHT_Y]);
         v->moving = true;
         view_want(v, 2);
     }

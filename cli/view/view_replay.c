@@ -36,6 +36,12 @@ static bool click(struct view *v, const char *label) {
     struct view_event e = {.kind = VIEW_MOVE};
     bool ignored;
     if (!view_draw_frame(v, 1.0 / 60)) return false;
+    if (!ui_find(label, &e.x, &e.y)) { /* folded away, or it can be scrolled to */
+        ui_seek(label);
+        const bool drawn = view_draw_frame(v, 1.0 / 60) && view_draw_frame(v, 1.0 / 60);
+        ui_seek(NULL);
+        if (!drawn) return false;
+    }
     if (!ui_find(label, &e.x, &e.y)) {
         fprintf(stderr, "fanal: error: %s: no widget in sight is called so\n", label);
         return false;

@@ -14,7 +14,11 @@
 struct view_window {
     GLFWwindow *handle;
     struct view_queue *queue;
+    GLFWgamepadstate pad; /* as it was last asked for */
+    bool captured;
 };
+
+_Static_assert((int)FNL_PRESENT_COUNT == (int)VIEW_PRESENT_COUNT && (int)FNL_COLOR_SPACE_COUNT == (int)VIEW_COLOR_COUNT, "view.h has these");
 
 static struct view_queue *queue_of(GLFWwindow *handle) { return ((struct view_window *)glfwGetWindowUserPointer(handle))->queue; }
 static void add(GLFWwindow *handle, struct view_event event) { view_queue_add(queue_of(handle), &event); }
@@ -48,6 +52,10 @@ static void on_drop(GLFWwindow *handle, int count, const char **paths) {
     if (count < 1) return;
     snprintf(event.text, sizeof event.text, "%s", paths[0]);
     add(handle, event);
+}
+static void on_scale(GLFWwindow *handle, float x, float y) {
+    (void)x;
+    add(handle, (struct view_event){.kind = VIEW_SCALE, .x = y < 0.5f ? 0.5f : y > 4 ? 4 : y});
 }
 static void on_close(GLFWwindow *handle) { add(handle, (struct view_event){.kind = VIEW_CLOSE}); }
 /* What was hidden is shown again. */
@@ -86,6 +94,7 @@ bool view_window_create(uint32_t width, uint32_t height, const char *title, stru
     glfwSetCharCallback(window->handle, on_character);
     glfwSetFramebufferSizeCallback(window->handle, on_size);
     glfwSetWindowRefreshCallback(window->handle, on_refresh);
+    glfwSetWindowContentScaleCallback(window->handle, on_scale);
     glfwSetDropCallback(window->handle, on_drop);
     glfwSetWindowCloseCallback(window->handle, on_close);
     *out = window;
@@ -100,7 +109,7 @@ void view_window_destroy(struct view_window **window) {
     *window = NULL;
 }
 
-bool view_window_open_swapchain(struct view_window *window, fnl_device *device, bool waits, fnl_swapchain **out) {
+bool view_window_open_swapchain(struct view_window *window, fnl_device *device, uint32_t present, uint32_t color, fnl_swapchain **out) {
     fnl_vulkan_handles handles;
     VkSurfaceKHR surface = VK_NULL_HANDLE;
     if (fnl_device_query_vulkan(device, &handles) != FNL_OK) return false;
@@ -112,12 +121,45 @@ bool view_window_open_swapchain(struct view_window *window, fnl_device *device, 
     }
     fnl_swapchain_params params = fnl_swapchain_params_default();
     view_window_query_size(window, &params.width, &params.height);
-    params.present = waits ? FNL_PRESENT_FIFO : FNL_PRESENT_MAILBOX;
+    params.present = (fnl_present)present;
+    params.color = (fnl_color_space)color;
     return fnl_swapchain_create(device, surface, &params, out) == FNL_OK;
 }
 
-void view_window_poll(struct view_window *window, double seconds) {
+/* Sticks have no events: what has changed becomes one. Near their middle they count as at rest. */
+static void poll_gamepad(struct view_window *window) {
+    GLFWgamepadstate now = {0};
+    int id = GLFW_JOYSTICK_1;
+    while (id <= GLFW_JOYSTICK_LAST && !glfwJoystickIsGamepad(id)) id++;
+    if (id <= GLFW_JOYSTICK_LAST && glfwGetWindowAttrib(window->handle, GLFW_FOCUSED)) glfwGetGamepadState(id, &now);
+    for (int i = 0; i <= GLFW_GAMEPAD_AXIS_LAST; i++) {
+        const bool trigger = i == GLFW_GAMEPAD_AXIS_LEFT_TRIGGER || i == GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER;
+        float *axis = &now.axes[i];
+        if (trigger && id <= GLFW_JOYSTICK_LAST) *axis = (*axis + 1) / 2;
+        if (*axis > -0.15f && *axis < 0.15f) *axis = 0;
+        if (*axis == window->pad.axes[i]) continue;
+        add(window->handle, (struct view_event){.kind = VIEW_PAD, .code = i, .x = *axis > 1 ? 1 : *axis < -1 ? -1 : *axis});
+    }
+    for (int i = 0; i <= GLFW_GAMEPAD_BUTTON_LAST; i++)
+        if (now.buttons[i] != window->pad.buttons[i]) add(window->handle, (struct view_event){.kind = VIEW_PAD_BUTTON, .code = i, .down = now.buttons[i] == GLFW_PRESS});
+    window->pad = now;
+}
+
+bool view_window_has_gamepad(const struct view_window *window) {
     (void)window;
+    for (int id = GLFW_JOYSTICK_1; id <= GLFW_JOYSTICK_LAST; id++)
+        if (glfwJoystickIsGamepad(id)) return true;
+    return false;
+}
+
+void view_window_capture_mouse(struct view_window *window, bool captured) {
+    if (window->captured != captured) glfwSetInputMode(window->handle, GLFW_CURSOR, captured ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+    window->captured = captured;
+}
+
+void view_window_poll(struct view_window *window, double seconds) {
+    poll_gamepad(window);
+    if (window->queue->count > 0) seconds = 0;
     if (seconds > 0)
         glfwWaitEventsTimeout(seconds);
     else
@@ -137,5 +179,5 @@ float view_window_scale(const struct view_window *window) {
     return y > 0 ? y : 1;
 }
 
+void view_window_set_clipboard(struct view_window *window, const char *text) { glfwSetClipboardString(window->handle, text); }
 void view_window_set_title(struct view_window *window, const char *title) { glfwSetWindowTitle(window->handle, title); }
-void view_window_wake(void) { glfwPostEmptyEvent(); }

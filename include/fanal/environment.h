@@ -44,6 +44,11 @@ FNL_API fnl_environment_params fnl_environment_params_default(void);
  * as it was.
  */
 FNL_API fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_params *params);
+/**
+ * The environment as it was set, but for `image`, which is NULL; `source` lives until the environment is set again, and is NULL for one of an image
+ * or of a glTF file. FNL_ERROR_INVALID for a scene without one (fnl_scene_info.has_environment), and `*out` has defaults.
+ */
+FNL_API fnl_result fnl_scene_query_environment(const fnl_scene *scene, fnl_environment_params *out);
 
 #ifdef __cplusplus
 }

@@ -347,7 +347,16 @@ static void test_environments_stay_with_their_files(void **state) {
     assert_int_equal(fnl_scene_count(other, FNL_ENTITY_LIGHT), 1);
     fnl_scene_destroy(&other);
     assert_int_equal(fnl_scene_create(&host, &other), FNL_OK);
+    fnl_environment_params environment = fnl_environment_params_default(), found;
+    environment.source = "builtin:overcast";
+    environment.rotation = 0.5f;
+    environment.background = false;
+    assert_int_equal(fnl_scene_set_environment(scene, &environment), FNL_OK);
+    assert_int_equal(fnl_scene_query_environment(scene, &found), FNL_OK);
+    assert_string_equal(found.source, "builtin:overcast");
+    assert_true(found.rotation == 0.5f && found.intensity == 1 && !found.background && found.lights && !found.image);
     assert_int_equal(fnl_scene_set_environment(scene, NULL), FNL_OK);
+    assert_int_equal(fnl_scene_query_environment(scene, &found), FNL_ERROR_INVALID);
     assert_int_equal(scene_merge(other, SCENE_NONE, scene, &loaded), FNL_OK);
     assert_int_equal(fnl_scene_count(other, FNL_ENTITY_LIGHT), 0);
     assert_int_equal(loaded.count[FNL_ENTITY_LIGHT], 0);

@@ -153,3 +153,13 @@ fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_par
     add_lights(scene);
     return FNL_OK;
 }
+
+fnl_result fnl_scene_query_environment(const fnl_scene *scene, fnl_environment_params *out) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    const struct scene_environment *e = &scene->environment;
+    *out = fnl_environment_params_default();
+    if (e->panorama.width == 0) return misuse(CALL(&scene->host), "the scene has no environment");
+    *out = (fnl_environment_params){.source = e->name, .rotation = e->rotation, .intensity = e->intensity, .background = e->background, .lights = e->parted, .compressed = e->compressed};
+    return FNL_OK;
+}

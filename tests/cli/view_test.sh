@@ -56,12 +56,13 @@ frames 2
 report refused.tsv
 set debug=none
 set shading=deferred
-size 1100 800
-frames 2
+size 720 300
 click add one
 capture panels.png
+key 258 down 0
+key 258 up 0
 key 341 down 2
-move 550 400
+move 360 150
 button 0 down 2
 button 0 up 2
 key 341 up 0
@@ -75,8 +76,7 @@ drop builtin:onetile
 settle
 save dropped.png
 command dropped.sh
-key 258 down 0
-key 258 up 0
+scale 2
 save plain.png
 capture bare.png
 close
@@ -91,12 +91,73 @@ same dropped
 grep -q 'MSAA' refused.tsv || fail 'what cannot be drawn is not told'
 [ "$(value refused.tsv shading)" = visibility ] || fail "what cannot be drawn was not taken back: $(value refused.tsv shading)"
 [ $(($(value light.tsv lights) - $(value before.tsv lights))) = 1 ] || fail 'no light was added'
-grep -q $'^pixel\t550\t400\thit' light.tsv || fail "nothing was picked: $(grep ^pixel light.tsv)"
+grep -q $'^pixel\t360\t150\thit' light.tsv || fail "nothing was picked: $(grep ^pixel light.tsv)"
 grep -q 'broken.glb' broken.tsv || fail 'the broken file is not told'
 [ "$(value broken.tsv scene)" = builtin:spheres ] || fail 'the broken file took the scene away'
 "$fanal" compare bare.png plain.png --max-diff 0 >/dev/null 2>&1 || fail 'without panels something lies over the picture'
 [ -e never.png ] && fail 'the window did not close'
 "$fanal" compare panels.png normal.png >/dev/null 2>&1 && fail 'the panels show nothing'
+
+# ---- how it moves, and what stands around it: the command says all of it ----
+
+cat >moves.txt <<'EOF'
+move 80 40
+button 1 down 0
+move 80 60
+button 1 up 0
+report start.tsv
+pad 1 -1
+frames 6
+pad 1 0
+report flown.tsv
+key 78 down 0
+key 78 up 0
+key 78 down 0
+key 78 up 0
+pad 1 -0.5
+frames 6
+pad 1 0
+report walked.tsv
+pad 2 1
+frames 2
+pad 2 0
+report turned.tsv
+key 77 down 0
+key 77 up 0
+move 20 20
+move 60 20
+key 256 down 0
+key 256 up 0
+report looked.tsv
+move 100 20
+report released.tsv
+size 380 420
+key 258 down 0
+key 258 up 0
+click surroundings
+click environment
+click builtin:overcast
+click seen behind the scene
+size 160 90
+settle
+save moved.png
+command moved.sh
+EOF
+replay moves builtin:onetile --headless --no-panels --size 160x90 --shadows off --lights 5 --environment builtin:sky --environment-rotation 40 || fail 'the replay of moves ended with an error'
+same moved
+grep -q -e "--lights '5'" moved.sh && grep -q -e "--environment 'builtin:overcast'" moved.sh && grep -q -e '--environment-hidden' moved.sh || fail "the command does not say all: $(cat moved.sh)"
+# moved FROM TO: how far the camera went, up and along the ground, in all.
+moved() { awk -F'\t' '$1 == "camera" { if (seen++) printf "%.6f %.6f\n", $3 - y, sqrt(($2 - x) ^ 2 + ($4 - z) ^ 2); x = $2; y = $3; z = $4 }' "$1" "$2"; }
+read -r up along < <(moved start.tsv flown.tsv)
+awk "BEGIN { exit !($along > 0.01 && ($up < -0.001 || $up > 0.001)) }" || fail "flying went $up up and $along along"
+read -r walk_up walk_along < <(moved flown.tsv walked.tsv)
+awk "BEGIN { exit !($walk_up == 0 && $walk_along > 0.01) }" || fail "walking went $walk_up up and $walk_along along"
+awk "BEGIN { flown = sqrt(($up) ^ 2 + $along ^ 2); exit !(flown / $walk_along > 1.99 && flown / $walk_along < 2.01) }" || fail 'half a stick is not half as fast'
+moved=$(moved walked.tsv turned.tsv)
+[ "$moved" = '0.000000 0.000000' ] || fail "looking around moved the camera: $moved"
+[ "$(grep ^camera walked.tsv)" != "$(grep ^camera turned.tsv)" ] || fail 'the right stick does nothing'
+[ "$(grep ^camera turned.tsv)" != "$(grep ^camera looked.tsv)" ] || fail 'the captured mouse does nothing'
+[ "$(grep ^camera looked.tsv)" = "$(grep ^camera released.tsv)" ] || fail 'the mouse was not released'
 
 # ---- a thousand events, of which many make no sense ----
 
@@ -125,6 +186,8 @@ refused 'no widget in sight' --headless --size 16x16 --replay bad.txt --no-cache
 refused 'cannot be read' --headless --size 16x16 --replay missing.txt --no-cache --device 0
 refused 'needs --replay' --headless
 refused 'exclude one another' --replay a --record b
+refused 'fifo, mailbox or immediate' --present sometimes
+refused 'srgb, scrgb or hdr10' --color rgb
 refused 'no window can be opened' --no-cache DISPLAY
 unset DISPLAY WAYLAND_DISPLAY
 refused -- '--headless draws without one' builtin:onetile --no-cache
@@ -142,9 +205,10 @@ if command -v Xvfb >/dev/null; then
     replay headless builtin:onetile --headless --size 320x180 || fail 'the same without it'
     "$fanal" compare window.png headless.png --max-diff 0 >out 2>&1 || fail 'the window saves another picture'
     # What stands on the screen.
-    "$fanal" view builtin:onetile --no-cache --device 0 --size 320x180 --no-panels >out 2>&1 &
+    "$fanal" view builtin:onetile --no-cache --no-settings --device 0 --size 320x180 --no-panels >out 2>&1 &
     program=$!
     arrived=
+    SECONDS=0
     while [ $SECONDS -lt 200 ] && kill -0 $program 2>/dev/null; do
         "$build/tests/screen_picture" "$work/Xvfb_screen0" 320 180 screen.png
         "$fanal" compare screen.png window.png --max-diff 0 >out2 2>&1 && { arrived=yes; break; }
@@ -159,6 +223,17 @@ if command -v Xvfb >/dev/null; then
     [ $((after - before)) -le 6 ] || fail "at rest it takes $((after - before)) hundredths of 3 seconds of a processor"
     kill $program
     wait $program 2>/dev/null
+    # What is remembered: read, kept, and written; what makes no sense is left out with a warning.
+    export XDG_CONFIG_HOME=$work/config
+    mkdir -p config/fanal
+    printf 'width 200\nheight 120\npresent 7\nnonsense\ndark 0\nrecent /somewhere.glb\n' >config/fanal/view
+    "$fanal" view builtin:onetile --no-cache --device 0 --scale 1.5 --no-panels --exit-after 2 >out 2>&1 || fail 'a window with settings'
+    grep -q 'view:3: not a setting' out && grep -q 'view:4: not a setting' out || fail 'bad settings are not told'
+    printf '%s\n' 'width 200' 'height 120' 'scale 1.5' 'dark 0' 'panels 0' 'present 0' 'color 0' 'navigation 0' 'recent builtin:onetile' 'recent /somewhere.glb' >wanted
+    diff wanted config/fanal/view >out || fail 'the settings are not what was written'
+    printf 'width 333\n' >config/fanal/view
+    "$fanal" view builtin:onetile --no-cache --device 0 --no-settings --size 100x80 --exit-after 1 >out 2>&1 || fail 'a window without settings'
+    [ "$(cat config/fanal/view)" = 'width 333' ] || fail '--no-settings writes settings'
 else
     echo 'SKIPPED in part: no Xvfb (Debian: xvfb)'
 fi
