@@ -77,7 +77,7 @@ static bool run_window(struct view *v, const struct view_options *o) {
         struct view_event event;
         const bool idle = v->wanted == 0 && v->queue.count == 0;
         const double rest = view_window_has_gamepad(v->window) ? 0.05 : 0.5; /* sticks do not wake */
-        view_window_poll(v->window, idle ? (v->part < 1 ? fmin(rest, 0.15) : rest) : v->loader.running ? 0.03 : 0);
+        view_window_poll(v->window, idle ? (v->part < 1 ? fmin(rest, 0.15) : rest) : v->loader.running || v->pending > 0 ? 0.03 : 0);
         if (idle && v->queue.count == 0 && v->part < 1) { /* it has come to rest: now as fine as the window */
             v->part = 1;
             view_want(v, 1);
@@ -108,8 +108,8 @@ static bool open_device(struct view *v, const struct view_options *o) {
     params.presentation = v->window != NULL;
     if (o->no_cache) params.cache_folder = "";
     argument_device(o->device, &params);
-    return fnl_device_create(&params, &v->device) == FNL_OK &&
-           (!v->window || view_window_open_swapchain(v->window, v->device, v->settings.present, v->settings.color, &v->swapchain));
+    return fnl_device_create(&params, &v->device.device) == FNL_OK && fnl_device_query_info(v->device.device, &v->device.info) == FNL_OK &&
+           (!v->window || view_window_open_swapchain(v->window, v->device.device, v->settings.present, v->settings.color, &v->swapchain));
 }
 
 /* What is remembered, and what the command line says instead. */
@@ -155,16 +155,20 @@ static bool run(struct view *v, const struct view_options *o) {
         return false;
     }
     struct view_scene nothing = {0}; /* for the panels, until there is something */
-    if (fnl_scene_create(&v->host, &nothing.scene) != FNL_OK || fnl_scene_query_info(nothing.scene, &nothing.info) != FNL_OK) return false;
+    if (fnl_scene_create(&v->host, &nothing.scene) != FNL_OK || fnl_scene_query_info(nothing.scene, &nothing.info) != FNL_OK ||
+        fnl_renderer_create(v->device.device, nothing.scene, &nothing.renderer) != FNL_OK) {
+        view_scene_free(&nothing);
+        return false;
+    }
     nothing.camera = fnl_camera_default();
     view_show(v, &nothing);
     if (o->world.scene) view_open(v, o->world.scene);
     bool good = o->replay ? view_replay(v, o->replay, o->exit_after) : run_window(v, o);
     view_loader_stop(&v->loader);
     remember(v);
-    fnl_renderer_destroy(&v->renderer);
-    if (good && o->validate && fnl_device_validation_count(v->device)) {
-        fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", (unsigned long long)fnl_device_validation_count(v->device));
+    fnl_renderer_destroy(&v->shown.renderer);
+    if (good && o->validate && fnl_device_validation_count(v->device.device)) {
+        fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", (unsigned long long)fnl_device_validation_count(v->device.device));
         good = false;
     }
     ui_destroy();
@@ -306,6 +310,7 @@ int command_view(int argc, char **argv) {
     struct view *v = calloc(1, sizeof *v);
     if (!v) return 2;
     pthread_mutex_init(&v->messages.mutex, NULL);
+    pthread_mutex_init(&v->device.mutex, NULL);
     v->host = fnl_host_default();
     v->host.log = view_take_message;
     v->host.user = &v->messages;
@@ -313,6 +318,7 @@ int command_view(int argc, char **argv) {
     v->frame = v->usual = v->good = o.frame;
     v->surroundings.params = fnl_environment_params_default();
     v->own_shadows = o.own_shadows;
+    v->replays = o.replay != NULL;
     v->drag = -1;
     v->part = 1;
     v->speed = 1;
@@ -320,9 +326,10 @@ int command_view(int argc, char **argv) {
     const bool good = run(v, &o);
     fnl_swapchain_destroy(&v->swapchain);
     view_scene_free(&v->shown);
-    fnl_device_destroy(&v->device);
+    fnl_device_destroy(&v->device.device);
     view_window_destroy(&v->window);
     pthread_mutex_destroy(&v->messages.mutex);
+    pthread_mutex_destroy(&v->device.mutex);
     free(v);
     return good ? 0 : 2;
 }

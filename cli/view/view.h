@@ -97,26 +97,38 @@ void view_camera_walk(struct view_camera *camera, fnl_vec3 metres);          /* 
 struct view_scene {
     char *source; /* malloc */
     fnl_scene *scene;
+    fnl_renderer *renderer;
     fnl_scene_info info;
     fnl_camera camera;
     bool changed; /* in the window: the file does not say it */
 };
 void view_scene_free(struct view_scene *scene);
 
+/** Who calls the device or its renderers holds the mutex. */
+struct view_device {
+    pthread_mutex_t mutex;
+    fnl_device *device;
+    fnl_device_info info;
+};
+
 /** Loads on a thread of its own. */
 struct view_loader {
-    pthread_t thread;
-    bool running;
-    atomic_bool done, cancelled;
-    atomic_uint progress; /* of 1000 */
+    /* Set before it starts. */
+    struct view_device *device;
     struct world_options world;
     fnl_host host;
-    uint32_t width, height;
-    bool good;
+    fnl_frame frame; /* that the first one will be like */
+    bool own_shadows;
+    uint32_t format; /* VkFormat of the window's pictures; 0: without a window */
+    /* Its own. */
+    pthread_t thread;
+    bool running, good;
+    atomic_bool done, cancelled;
+    atomic_uint progress; /* of 1000 */
     struct view_scene scene;
 };
-/** Ends what is being loaded. `source` is copied. */
-bool view_loader_start(struct view_loader *loader, const struct world_options *world, const fnl_host *host, const char *source, uint32_t width, uint32_t height);
+/** Nothing is being loaded. `source` is copied. */
+bool view_loader_start(struct view_loader *loader, const char *source);
 /** Whether a load has ended; then `out` has the scene, or nothing when it failed (the host's log says why). `wait`: until then. */
 bool view_loader_take(struct view_loader *loader, bool wait, struct view_scene *out);
 void view_loader_stop(struct view_loader *loader);
@@ -165,7 +177,7 @@ struct view_messages {
 struct view {
     struct world_options world;
     fnl_host host;
-    fnl_device *device;
+    struct view_device device;
     struct fnl_swapchain *swapchain; /* NULL: headless */
     struct view_window *window;
     struct view_queue queue;
@@ -173,7 +185,6 @@ struct view {
     struct view_messages messages;
 
     struct view_scene shown;
-    fnl_renderer *renderer;
     fnl_frame frame, usual, good; /* as the user wants it; as it began; of the last frame that could be drawn */
     bool own_shadows;             /* the user chose them; else they are those that the scene should have */
     struct view_camera camera;
@@ -181,7 +192,11 @@ struct view {
 
     /* How often and how finely. */
     uint32_t wanted;      /* frames to be drawn although nothing happens */
+    bool replays;         /* no frame is left out */
     bool moving;          /* the picture changes: it may be coarser */
+    double opened;        /* when the scene was asked for */
+    uint32_t arriving;    /* 2: its first picture is still to come; 1: its last image */
+    uint64_t pending;     /* images of the scene that are still being decoded */
     float part;           /* of the picture's width that is rendered while it moves */
     double frame_seconds; /* of the last frame, measured from end to end */
     uint64_t frames_drawn;

@@ -29,22 +29,23 @@ void view_say(struct view *v, fnl_log_level level, const char *text) { view_take
 
 /* ---- the scene ---- */
 
-static fnl_shadows usual_shadows(const struct view *v) {
-    fnl_device_info device;
-    return fnl_device_query_info(v->device, &device) == FNL_OK ? world_usual_shadows(&v->shown.info, &device, true) : FNL_SHADOWS_OFF;
+static fnl_shadows usual_shadows(const struct view *v) { return world_usual_shadows(&v->shown.info, &v->device.info, true); }
+
+static fnl_frame whole_frame(const struct view *v) {
+    fnl_frame frame = v->frame;
+    frame.width = v->width;
+    frame.height = v->height;
+    frame.camera = v->camera.now;
+    frame.outputs = FNL_OUTPUT_COLOR;
+    return frame;
 }
 
 /* The new scene takes the place of the old one; where it cannot, the old one stays. */
 void view_show(struct view *v, struct view_scene *scene) {
-    fnl_renderer *renderer = NULL;
     if (!scene->scene) return;
-    if (fnl_renderer_create(v->device, scene->scene, &renderer) != FNL_OK) {
-        view_scene_free(scene);
-        return;
-    }
-    fnl_renderer_destroy(&v->renderer);
+    pthread_mutex_lock(&v->device.mutex);
     view_scene_free(&v->shown);
-    v->renderer = renderer;
+    pthread_mutex_unlock(&v->device.mutex);
     v->shown = *scene;
     v->camera.now = scene->camera;
     const fnl_vec3 low = scene->info.bounds_low, high = scene->info.bounds_high; /* of nothing: infinite */
@@ -67,7 +68,10 @@ void view_show(struct view *v, struct view_scene *scene) {
     char title[300];
     snprintf(title, sizeof title, "%.200s%sFanal", scene->source ? scene->source : "", scene->source ? " - " : "");
     if (v->window) view_window_set_title(v->window, title);
-    view_want(v, 2);
+    v->arriving = scene->source ? 2 : 0;
+    v->part = fminf(v->part, 0.375f); /* something soon, then finer */
+    v->moving = true;
+    view_want(v, v->swapchain ? 1 : 2);
 }
 
 bool view_ends_with(const char *text, const char *end) {
@@ -82,7 +86,20 @@ void view_open(struct view *v, const char *source) {
         view_apply_surroundings(v);
         return;
     }
-    if (!view_loader_start(&v->loader, &v->world, &v->host, source, v->width, v->height)) view_say(v, FNL_LOG_ERROR, "memory ran out");
+    struct view_loader *l = &v->loader;
+    v->opened = view_now();
+    fnl_swapchain_info info = {0};
+    view_loader_stop(l);
+    if (v->swapchain) fnl_swapchain_query_info(v->swapchain, &info);
+    l->device = &v->device;
+    l->world = v->world;
+    l->host = v->host;
+    l->frame = whole_frame(v);
+    l->frame.width = l->frame.width ? l->frame.width : 1;
+    l->frame.height = l->frame.height ? l->frame.height : 1;
+    l->own_shadows = v->own_shadows;
+    l->format = (uint32_t)info.format;
+    if (!view_loader_start(l, source)) view_say(v, FNL_LOG_ERROR, "memory ran out");
     view_want(v, 1);
 }
 
@@ -134,12 +151,14 @@ double view_now(void) {
 }
 
 static void note_stats(struct view *v) {
-    if (!v->renderer || fnl_renderer_query_stats(v->renderer, &v->stats) != FNL_OK) return;
+    if (fnl_renderer_query_stats(v->shown.renderer, &v->stats) != FNL_OK) return;
     v->pass_count = v->stats.pass_count < VIEW_PASSES ? v->stats.pass_count : VIEW_PASSES;
     for (uint32_t i = 0; i < v->pass_count; i++) {
         snprintf(v->passes[i].name, sizeof v->passes[i].name, "%s", v->stats.passes[i].name);
         v->passes[i].milliseconds = v->stats.passes[i].milliseconds;
     }
+    const fnl_counter *pending = fnl_counter_find(&v->stats, "images.pending");
+    v->pending = pending ? pending->value : 0;
     v->history[v->history_at] = (float)v->stats.gpu_milliseconds;
     v->history_at = (v->history_at + 1) % VIEW_HISTORY;
 }
@@ -157,24 +176,15 @@ static void choose_part(struct view *v) {
     v->part = (float)fmax(2, fmin(8, floor(8 * part + 0.25))) / 8;
 }
 
-static fnl_frame whole_frame(const struct view *v) {
-    fnl_frame frame = v->frame;
-    frame.width = v->width;
-    frame.height = v->height;
-    frame.camera = v->camera.now;
-    frame.outputs = FNL_OUTPUT_COLOR;
-    return frame;
-}
-
 static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried) {
     fnl_frame frame = whole_frame(v);
     frame.overlay = overlay;
-    if (!v->swapchain) return fnl_renderer_render(v->renderer, &frame);
+    if (!v->swapchain) return fnl_renderer_render(v->shown.renderer, &frame);
     fnl_vulkan_target target;
     fnl_result result = fnl_swapchain_acquire(v->swapchain, &target);
     if (result == FNL_ERROR_DEVICE && !retried) { /* the surface is lost: another one, once */
         fnl_swapchain_destroy(&v->swapchain);
-        if (!view_window_open_swapchain(v->window, v->device, v->settings.present, v->settings.color, &v->swapchain)) return result;
+        if (!view_window_open_swapchain(v->window, v->device.device, v->settings.present, v->settings.color, &v->swapchain)) return result;
         return draw(v, overlay, true);
     }
     if (result != FNL_OK || target.image == VK_NULL_HANDLE) return result;
@@ -182,7 +192,7 @@ static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried)
     frame.pin_choice = v->part < 1; /* auto measures frames of the window's size alone */
     frame.width = (uint32_t)fmaxf(1, (float)target.width * v->part);
     frame.height = (uint32_t)fmaxf(1, (float)target.height * v->part);
-    result = fnl_renderer_render_to(v->renderer, &frame, &target);
+    result = fnl_renderer_render_to(v->shown.renderer, &frame, &target);
     if (result == FNL_OK) result = fnl_swapchain_present(v->swapchain);
     return result == FNL_ERROR_DEVICE && !retried ? FNL_OK : result; /* the next one finds out whether the surface is lost */
 }
@@ -208,8 +218,8 @@ static void read_pick(struct view *v) {
     static const fnl_output outputs[3] = {FNL_OUTPUT_SURFACE, FNL_OUTPUT_NORMAL, FNL_OUTPUT_POSITION};
     frame.outputs = FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION;
     frame.msaa = 1;
-    bool good = fnl_renderer_render(v->renderer, &frame) == FNL_OK;
-    for (uint32_t i = 0; i < 3 && good; i++) good = fnl_renderer_read(v->renderer, outputs[i], &images[i]) == FNL_OK;
+    bool good = fnl_renderer_render(v->shown.renderer, &frame) == FNL_OK;
+    for (uint32_t i = 0; i < 3 && good; i++) good = fnl_renderer_read(v->shown.renderer, outputs[i], &images[i]) == FNL_OK;
     p->asked = false;
     p->known = good && p->x < frame.width && p->y < frame.height;
     if (p->known) {
@@ -227,9 +237,20 @@ static void read_pick(struct view *v) {
     view_want(v, 2);
 }
 
+/* How long a scene took from its name to its picture. */
+static void note_arrival(struct view *v) {
+    char text[160];
+    const double seconds = view_now() - v->opened;
+    if (v->arriving == 2) snprintf(text, sizeof text, "first picture after %.2f s", seconds);
+    if (v->arriving == 1 && v->pending == 0) snprintf(text, sizeof text, "all images after %.2f s", seconds);
+    if (v->arriving == 2 || (v->arriving == 1 && v->pending == 0)) {
+        view_say(v, FNL_LOG_INFO, text);
+        v->arriving--;
+    }
+}
+
 /* A frame of the window; false when the device is lost. */
 bool view_draw_frame(struct view *v, double seconds) {
-    const double begun = view_now();
     fnl_overlay overlay;
     if (v->wanted > 0) v->wanted--;
     v->stale = false;
@@ -242,12 +263,21 @@ bool view_draw_frame(struct view *v, double seconds) {
     ui_begin(v->width, v->height, seconds);
     view_panels(v);
     ui_end(&overlay);
-    if (v->pick.asked && v->renderer) read_pick(v);
-    if (v->renderer && !draw_or_take_back(v, &overlay)) return false;
-    note_stats(v);
+    if (v->replays)
+        pthread_mutex_lock(&v->device.mutex);
+    else if (pthread_mutex_trylock(&v->device.mutex) != 0) { /* a scene is on its way to the device: the window answers, and this frame is left out */
+        view_want(v, 1);
+        return true;
+    }
+    const double begun = view_now();
+    if (v->pick.asked) read_pick(v);
+    const bool good = draw_or_take_back(v, &overlay);
+    if (good) note_stats(v);
+    pthread_mutex_unlock(&v->device.mutex);
     v->frame_seconds = view_now() - begun;
+    note_arrival(v);
     v->frames_drawn++;
-    return true;
+    return good;
 }
 
 static bool save_last(struct view *v, fnl_renderer *renderer, const char *path, fnl_output output) {
@@ -260,20 +290,42 @@ static bool save_last(struct view *v, fnl_renderer *renderer, const char *path, 
     return good;
 }
 
+/* Frames take up images as they come, those of any renderer for all. */
+static bool wait_for_images(struct view *v, const fnl_frame *frame) {
+    fnl_renderer *renderer = NULL;
+    fnl_frame small = *frame;
+    fnl_frame_stats stats;
+    small.width = small.height = 8;
+    small.aa = FNL_ANTIALIASING_NONE;
+    small.outputs = 0;
+    uint64_t pending = v->pending;
+    bool good = pending == 0 || fnl_renderer_create(v->device.device, v->shown.scene, &renderer) == FNL_OK;
+    while (pending > 0 && good) {
+        good = fnl_renderer_render(renderer, &small) == FNL_OK && fnl_renderer_query_stats(renderer, &stats) == FNL_OK;
+        const fnl_counter *counter = good ? fnl_counter_find(&stats, "images.pending") : NULL;
+        pending = counter ? counter->value : 0;
+        nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+    }
+    fnl_renderer_destroy(&renderer);
+    return good;
+}
+
 /* By a renderer of its own, which begins as that of the command does: without the shadow pages and the history of earlier frames. */
 bool view_save_picture(struct view *v, const char *path) {
     enum { TAA_FRAMES = 16 }; /* render_run.c */
     fnl_renderer *renderer = NULL;
     fnl_frame_stats stats;
     fnl_frame frame = whole_frame(v);
-    if (v->width == 0 || v->height == 0 || fnl_renderer_create(v->device, v->shown.scene, &renderer) != FNL_OK) return false;
+    if (v->width == 0 || v->height == 0) return false;
     frame.outputs = view_ends_with(path, ".exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     frame.pin_choice = true;
-    bool good = true;
+    pthread_mutex_lock(&v->device.mutex);
+    bool good = wait_for_images(v, &frame) && fnl_renderer_create(v->device.device, v->shown.scene, &renderer) == FNL_OK;
     for (int i = frame.aa == FNL_ANTIALIASING_TAA ? TAA_FRAMES : 1; i > 0 && good; i--) good = fnl_renderer_render(renderer, &frame) == FNL_OK;
     good = good && fnl_renderer_query_stats(renderer, &stats) == FNL_OK && render_settle_pools(renderer, &frame, &stats) &&
            save_last(v, renderer, path, (fnl_output)frame.outputs);
     fnl_renderer_destroy(&renderer);
+    pthread_mutex_unlock(&v->device.mutex);
     view_want(v, 2);
     return good;
 }
@@ -286,5 +338,8 @@ bool view_save_capture(struct view *v, const char *path) {
     view_panels(v);
     ui_end(&overlay);
     frame.overlay = &overlay;
-    return fnl_renderer_render(v->renderer, &frame) == FNL_OK && save_last(v, v->renderer, path, FNL_OUTPUT_COLOR);
+    pthread_mutex_lock(&v->device.mutex);
+    const bool good = fnl_renderer_render(v->shown.renderer, &frame) == FNL_OK && save_last(v, v->shown.renderer, path, FNL_OUTPUT_COLOR);
+    pthread_mutex_unlock(&v->device.mutex);
+    return good;
 }

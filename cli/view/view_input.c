@@ -166,7 +166,10 @@ void view_advance(struct view *v, double seconds) {
         view_show(v, &scene);
         view_want(v, 2);
     }
-    if (v->loader.running) view_want(v, 1);
+    if (v->loader.running || v->pending > 0) {
+        view_want(v, 1);
+        v->moving = true;
+    }
     if (v->plays) {
         view_set_time(v, v->time + seconds * v->speed);
         v->moving = true;

@@ -8,12 +8,14 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static bool settle(struct view *v) {
     struct view_scene scene;
     if (view_loader_take(&v->loader, true, &scene)) view_show(v, &scene);
     view_want(v, 2);
-    for (uint32_t i = 0; i < 1000 && v->wanted > 0 && !v->plays; i++) {
+    for (uint32_t i = 0; (i < 1000 || v->pending > 0) && v->wanted > 0 && !v->plays; i++) {
+        if (v->pending > 0) nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
         v->moving = false;
         view_advance(v, 1.0 / 60);
         if (!view_draw_frame(v, 1.0 / 60)) return false;
