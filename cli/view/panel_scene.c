@@ -179,6 +179,9 @@ void view_panel_scene(struct view *v) {
     ui_tooltip("Saves the picture at the window's size, as 'fanal render' would make it: .png or .exr (P)");
     if (ui_button("copy the command")) view_copy_command(v);
     ui_tooltip("Which 'fanal render' makes this picture: into the clipboard, and to the terminal");
+    ui_same_line();
+    if (ui_button("export the tables") && view_write_report(v, "fanal-tables.tsv")) view_say(v, FNL_LOG_INFO, "wrote fanal-tables.tsv");
+    ui_tooltip("What the panels say, as lines of words and numbers between tabs: fanal-tables.tsv");
     if (ui_header("lights", true)) view_panel_lights(v);
     if (ui_header("surroundings", false)) show_surroundings(v);
     if (ui_header("window", false)) show_window(v);

@@ -43,7 +43,7 @@ static void print_help(void) {
          "  --replay FILE              takes its events from a file that --record has written, a line each; besides what a window sends,\n"
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE', 'capture FILE' (with the panels), 'command FILE', 'report FILE'\n"
          "  --record FILE              writes the events of the window to a file\n"
-         "  --exit-after N             ends after N frames\n"
+         "  --exit-after N             ends after N frames of the scene\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
          "  --no-cache                 does not use the user's cache folder\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
@@ -73,7 +73,7 @@ static bool run_window(struct view *v, const struct view_options *o) {
     }
     double last = view_now();
     bool good = true;
-    while (!v->quit && good && (o->exit_after == 0 || v->frames_drawn < o->exit_after)) {
+    while (!v->quit && good && (o->exit_after == 0 || v->loader.running || v->frames_drawn < o->exit_after + v->frames_loading)) {
         struct view_event event;
         const bool idle = v->wanted == 0 && v->queue.count == 0;
         const double rest = view_window_has_gamepad(v->window) ? 0.05 : 0.5; /* sticks do not wake */

@@ -199,7 +199,7 @@ struct view {
     uint64_t pending;     /* images of the scene that are still being decoded */
     float part;           /* of the picture's width that is rendered while it moves */
     double frame_seconds; /* of the last frame, measured from end to end */
-    uint64_t frames_drawn;
+    uint64_t frames_drawn, frames_loading; /* of them while a scene was being loaded */
 
     /* The mouse and the keys. */
     float mouse_x, mouse_y, pressed_x, pressed_y;

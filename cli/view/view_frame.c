@@ -277,6 +277,7 @@ bool view_draw_frame(struct view *v, double seconds) {
     v->frame_seconds = view_now() - begun;
     note_arrival(v);
     v->frames_drawn++;
+    v->frames_loading += v->loader.running;
     return good;
 }
 

@@ -29,6 +29,8 @@ value() { awk -F'\t' -v key="$2" '$1 == key { print $2; exit }' "$1"; }
 # ---- without a window: orbit, resize, another order, a light, a pixel, broken and good files ----
 
 printf 'not a scene' >broken.glb
+printf 'glTF\2\0\0\0\377\377\0\0\10\0\0\0JSON{"a":' >short.glb
+printf '#?RADIANCE\n\n-Y 4 +X' >broken.hdr
 cat >all.txt <<'EOF'
 # the mouse is on the picture
 move 200 60
@@ -70,6 +72,13 @@ frames 2
 report light.tsv
 drop broken.glb
 settle
+drop short.glb
+settle
+drop broken.hdr
+drop .
+settle
+drop missing.gltf
+settle
 report broken.tsv
 size 160 90
 drop builtin:onetile
@@ -92,7 +101,7 @@ grep -q 'MSAA' refused.tsv || fail 'what cannot be drawn is not told'
 [ "$(value refused.tsv shading)" = visibility ] || fail "what cannot be drawn was not taken back: $(value refused.tsv shading)"
 [ $(($(value light.tsv lights) - $(value before.tsv lights))) = 1 ] || fail 'no light was added'
 grep -q $'^pixel\t360\t150\thit' light.tsv || fail "nothing was picked: $(grep ^pixel light.tsv)"
-grep -q 'broken.glb' broken.tsv || fail 'the broken file is not told'
+for name in broken.glb short.glb broken.hdr missing.gltf; do grep -q "^message.*$name" broken.tsv || fail "$name is not told"; done
 [ "$(value broken.tsv scene)" = builtin:spheres ] || fail 'the broken file took the scene away'
 "$fanal" compare bare.png plain.png --max-diff 0 >/dev/null 2>&1 || fail 'without panels something lies over the picture'
 [ -e never.png ] && fail 'the window did not close'
@@ -204,6 +213,11 @@ if command -v Xvfb >/dev/null; then
     printf 'size 320 180\nframes 2\nsave headless.png\n' >headless.txt
     replay headless builtin:onetile --headless --size 320x180 || fail 'the same without it'
     "$fanal" compare window.png headless.png --max-diff 0 >out 2>&1 || fail 'the window saves another picture'
+    # The whole of the first replay in a window of another size: the same pictures.
+    mkdir window
+    cp all.txt broken.glb short.glb broken.hdr window
+    (cd window && replay all builtin:spheres --size 160x90) || fail 'the first replay, in a window'
+    for name in orbit size dropped plain; do "$fanal" compare $name.png window/$name.png --max-diff 0 >out 2>&1 || fail "$name.png is another picture in a window"; done
     # What stands on the screen.
     "$fanal" view builtin:onetile --no-cache --no-settings --device 0 --size 320x180 --no-panels >out 2>&1 &
     program=$!
