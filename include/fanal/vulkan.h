@@ -57,6 +57,12 @@ typedef struct fnl_vulkan_import {
  */
 FNL_API fnl_result fnl_device_import(const fnl_device_params *params, const fnl_vulkan_import *import, fnl_device **out);
 
+/** A rectangle of the pixels of an image, from its upper left corner. 0 x 0: all of it. */
+typedef struct fnl_vulkan_part {
+    uint32_t x, y, width, height;
+    bool fitted; /**< the picture is scaled to the rectangle; else to the whole image, of which the rectangle shows its own part */
+} fnl_vulkan_part;
+
 /** Where a frame goes and how it is ordered against the caller's own work. */
 typedef struct fnl_vulkan_target {
     VkImage image; /**< 2D, one sample, one mip, usage TRANSFER_DST; with a layer for each of its views, in their order */
@@ -74,6 +80,12 @@ typedef struct fnl_vulkan_target {
     uint64_t signal_value;
     /** Of the image, where that is not the frame's: the picture is scaled to it (bilinear). Frames of one view. 0 x 0: the frame's. */
     uint32_t width, height;
+    /**
+     * What the call writes of the image, in each of its layers; inside of it. The rest keeps its contents, unless initial_layout is UNDEFINED. An overlay is
+     * drawn in the part alone; its places are those of the whole image. Two renderers can fill one image so: the first call waits, the second one signals
+     * and has the first's final_layout as its initial_layout. `fitted`: frames of one view, unless the part has the frame's size.
+     */
+    fnl_vulkan_part part;
 } fnl_vulkan_target;
 
 /**

@@ -211,14 +211,18 @@ void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_bu
     }
 }
 
-void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer) {
+void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, const struct gpu_image_copy *copy) {
     if (!commands->handle) return;
+    const struct gpu_image_copy whole = {.width = from->params.width, .height = from->params.height};
+    if (!copy) copy = &whole;
     VkImageCopy region = {
         .srcSubresource = first_mip(from),
+        .srcOffset = {(int32_t)copy->from_x, (int32_t)copy->from_y, 0},
         .dstSubresource = first_mip(to),
-        .extent = {from->params.width, from->params.height, 1},
+        .dstOffset = {(int32_t)copy->to_x, (int32_t)copy->to_y, 0},
+        .extent = {copy->width, copy->height, 1},
     };
-    region.dstSubresource.baseArrayLayer += layer;
+    region.dstSubresource.baseArrayLayer += copy->layer;
     commands->device->vk.CmdCopyImage(commands->handle, from->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to->handle,
                                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }

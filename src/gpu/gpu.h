@@ -136,6 +136,10 @@ bool gpu_structure_queries_read(gpu_device *device, const struct gpu_structure_q
 
 /* ---- images ---- */
 
+struct gpu_extent {
+    uint32_t width, height;
+};
+
 struct gpu_image_params {
     const char *name;
     VkFormat format;
@@ -365,8 +369,12 @@ void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_im
                               uint64_t offset);
 /** All mips, each with all its layers, tightly packed one after the other, from the finest on. The image is in TRANSFER_DST_OPTIMAL. */
 void gpu_copy_buffer_to_image(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t offset, const struct gpu_image *to);
-/** The first layer to `layer`, of the same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
-void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer);
+/** A rectangle of the first layer to one of `layer`, mip 0. */
+struct gpu_image_copy {
+    uint32_t from_x, from_y, to_x, to_y, width, height, layer;
+};
+/** TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. `copy` NULL: all of `from`, to the first layer of an image of its size. */
+void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, const struct gpu_image_copy *copy);
 
 struct gpu_structure_build {
     struct gpu_structure_input input;

@@ -63,9 +63,12 @@ void overlay_finish(fnl_renderer *r) {
 
 void overlay_draw(struct frame_state *f) {
     const struct picture picture = frame_picture(f);
+    const bool fitted = f->target && f->target->part.fitted;
     const struct overlay_params params = {.overlay = f->frame->overlay,
                                           .image = f->frame->overlay->image ? &f->r->overlay.image : NULL,
                                           .linear = picture.tonemap.linear && (picture.display == DISPLAY_LINEAR || f->frame->debug == FNL_DEBUG_NONE),
-                                          .swap = picture.tonemap.swap};
+                                          .swap = picture.tonemap.swap,
+                                          .x = fitted ? (int32_t)f->target->part.x : 0,
+                                          .y = fitted ? (int32_t)f->target->part.y : 0};
     overlay_add(f->r->device, f->graph, f->color, &params);
 }

@@ -29,8 +29,10 @@ static void add_picture(struct frame_state *f) {
 
 void frame_add_picture(struct frame_state *f) {
     add_picture(f);
-    if (f->target && (f->target->image->params.width != f->frame->width || f->target->image->params.height != f->frame->height))
-        f->color = scale_add(f->r->device, f->graph, f->color, f->target->image->params.width, f->target->image->params.height);
+    if (f->target) {
+        const struct gpu_extent size = frame_target_size(f->target);
+        if (size.width != f->frame->width || size.height != f->frame->height) f->color = scale_add(f->r->device, f->graph, f->color, size.width, size.height);
+    }
     const struct picture picture = frame_picture(f);
     const bool decode = picture.tonemap.linear && f->frame->debug != FNL_DEBUG_NONE; /* debug views are colours, not light */
     if (decode && picture.display == DISPLAY_LINEAR) f->color = display_add(f->graph, f->color, DISPLAY_LINEAR, true);
@@ -40,18 +42,23 @@ void frame_add_picture(struct frame_state *f) {
 
 struct copy_image_data {
     graph_image from, to;
-    uint32_t layer;
+    struct gpu_image_copy copy;
 };
 
 static void execute_copy_image(const struct graph_context *context, const void *data) {
     const struct copy_image_data *d = data;
-    gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to), d->layer);
+    gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to), &d->copy);
 }
 
 void frame_add_target(struct frame_state *f) {
+    const fnl_vulkan_part *part = &f->target->part;
     struct copy_image_data copy = {
         f->color, graph_import_image(f->graph, f->target->image, f->target->initial_layout, f->target->final_layout),
-        f->view_index};
+        {.to_x = part->x, .to_y = part->y, .width = part->width, .height = part->height, .layer = f->view_index}};
+    if (!part->fitted) {
+        copy.copy.from_x = part->x;
+        copy.copy.from_y = part->y;
+    }
     struct graph_pass *pass =
         graph_add_pass(f->graph, "copy to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
     graph_use_image(pass, copy.from, GRAPH_COPY_FROM);

@@ -330,6 +330,18 @@ fnl_result renderer_check_target(const struct call *call, VkFormat format) {
                        (int)format);
 }
 
+static fnl_result check_part(const struct call *call, const struct gpu_image *image, fnl_vulkan_part *part) {
+    const uint32_t width = image->params.width, height = image->params.height;
+    if (part->width == 0 && part->height == 0 && part->x == 0 && part->y == 0) {
+        part->width = width;
+        part->height = height;
+    }
+    if (part->width == 0 || part->height == 0 || part->x >= width || part->y >= height || part->width > width - part->x || part->height > height - part->y)
+        return misuse(call, "target.part is %u x %u pixels at %u, %u, must be inside of the image, which has %u x %u", part->width, part->height, part->x,
+                      part->y, width, height);
+    return FNL_OK;
+}
+
 fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const fnl_vulkan_target *target) {
     TRY(check_handle(__func__, "renderer", r));
     const struct call *call = CALL(&r->host);
@@ -345,8 +357,6 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
     const bool sized = target->width || target->height;
     TRY(check_count(call, "width", target->width, sized, 16384));
     TRY(check_count(call, "height", target->height, sized, 16384));
-    if (sized && frame.view_count > 1 && (target->width != frame.width || target->height != frame.height))
-        return unsupported(call, "frames of several views are not scaled: the target must have the frame's size");
     struct gpu_image_params params = {.name = "target",
                                       .format = target->format,
                                       .width = sized ? target->width : frame.width,
@@ -356,9 +366,14 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
                                       .samples = 1,
                                       .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     TRY(renderer_check_target(call, target->format));
-    struct gpu_image image;
+    struct gpu_image image = {.params = params};
+    struct frame_target frame_target = {&image, target->initial_layout, target->final_layout, target->part};
+    TRY(check_part(call, &image, &frame_target.part));
+    const struct gpu_extent size = frame_target_size(&frame_target);
+    if (frame.view_count > 1 && (size.width != frame.width || size.height != frame.height))
+        return unsupported(call, "frames of several views are not scaled: the target must have the frame's size");
     TRY(gpu_image_import(r->device, target->image, &params, &image));
-    struct frame_target frame_target = {&image, target->initial_layout, target->final_layout};
+    frame_target.image = &image;
     struct gpu_external_semaphores external = {target->wait, target->signal, target->wait_value, target->signal_value};
     fnl_result result = render(call, r, &frame, &frame_target, &external);
     gpu_image_destroy(r->device, &image);

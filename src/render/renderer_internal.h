@@ -3,6 +3,7 @@
 #define FNL_RENDER_RENDERER_INTERNAL_H
 
 #include "fanal/renderer.h"
+#include "fanal/vulkan.h"
 #include "passes/dais/dais_shared.h"
 #include "passes/debug/debug.h"
 #include "passes/decals/decals_gbuffer.h"
@@ -172,7 +173,14 @@ static inline struct renderer_tests renderer_tests(const fnl_renderer *r) {
 struct frame_target {
     const struct gpu_image *image;
     VkImageLayout initial_layout, final_layout;
+    fnl_vulkan_part part; /* not 0 x 0 */
 };
+
+/** The size that the picture is scaled to. */
+static inline struct gpu_extent frame_target_size(const struct frame_target *target) {
+    return target->part.fitted ? (struct gpu_extent){target->part.width, target->part.height}
+                               : (struct gpu_extent){target->image->params.width, target->image->params.height};
+}
 
 /** Whether mesh shaders draw the clusters that culling leaves. The scene is prepared, nothing of the frame is auto. */
 bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame);

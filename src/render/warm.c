@@ -98,7 +98,8 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
         .sampled_index = GPU_NO_INDEX,
         .storage_index = GPU_NO_INDEX,
         .srgb_index = GPU_NO_INDEX};
-    const struct frame_target frame_target = {&image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL};
+    const struct frame_target frame_target = {&image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL,
+                                               {.width = image.params.width, .height = image.params.height}};
     uint64_t ticket = 0;
     fnl_result result = overlay_prepare(r, &frame);
     if (result == FNL_OK) result = renderer_prepare(r, &frame);

@@ -184,7 +184,7 @@ struct copies_data {
 static void execute_copies(const struct graph_context *context, const void *data) {
     const struct copies_data *d = data;
     for (uint32_t i = 0; i < d->count; i++)
-        gpu_copy_image(context->commands, graph_get_image(context, d->from[i]), graph_get_image(context, d->to[i]), 0);
+        gpu_copy_image(context->commands, graph_get_image(context, d->from[i]), graph_get_image(context, d->to[i]), NULL);
 }
 
 static graph_image add_copy(struct graph *graph, struct copies_data *copies, graph_image from) {

@@ -20,6 +20,7 @@ struct overlay_data {
     struct gpu_graphics_params state;
     const fnl_overlay_draw *draws; /* in the frame's memory */
     uint32_t draw_count, width, height;
+    int32_t x, y;
 };
 
 /* Clips a rectangle to 0 .. limit in one direction. */
@@ -35,7 +36,8 @@ static void execute_overlay(const struct graph_context *context, const void *dat
     for (uint32_t i = 0; i < d->draw_count; i++) {
         const fnl_overlay_draw *draw = &d->draws[i];
         uint32_t width, height;
-        const uint32_t x = clip(draw->x, draw->width, d->width, &width), y = clip(draw->y, draw->height, d->height, &height);
+        const uint32_t x = clip((int64_t)draw->x - d->x, draw->width, d->width, &width),
+                       y = clip((int64_t)draw->y - d->y, draw->height, d->height, &height);
         if (draw->index_count == 0 || width == 0 || height == 0) continue;
         struct gpu_overlay_push push = d->push;
         push.vertices += draw->first_vertex * sizeof(fnl_overlay_vertex);
@@ -59,6 +61,7 @@ void overlay_add(gpu_device *device, struct graph *graph, graph_image picture, c
     memcpy((char *)vertices.data + vertex_bytes + index_bytes, overlay->draws, draw_bytes);
     struct overlay_data data = {.push = {.vertices = vertices.address,
                                          .indices = vertices.address + vertex_bytes,
+                                         .corner = {(float)params->x, (float)params->y},
                                          .scale = {2.0f / (float)target.width, 2.0f / (float)target.height},
                                          .image = params->image ? params->image->sampled_index : GPU_NO_INDEX,
                                          .sampler_index = smooth_sampler(device),
@@ -67,7 +70,9 @@ void overlay_add(gpu_device *device, struct graph *graph, graph_image picture, c
                                 .draws = (const fnl_overlay_draw *)((char *)vertices.data + vertex_bytes + index_bytes),
                                 .draw_count = overlay->draw_count,
                                 .width = target.width,
-                                .height = target.height};
+                                .height = target.height,
+                                .x = params->x,
+                                .y = params->y};
     data.state = (struct gpu_graphics_params){.vertex = &shader_overlay_vert,
                                               .fragment = &shader_overlay_frag,
                                               .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,

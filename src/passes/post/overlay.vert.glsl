@@ -8,7 +8,8 @@ layout(location = 1) out vec4 out_color;
 
 void main() {
     gpu_overlay_vertex vertex = push.vertices.at[push.indices.at[gl_VertexIndex]];
-    gl_Position = vec4(vertex.position.x * push.scale.x - 1.0, 1.0 - vertex.position.y * push.scale.y, 0.0, 1.0);
+    vec2 place = (vertex.position - push.corner) * push.scale;
+    gl_Position = vec4(place.x - 1.0, 1.0 - place.y, 0.0, 1.0);
     out_texel = vertex.texel;
     out_color = unpackUnorm4x8(vertex.color);
 }

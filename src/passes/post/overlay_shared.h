@@ -14,6 +14,7 @@ struct gpu_overlay_vertex {
 struct gpu_overlay_push {
     ADDRESS(overlay_vertices) vertices; /* from the draw's first on */
     ADDRESS(const_uint_array) indices;
+    vec2 corner;   /* the picture's, upper left */
     vec2 scale;    /* of pixels to -1 .. 1 */
     uint image;    /* bindless: sampled; ~0: white */
     uint sampler_index;

@@ -13,7 +13,7 @@ struct copy_data {
 
 static void execute_copy(const struct graph_context *context, const void *data) {
     const struct copy_data *d = data;
-    gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to), 0);
+    gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to), NULL);
 }
 
 struct depth_data {
