@@ -41,6 +41,7 @@ static struct {
     growing<uint32_t> indices;
     growing<fnl_overlay_draw> draws;
     fnl_image font;
+    fnl_overlay_image images[FNL_OVERLAY_IMAGES_MAX]; // the first is the font
     uint64_t font_version;
     float scale;
     ImGuiID sought;
@@ -181,6 +182,27 @@ void ui_character(uint32_t code_point) { ImGui::GetIO().AddInputCharacter(code_p
 bool ui_wants_mouse(void) { return ImGui::GetIO().WantCaptureMouse; }
 bool ui_wants_keys(void) { return ImGui::GetIO().WantTextInput; }
 
+// ---- images: an ImTextureID is the number of one; it is a pointer in older versions of Dear ImGui and an integer in newer ones ----
+
+static uint32_t image_of(ImTextureID id) {
+    uintptr_t number = 0;
+    static_assert(sizeof id <= sizeof number, "texture ids");
+    memcpy(&number, &id, sizeof id);
+    return static_cast<uint32_t>(number);
+}
+static ImTextureID id_of(uint32_t image) {
+    const uintptr_t number = image;
+    ImTextureID id;
+    memcpy(&id, &number, sizeof id);
+    return id;
+}
+
+void ui_set_image(uint32_t index, const fnl_image *image, uint64_t version) { ui.images[index] = {image, version}; }
+void ui_image(uint32_t index, float width, float height) { ImGui::Image(id_of(index), ImVec2(width * ui.scale, height * ui.scale)); }
+void ui_back_image(uint32_t index, float x, float y, float width, float height) {
+    ImGui::GetBackgroundDrawList()->AddImage(id_of(index), ImVec2(x, y), ImVec2(x + width, y + height));
+}
+
 // ---- frames ----
 
 void ui_begin(uint32_t width, uint32_t height, double seconds) {
@@ -210,6 +232,7 @@ void ui_end(fnl_overlay *out) {
             const ImDrawCmd &command = list->CmdBuffer.Data[k];
             fnl_overlay_draw *draw = ui.draws.add(1);
             if (!draw) return;
+            draw->image = image_of(command.GetTexID());
             const float right = std::ceil(command.ClipRect.z), bottom = std::ceil(command.ClipRect.w);
             draw->first_index = static_cast<uint32_t>(first_index) + command.IdxOffset;
             draw->index_count = command.ElemCount;
@@ -226,8 +249,8 @@ void ui_end(fnl_overlay *out) {
     out->index_count = static_cast<uint32_t>(ui.indices.count);
     out->draws = ui.draws.data;
     out->draw_count = static_cast<uint32_t>(ui.draws.count);
-    out->image = &ui.font;
-    out->image_version = ui.font_version;
+    ui.images[0] = {&ui.font, ui.font_version};
+    memcpy(out->images, ui.images, sizeof ui.images);
 }
 
 // ---- widgets ----

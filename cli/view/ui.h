@@ -39,6 +39,9 @@ void ui_begin(uint32_t width, uint32_t height, double seconds); /* since the las
 /** All that was drawn; lives until the next ui_begin. */
 void ui_end(fnl_overlay *out);
 
+/** What ui_image and ui_back_image show under this number, 1 .. FNL_OVERLAY_IMAGES_MAX - 1; RGBA8, lives until another is set. NULL: white. */
+void ui_set_image(uint32_t index, const fnl_image *image, uint64_t version);
+
 /** Has the next frame scroll to a widget; NULL: no longer. */
 void ui_seek(const char *label);
 /** A place inside of a widget that the last frame has shown, by its label; false: none is in sight. */
@@ -59,6 +62,9 @@ void ui_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_separator(void);
 void ui_same_line(void);
 void ui_item_width(float width); /* of the next widget, pixels at scale 1; negative: leaves that much to its right */
+void ui_image(uint32_t index, float width, float height);
+/** Behind all panels, in pixels of the window's picture. */
+void ui_back_image(uint32_t index, float x, float y, float width, float height);
 /** For the widget before: when the mouse rests on it. */
 void ui_tooltip(const char *text);
 bool ui_header(const char *label, bool open_first); /* folds what follows away: false */

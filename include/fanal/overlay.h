@@ -21,7 +21,17 @@ typedef struct fnl_overlay_draw {
     uint32_t first_vertex;             /**< is added to each index */
     int32_t x, y;                      /**< upper left corner of the rectangle: nothing is drawn outside of it */
     uint32_t width, height;
+    uint32_t image; /**< which of fnl_overlay.images it shows */
 } fnl_overlay_draw;
+
+enum { FNL_OVERLAY_IMAGES_MAX = 4 };
+
+typedef struct fnl_overlay_image {
+    /** RGBA8 in sRGB, alpha not premultiplied, sampled bilinearly; such as the letters of a font. NULL: white. */
+    const fnl_image *image;
+    /** The image is sent to the device when this number is another than in the renderer's last frame with an image in this place. */
+    uint64_t version;
+} fnl_overlay_image;
 
 /**
  * Draws in order, each over the ones before, blended by alpha in the encoding of the picture, as user interfaces expect. All arrays are the caller's and
@@ -34,10 +44,7 @@ typedef struct fnl_overlay {
     uint32_t index_count;
     const fnl_overlay_draw *draws;
     uint32_t draw_count;
-    /** RGBA8 in sRGB, alpha not premultiplied, sampled bilinearly; such as the letters of a font. NULL: white. */
-    const fnl_image *image;
-    /** The image is sent to the device when this number is another than in the last frame with an image. */
-    uint64_t image_version;
+    fnl_overlay_image images[FNL_OVERLAY_IMAGES_MAX];
 } fnl_overlay;
 
 #ifdef __cplusplus

@@ -26,8 +26,7 @@ static void make_layer(struct layer *l, const fnl_image *image) {
                                .index_count = 9,
                                .draws = l->draws,
                                .draw_count = 3,
-                               .image = image,
-                               .image_version = 1};
+                               .images = {{image, 1}}};
 }
 
 static fnl_scene *quad_scene(void) {
@@ -74,7 +73,7 @@ static void test_draws_go_over_the_picture(void **state) {
     test_render_frame(renderer, &frame);
     picture = test_read(renderer, FNL_OUTPUT_COLOR);
     assert_true(test_pixel8(&picture, 10, 25)[0] < 20);
-    layer.overlay.image_version = 2;
+    layer.overlay.images[0].version = 2;
     free_picture(&picture);
     test_render_frame(renderer, &frame);
     picture = test_read(renderer, FNL_OUTPUT_COLOR);
@@ -92,13 +91,51 @@ static void test_draws_go_over_the_picture(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Each draw shows the image that it names; each image is sent again when its own version is another. */
+static void test_draws_show_their_own_images(void **state) {
+    UNUSED(state);
+    uint8_t texels[FNL_OVERLAY_IMAGES_MAX][4];
+    fnl_image images[FNL_OVERLAY_IMAGES_MAX];
+    fnl_overlay_vertex vertices[4 * FNL_OVERLAY_IMAGES_MAX];
+    fnl_overlay_draw draws[FNL_OVERLAY_IMAGES_MAX];
+    fnl_overlay overlay = {.vertices = vertices, .vertex_count = COUNT_OF(vertices), .indices = indices, .index_count = 6, .draws = draws, .draw_count = COUNT_OF(draws)};
+    for (uint32_t i = 0; i < FNL_OVERLAY_IMAGES_MAX; i++) {
+        const float left = 8.0f * (float)i;
+        memcpy(texels[i], (uint8_t[4]){(uint8_t)(40 + 50 * i), (uint8_t)(200 - 60 * i), (uint8_t)i, 255}, 4);
+        images[i] = (fnl_image){1, 1, FNL_PIXEL_FORMAT_RGBA8, texels[i]};
+        overlay.images[i] = (fnl_overlay_image){i == 2 ? NULL : &images[i], 7};
+        for (uint32_t k = 0; k < 4; k++) vertices[4 * i + k] = corner(left + 8.0f * (float)(k % 2), 16.0f * (float)(k / 2), 0, 0, 255);
+        draws[i] = (fnl_overlay_draw){.index_count = 6, .first_vertex = 4 * i, .width = 64, .height = 64, .image = FNL_OVERLAY_IMAGES_MAX - 1 - i};
+    }
+    fnl_scene *scene = quad_scene();
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+    frame.overlay = &overlay;
+    for (uint32_t round = 0; round < 2; round++) {
+        test_render_frame(renderer, &frame);
+        fnl_image picture = test_read(renderer, FNL_OUTPUT_COLOR);
+        for (uint32_t i = 0; i < FNL_OVERLAY_IMAGES_MAX; i++) {
+            const uint32_t shown = FNL_OVERLAY_IMAGES_MAX - 1 - i;
+            const uint8_t *found = test_pixel8(&picture, 8 * i + 4, 8), white[3] = {255, 255, 255};
+            uint8_t wanted[3] = {(uint8_t)(40 + 50 * shown), (uint8_t)(200 - 60 * shown), (uint8_t)shown};
+            if (round == 1 && shown == 3) wanted[2] = 99; /* that one's version alone has changed */
+            assert_memory_equal(found, shown == 2 ? white : wanted, 3);
+        }
+        free_picture(&picture);
+        for (uint32_t i = 0; i < FNL_OVERLAY_IMAGES_MAX; i++) texels[i][2] = 99;
+        overlay.images[3].version = 8;
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* Whatever reaches outside of the arrays is refused before anything is drawn. */
 static void test_what_reaches_outside_is_refused(void **state) {
     UNUSED(state);
     fnl_scene *scene = quad_scene();
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
-    for (uint32_t fault = 0; fault < 8; fault++) {
+    for (uint32_t fault = 0; fault < 12; fault++) {
         struct layer layer;
         uint8_t texel[16] = {0};
         fnl_image image = {1, 1, FNL_PIXEL_FORMAT_RGBA8, texel};
@@ -112,6 +149,11 @@ static void test_what_reaches_outside_is_refused(void **state) {
         if (fault == 5) image.width = 0;
         if (fault == 6) image.format = FNL_PIXEL_FORMAT_RGBA32F;
         if (fault == 7) image.pixels = NULL;
+        if (fault == 8) layer.draws[2].image = FNL_OVERLAY_IMAGES_MAX;
+        if (fault == 9) layer.draws[0].image = UINT32_MAX;
+        const fnl_image tall = {1, 16385, FNL_PIXEL_FORMAT_RGBA8, texel}, empty = {0};
+        if (fault == 10) layer.overlay.images[3].image = &tall;
+        if (fault == 11) layer.overlay.images[2].image = &empty;
         assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_INVALID);
     }
     struct layer layer;
@@ -131,6 +173,7 @@ static void test_what_reaches_outside_is_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_draws_go_over_the_picture), cmocka_unit_test(test_what_reaches_outside_is_refused)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_draws_go_over_the_picture), cmocka_unit_test(test_draws_show_their_own_images),
+                                       cmocka_unit_test(test_what_reaches_outside_is_refused)};
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
 }

@@ -135,7 +135,7 @@ struct fnl_renderer {
     struct renderer_overlay {
         struct gpu_image image;
         uint64_t version;
-    } overlay;
+    } overlays[FNL_OVERLAY_IMAGES_MAX];
     uint32_t decal_capacity;  /* of what holds decals */
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */

@@ -21,6 +21,7 @@ struct overlay_data {
     const fnl_overlay_draw *draws; /* in the frame's memory */
     uint32_t draw_count, width, height;
     int32_t x, y;
+    uint32_t images[FNL_OVERLAY_IMAGES_MAX]; /* bindless */
 };
 
 /* Clips a rectangle to 0 .. limit in one direction. */
@@ -42,6 +43,7 @@ static void execute_overlay(const struct graph_context *context, const void *dat
         struct gpu_overlay_push push = d->push;
         push.vertices += draw->first_vertex * sizeof(fnl_overlay_vertex);
         push.indices += draw->first_index * sizeof(uint32_t);
+        push.image = d->images[draw->image];
         gpu_scissor(context->commands, x, y, width, height);
         gpu_push(context->commands, &push, sizeof push);
         gpu_draw(context->commands, draw->index_count, 1, 0, 0);
@@ -63,7 +65,6 @@ void overlay_add(gpu_device *device, struct graph *graph, graph_image picture, c
                                          .indices = vertices.address + vertex_bytes,
                                          .corner = {(float)params->x, (float)params->y},
                                          .scale = {2.0f / (float)target.width, 2.0f / (float)target.height},
-                                         .image = params->image ? params->image->sampled_index : GPU_NO_INDEX,
                                          .sampler_index = smooth_sampler(device),
                                          .linear = params->linear,
                                          .swap = params->swap},
@@ -73,6 +74,7 @@ void overlay_add(gpu_device *device, struct graph *graph, graph_image picture, c
                                 .height = target.height,
                                 .x = params->x,
                                 .y = params->y};
+    memcpy(data.images, params->images, sizeof data.images);
     data.state = (struct gpu_graphics_params){.vertex = &shader_overlay_vert,
                                               .fragment = &shader_overlay_frag,
                                               .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,

@@ -9,10 +9,10 @@
 #include "graph/graph.h"
 
 struct overlay_params {
-    const fnl_overlay *overlay;    /* read during the call */
-    const struct gpu_image *image; /* sampled; NULL: white */
-    bool linear, swap;             /* of the picture, as tonemap_params has them */
-    int32_t x, y;                  /* place of the picture's upper left corner, where it is a part of what the overlay is for */
+    const fnl_overlay *overlay; /* read during the call */
+    uint32_t images[FNL_OVERLAY_IMAGES_MAX]; /* bindless: sampled; GPU_NO_INDEX: white */
+    bool linear, swap;          /* of the picture, as tonemap_params has them */
+    int32_t x, y;               /* place of the picture's upper left corner, where it is a part of what the overlay is for */
 };
 /** Draws it over `picture`. */
 void overlay_add(gpu_device *device, struct graph *graph, graph_image picture, const struct overlay_params *params);
