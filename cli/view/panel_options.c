@@ -18,8 +18,9 @@ static bool matches(const char *text, const char *filter) {
 
 static bool set(struct view *v, const char *key, const char *value) {
     view_want(v, 2);
-    if (strcmp(key, "shadows") == 0) v->own_shadows = true;
-    return fnl_frame_set(&v->host, &v->frame, key, value) == FNL_OK;
+    fnl_frame *frame = view_edited(v);
+    if (strcmp(key, "shadows") == 0) *(frame == &v->frame ? &v->own_shadows : &v->compare.own_shadows) = true;
+    return fnl_frame_set(&v->host, frame, key, value) == FNL_OK;
 }
 
 static void show_names(struct view *v, const fnl_option *o, const char *value) {
@@ -59,7 +60,8 @@ static uint32_t nearest_count(const fnl_option *o, uint32_t wanted, uint32_t bef
 
 static void show_option(struct view *v, const fnl_option *o) {
     char value[64], usual[64], text[64], help[1024], range[256];
-    fnl_frame_get(&v->frame, o->key, value, sizeof value);
+    const fnl_frame *frame = view_edited(v);
+    fnl_frame_get(frame, o->key, value, sizeof value);
     fnl_frame_get(&v->usual, o->key, usual, sizeof usual);
     ui_item_width(150);
     if (o->kind == FNL_OPTION_SWITCH) {
@@ -88,8 +90,8 @@ static void show_option(struct view *v, const fnl_option *o) {
     options_print_range(o, range, sizeof range);
     snprintf(help, sizeof help, "%s\n%s\n%s", o->help, range, o->exact ? "The picture stays the same." : "");
     ui_tooltip(help);
-    const bool unused = (v->frame.shading != FNL_SHADING_AUTO && !(o->shadings >> v->frame.shading & 1)) ||
-                        (v->frame.lists != FNL_LISTS_AUTO && !(o->lists >> v->frame.lists & 1));
+    const bool unused = (frame->shading != FNL_SHADING_AUTO && !(o->shadings >> frame->shading & 1)) ||
+                        (frame->lists != FNL_LISTS_AUTO && !(o->lists >> frame->lists & 1));
     if (unused) {
         ui_same_line();
         ui_text("(no effect)");
@@ -130,6 +132,7 @@ void view_panel_options(struct view *v) {
     char groups[32][32];
     uint32_t count = 0;
     fnl_option o;
+    view_panel_compare(v);
     ui_item_width(-60);
     ui_input("filter", v->filter, sizeof v->filter);
     ui_tooltip("Shows the options whose name or description has this in it.");

@@ -152,11 +152,11 @@ static void show_exposure(struct view *v) {
     if (ui_checkbox("exposure from the picture", &metered)) {
         v->frame.exposure = metered ? FNL_EXPOSURE_AUTO : FNL_EXPOSURE_EV;
         v->frame.ev = v->stats.ev;
-        view_want(v, 2);
+        view_compare_expose(v);
     }
     if (metered) return;
     ui_item_width(150);
-    if (ui_number("EV100", &v->frame.ev, -10, 20, "%.2f")) view_want(v, 2);
+    if (ui_number("EV100", &v->frame.ev, -10, 20, "%.2f")) view_compare_expose(v);
 }
 
 void view_panel_scene(struct view *v) {

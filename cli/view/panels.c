@@ -54,6 +54,7 @@ static void show_help(struct view *v) {
 }
 
 void view_panels(struct view *v) {
+    view_compare_back(v);
     if (v->hides_panels) return;
     const float high = (float)v->height / v->scale, wide = (float)v->width / v->scale;
     if (ui_window("Scene", NULL, 8, 8, 340, high * 0.42f)) view_panel_scene(v);
@@ -87,6 +88,7 @@ bool view_write_report(const struct view *v, const char *path) {
             s->gpu_milliseconds);
     for (uint32_t i = 0; i < v->pass_count; i++) fprintf(file, "pass\t%s\t%.4f\n", v->passes[i].name, v->passes[i].milliseconds);
     for (uint32_t i = 0; i < s->counter_count; i++) fprintf(file, "counter\t%s\t%llu\n", s->counters[i].key, (unsigned long long)s->counters[i].value);
+    view_compare_report(v, file);
     if (v->pick.known)
         fprintf(file, "pixel\t%u\t%u\t%s\t%.9g\t%.9g\t%.9g\n", v->pick.x, v->pick.y, v->pick.hit ? "hit" : "empty", (double)v->pick.position.x,
                 (double)v->pick.position.y, (double)v->pick.position.z);

@@ -203,6 +203,18 @@ void ui_back_image(uint32_t index, float x, float y, float width, float height) 
     ImGui::GetBackgroundDrawList()->AddImage(id_of(index), ImVec2(x, y), ImVec2(x + width, y + height));
 }
 
+void ui_back_line(float x, float height) {
+    const float half = std::fmax(1, std::floor(ui.scale));
+    ImGui::GetBackgroundDrawList()->AddRectFilled(ImVec2(x - half, 0), ImVec2(x + half, height), IM_COL32(255, 255, 255, 220));
+}
+void ui_back_label(float x, float y, bool left_of, const char *text) {
+    const ImVec2 size = ImGui::CalcTextSize(text);
+    const float gap = 4 * ui.scale, left = std::floor(left_of ? x - size.x - gap : x + gap);
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    list->AddRectFilled(ImVec2(left - gap, y), ImVec2(left + size.x + gap, y + size.y + gap), IM_COL32(20, 20, 24, 200), 3 * ui.scale);
+    list->AddText(ImVec2(left, y + gap / 2), IM_COL32(255, 255, 255, 255), text);
+}
+
 // ---- frames ----
 
 void ui_begin(uint32_t width, uint32_t height, double seconds) {
@@ -332,6 +344,7 @@ void ui_tooltip(const char *text) {
 bool ui_header(const char *label, bool open_first) { return noted(label, ImGui::CollapsingHeader(label, open_first ? ImGuiTreeNodeFlags_DefaultOpen : 0)); }
 bool ui_button(const char *label) { return noted(label, ImGui::Button(label)); }
 bool ui_checkbox(const char *label, bool *value) { return noted(label, ImGui::Checkbox(label, value)); }
+bool ui_radio(const char *label, bool chosen) { return noted(label, ImGui::RadioButton(label, chosen)); }
 
 bool ui_number(const char *label, float *value, float low, float high, const char *format) {
     const float range = high - low;

@@ -65,11 +65,15 @@ void ui_item_width(float width); /* of the next widget, pixels at scale 1; negat
 void ui_image(uint32_t index, float width, float height);
 /** Behind all panels, in pixels of the window's picture. */
 void ui_back_image(uint32_t index, float x, float y, float width, float height);
+/** Also behind them: a line from top to bottom; words on a dark ground, which end at `x` (left_of) or begin there. */
+void ui_back_line(float x, float height);
+void ui_back_label(float x, float y, bool left_of, const char *text);
 /** For the widget before: when the mouse rests on it. */
 void ui_tooltip(const char *text);
 bool ui_header(const char *label, bool open_first); /* folds what follows away: false */
 bool ui_button(const char *label);
 bool ui_checkbox(const char *label, bool *value);
+bool ui_radio(const char *label, bool chosen); /* true when it was clicked */
 bool ui_number(const char *label, float *value, float low, float high, const char *format); /* a slider where both are finite, else dragged */
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
 bool ui_color(const char *label, float rgb[3]);

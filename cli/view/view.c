@@ -16,7 +16,7 @@
 struct view_options {
     struct world_options world;
     fnl_frame frame;
-    const char *device, *replay, *record;
+    const char *device, *replay, *record, *compare;
     uint32_t exit_after; /* frames; 0: never */
     bool headless, validate, no_cache, own_shadows, no_settings;
     /* Instead of what is remembered. */
@@ -39,6 +39,7 @@ static void print_help(void) {
          "  --present MODE             fifo (waits for the screen), mailbox (the newest picture, does not wait), immediate (with tearing) (fifo)\n"
          "  --color SPACE              srgb, scrgb or hdr10; srgb where the screen has nothing else (srgb)\n"
          "  --no-settings              neither reads nor writes what windows remember: these options, their size, the last scenes\n"
+         "  --compare KEY=VALUE[,...]  begins with a split screen: left as asked for, right with these options changed\n"
          "  --headless                 draws the same frames without a window; with --replay\n"
          "  --replay FILE              takes its events from a file that --record has written, a line each; besides what a window sends,\n"
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE', 'capture FILE' (with the panels), 'command FILE', 'report FILE'\n"
@@ -166,6 +167,7 @@ static bool run(struct view *v, const struct view_options *o) {
     bool good = o->replay ? view_replay(v, o->replay, o->exit_after) : run_window(v, o);
     view_loader_stop(&v->loader);
     remember(v);
+    view_compare_leave(v);
     fnl_renderer_destroy(&v->shown.renderer);
     if (good && o->validate && fnl_device_validation_count(v->device.device)) {
         fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", (unsigned long long)fnl_device_validation_count(v->device.device));
@@ -175,7 +177,8 @@ static bool run(struct view *v, const struct view_options *o) {
     return good;
 }
 
-enum { O_SIZE = 256, O_SET, O_EXPOSURE, O_SCALE, O_DARK, O_LIGHT, O_PRESENT, O_COLOR, O_NO_SETTINGS, O_NO_PANELS, O_HEADLESS, O_REPLAY, O_RECORD, O_EXIT_AFTER, O_DEVICE, O_NO_CACHE, O_VALIDATE };
+enum { O_SIZE = 256, O_SET, O_EXPOSURE, O_SCALE, O_DARK, O_LIGHT, O_PRESENT, O_COLOR, O_NO_SETTINGS, O_NO_PANELS, O_COMPARE, O_HEADLESS, O_REPLAY, O_RECORD, O_EXIT_AFTER, O_DEVICE,
+       O_NO_CACHE, O_VALIDATE };
 
 static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"size", required_argument, NULL, O_SIZE},
@@ -188,6 +191,7 @@ static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"color", required_argument, NULL, O_COLOR},
                                             {"no-settings", no_argument, NULL, O_NO_SETTINGS},
                                             {"no-panels", no_argument, NULL, O_NO_PANELS},
+                                            {"compare", required_argument, NULL, O_COMPARE},
                                             {"headless", no_argument, NULL, O_HEADLESS},
                                             {"replay", required_argument, NULL, O_REPLAY},
                                             {"record", required_argument, NULL, O_RECORD},
@@ -242,6 +246,9 @@ static bool parse_option(struct view_options *o, int option, const char *value) 
         return o->no_settings = true;
     case O_NO_PANELS:
         return o->no_panels = true;
+    case O_COMPARE:
+        o->compare = value;
+        return true;
     case O_HEADLESS:
         return o->headless = true;
     case O_REPLAY:
@@ -310,7 +317,11 @@ int command_view(int argc, char **argv) {
     struct view *v = calloc(1, sizeof *v);
     if (!v) return 2;
     pthread_mutex_init(&v->messages.mutex, NULL);
-    pthread_mutex_init(&v->device.mutex, NULL);
+    pthread_mutexattr_t recursive;
+    pthread_mutexattr_init(&recursive);
+    pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
+    pthread_mutex_init(&v->device.mutex, &recursive);
+    pthread_mutexattr_destroy(&recursive);
     v->host = fnl_host_default();
     v->host.log = view_take_message;
     v->host.user = &v->messages;
@@ -323,7 +334,7 @@ int command_view(int argc, char **argv) {
     v->part = 1;
     v->speed = 1;
     snprintf(v->save_path, sizeof v->save_path, "picture.png");
-    const bool good = run(v, &o);
+    const bool good = view_compare_start(v, o.compare) && run(v, &o);
     fnl_swapchain_destroy(&v->swapchain);
     view_scene_free(&v->shown);
     fnl_device_destroy(&v->device.device);

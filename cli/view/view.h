@@ -3,6 +3,7 @@
 #ifndef FNL_CLI_VIEW_H
 #define FNL_CLI_VIEW_H
 
+#include "view/view_compare.h"
 #include "world.h"
 
 #include <pthread.h>
@@ -31,6 +32,9 @@ enum view_event_kind {
     VIEW_SAVE,    /* text: the picture as `fanal render` makes it */
     VIEW_CAPTURE, /* text: the picture with what is drawn over it */
     VIEW_COMMAND, /* text: writes the command line that renders this picture */
+    VIEW_COMPARE, /* text: off, split, side or difference */
+    VIEW_SET_B,   /* text: KEY=VALUE, an option of what is compared */
+    VIEW_SLIDER,  /* x: where that begins, 0 .. 1 of the width */
     VIEW_REPORT,  /* text: writes what all tables say */
     VIEW_EVENT_COUNT
 };
@@ -104,7 +108,7 @@ struct view_scene {
 };
 void view_scene_free(struct view_scene *scene);
 
-/** Who calls the device or its renderers holds the mutex. */
+/** Who calls the device or its renderers holds the mutex, which is recursive. */
 struct view_device {
     pthread_mutex_t mutex;
     fnl_device *device;
@@ -187,6 +191,7 @@ struct view {
     struct view_scene shown;
     fnl_frame frame, usual, good; /* as the user wants it; as it began; of the last frame that could be drawn */
     bool own_shadows;             /* the user chose them; else they are those that the scene should have */
+    struct view_compare compare;
     struct view_camera camera;
     uint32_t width, height;
 
@@ -276,6 +281,8 @@ bool view_ends_with(const char *text, const char *end); /* in capitals or not */
 double view_now(void);                                  /* seconds */
 /** A frame of the window; false when the device is lost. */
 bool view_draw_frame(struct view *view, double seconds);
+/** The frame of the user's options, at the window's size. */
+fnl_frame view_whole_frame(const struct view *view);
 /** The picture with the panels. */
 bool view_save_capture(struct view *view, const char *path);
 

@@ -27,13 +27,14 @@ bool view_queue_take(struct view_queue *q, struct view_event *out) {
 
 static const struct {
     const char *name;
-    enum { PLACE, PRESS, NUMBER, AXIS, FACTOR, TEXT, ALONE } takes;
+    enum { PLACE, PRESS, NUMBER, AXIS, FACTOR, FRACTION, TEXT, ALONE } takes;
 } lines[VIEW_EVENT_COUNT] = {[VIEW_MOVE] = {"move", PLACE},       [VIEW_BUTTON] = {"button", PRESS},  [VIEW_WHEEL] = {"wheel", PLACE},
                              [VIEW_KEY] = {"key", PRESS},         [VIEW_CHARACTER] = {"character", NUMBER}, [VIEW_SIZE] = {"size", PLACE},
                              [VIEW_SCALE] = {"scale", FACTOR},     [VIEW_PAD] = {"pad", AXIS},        [VIEW_PAD_BUTTON] = {"padbutton", PRESS},
                              [VIEW_DROP] = {"drop", TEXT},        [VIEW_CLOSE] = {"close", ALONE},    [VIEW_FRAMES] = {"frames", NUMBER},
                              [VIEW_SETTLE] = {"settle", ALONE},   [VIEW_SET] = {"set", TEXT},            [VIEW_CLICK] = {"click", TEXT},
                              [VIEW_SAVE] = {"save", TEXT},       [VIEW_CAPTURE] = {"capture", TEXT},
+                             [VIEW_COMPARE] = {"compare", TEXT},  [VIEW_SET_B] = {"setb", TEXT},      [VIEW_SLIDER] = {"slider", FRACTION},
                              [VIEW_COMMAND] = {"command", TEXT},  [VIEW_REPORT] = {"report", TEXT}};
 
 bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out) {
@@ -64,6 +65,9 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
             break;
         case TEXT:
             good = sscanf(arguments, "%1023[^\n]", out->text) == 1;
+            break;
+        case FRACTION:
+            good = sscanf(arguments, "%f %1s", &out->x, rest) == 1 && out->x >= 0 && out->x <= 1;
             break;
         case ALONE:
             good = sscanf(arguments, "%1s", rest) < 1;
@@ -101,6 +105,9 @@ void view_event_write(FILE *file, const struct view_event *e) {
         break;
     case NUMBER:
         fprintf(file, " %d", e->code);
+        break;
+    case FRACTION:
+        fprintf(file, " %.9g", (double)e->x);
         break;
     case TEXT:
         fprintf(file, " %s", e->text);

@@ -31,7 +31,7 @@ void view_say(struct view *v, fnl_log_level level, const char *text) { view_take
 
 static fnl_shadows usual_shadows(const struct view *v) { return world_usual_shadows(&v->shown.info, &v->device.info, true); }
 
-static fnl_frame whole_frame(const struct view *v) {
+fnl_frame view_whole_frame(const struct view *v) {
     fnl_frame frame = v->frame;
     frame.width = v->width;
     frame.height = v->height;
@@ -44,6 +44,7 @@ static fnl_frame whole_frame(const struct view *v) {
 void view_show(struct view *v, struct view_scene *scene) {
     if (!scene->scene) return;
     pthread_mutex_lock(&v->device.mutex);
+    view_compare_leave(v);
     view_scene_free(&v->shown);
     pthread_mutex_unlock(&v->device.mutex);
     v->shown = *scene;
@@ -65,6 +66,8 @@ void view_show(struct view *v, struct view_scene *scene) {
     if (scene->source) view_settings_note_scene(&v->settings, scene->source);
     if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
     v->good = v->frame;
+    if (!v->compare.own_shadows) v->compare.frame.shadows = usual_shadows(v);
+    v->compare.good = v->compare.frame;
     char title[300];
     snprintf(title, sizeof title, "%.200s%sFanal", scene->source ? scene->source : "", scene->source ? " - " : "");
     if (v->window) view_window_set_title(v->window, title);
@@ -94,7 +97,7 @@ void view_open(struct view *v, const char *source) {
     l->device = &v->device;
     l->world = v->world;
     l->host = v->host;
-    l->frame = whole_frame(v);
+    l->frame = view_whole_frame(v);
     l->frame.width = l->frame.width ? l->frame.width : 1;
     l->frame.height = l->frame.height ? l->frame.height : 1;
     l->own_shadows = v->own_shadows;
@@ -161,6 +164,7 @@ static void note_stats(struct view *v) {
     v->pending = pending ? pending->value : 0;
     v->history[v->history_at] = (float)v->stats.gpu_milliseconds;
     v->history_at = (v->history_at + 1) % VIEW_HISTORY;
+    view_compare_note(v);
 }
 
 /* So fine that frames take a 25th of a second while something moves, and whole when nothing does. */
@@ -177,9 +181,9 @@ static void choose_part(struct view *v) {
 }
 
 static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried) {
-    fnl_frame frame = whole_frame(v);
+    fnl_frame frame = view_whole_frame(v);
     frame.overlay = overlay;
-    if (!v->swapchain) return fnl_renderer_render(v->shown.renderer, &frame);
+    if (!v->swapchain) return view_compare_draw(v, &frame, NULL);
     fnl_vulkan_target target;
     fnl_result result = fnl_swapchain_acquire(v->swapchain, &target);
     if (result == FNL_ERROR_DEVICE && !retried) { /* the surface is lost: another one, once */
@@ -192,7 +196,7 @@ static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried)
     frame.pin_choice = v->part < 1; /* auto measures frames of the window's size alone */
     frame.width = (uint32_t)fmaxf(1, (float)target.width * v->part);
     frame.height = (uint32_t)fmaxf(1, (float)target.height * v->part);
-    result = fnl_renderer_render_to(v->shown.renderer, &frame, &target);
+    result = view_compare_draw(v, &frame, &target);
     if (result == FNL_OK) result = fnl_swapchain_present(v->swapchain);
     return result == FNL_ERROR_DEVICE && !retried ? FNL_OK : result; /* the next one finds out whether the surface is lost */
 }
@@ -213,7 +217,7 @@ static bool draw_or_take_back(struct view *v, const fnl_overlay *overlay) {
 
 static void read_pick(struct view *v) {
     struct view_pick *p = &v->pick;
-    fnl_frame frame = whole_frame(v);
+    fnl_frame frame = view_whole_frame(v);
     fnl_image images[3] = {{0}};
     static const fnl_output outputs[3] = {FNL_OUTPUT_SURFACE, FNL_OUTPUT_NORMAL, FNL_OUTPUT_POSITION};
     frame.outputs = FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION;
@@ -260,9 +264,6 @@ bool view_draw_frame(struct view *v, double seconds) {
         v->wanted_scale = 0;
         view_apply_settings(v);
     }
-    ui_begin(v->width, v->height, seconds);
-    view_panels(v);
-    ui_end(&overlay);
     if (v->replays)
         pthread_mutex_lock(&v->device.mutex);
     else if (pthread_mutex_trylock(&v->device.mutex) != 0) { /* a scene is on its way to the device: the window answers, and this frame is left out */
@@ -270,9 +271,14 @@ bool view_draw_frame(struct view *v, double seconds) {
         return true;
     }
     const double begun = view_now();
+    view_compare_update(v);
+    if (v->compare.is_shown) note_stats(v); /* before more frames of the device follow */
+    ui_begin(v->width, v->height, seconds);
+    view_panels(v);
+    ui_end(&overlay);
     if (v->pick.asked) read_pick(v);
     const bool good = draw_or_take_back(v, &overlay);
-    if (good) note_stats(v);
+    if (good && !v->compare.is_shown) note_stats(v);
     pthread_mutex_unlock(&v->device.mutex);
     v->frame_seconds = view_now() - begun;
     note_arrival(v);
@@ -281,10 +287,9 @@ bool view_draw_frame(struct view *v, double seconds) {
     return good;
 }
 
-static bool save_last(struct view *v, fnl_renderer *renderer, const char *path, fnl_output output) {
-    fnl_image image = {0};
-    bool good = fnl_renderer_read(renderer, output, &image) == FNL_OK && fnl_image_save(&v->host, path, &image) == FNL_OK;
-    fnl_image_free(&v->host, &image);
+static bool save_image(struct view *v, fnl_result result, const char *path, fnl_image *image) {
+    bool good = result == FNL_OK && fnl_image_save(&v->host, path, image) == FNL_OK;
+    fnl_image_free(&v->host, image);
     char text[1100];
     snprintf(text, sizeof text, good ? "wrote %s" : "%s was not written", path);
     view_say(v, good ? FNL_LOG_INFO : FNL_LOG_ERROR, text);
@@ -311,12 +316,18 @@ static bool wait_for_images(struct view *v, const fnl_frame *frame) {
     return good;
 }
 
+static bool save_last(struct view *v, fnl_renderer *renderer, const char *path, fnl_output output) {
+    fnl_image image = {0};
+    const fnl_result result = fnl_renderer_read(renderer, output, &image);
+    return save_image(v, result, path, &image);
+}
+
 /* By a renderer of its own, which begins as that of the command does: without the shadow pages and the history of earlier frames. */
 bool view_save_picture(struct view *v, const char *path) {
     enum { TAA_FRAMES = 16 }; /* render_run.c */
     fnl_renderer *renderer = NULL;
     fnl_frame_stats stats;
-    fnl_frame frame = whole_frame(v);
+    fnl_frame frame = view_whole_frame(v);
     if (v->width == 0 || v->height == 0) return false;
     frame.outputs = view_ends_with(path, ".exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     frame.pin_choice = true;
@@ -333,14 +344,16 @@ bool view_save_picture(struct view *v, const char *path) {
 
 bool view_save_capture(struct view *v, const char *path) {
     fnl_overlay overlay;
-    fnl_frame frame = whole_frame(v);
+    fnl_frame frame = view_whole_frame(v);
     if (v->width == 0 || v->height == 0) return false;
+    view_compare_update(v);
     ui_begin(v->width, v->height, 1.0 / 60);
     view_panels(v);
     ui_end(&overlay);
     frame.overlay = &overlay;
     pthread_mutex_lock(&v->device.mutex);
-    const bool good = fnl_renderer_render(v->shown.renderer, &frame) == FNL_OK && save_last(v, v->shown.renderer, path, FNL_OUTPUT_COLOR);
+    fnl_image image = {0};
+    const fnl_result result = view_compare_read(v, &frame, &image);
     pthread_mutex_unlock(&v->device.mutex);
-    return good;
+    return save_image(v, result, path, &image);
 }

@@ -65,6 +65,7 @@ static void drag(struct view *v, float x, float y) {
 }
 
 static void press_button(struct view *v, const struct view_event *e) {
+    if (view_compare_press(v, e)) return;
     if (!e->down) {
         if (v->drag == e->code) v->drag = -1;
         return;
@@ -107,6 +108,7 @@ static bool handle(struct view *v, const struct view_event *e) {
         drag(v, e->x, e->y);
         v->mouse_x = e->x;
         v->mouse_y = e->y;
+        view_compare_move(v);
         return false;
     case VIEW_BUTTON:
         ui_mouse_button(e->code, e->down);

@@ -80,6 +80,14 @@ static bool replay_event(struct view *v, const struct view_event *e) {
         return view_save_capture(v, e->text);
     case VIEW_COMMAND:
         return write_command(v, e->text);
+    case VIEW_COMPARE:
+        return view_compare_set_mode(v, e->text);
+    case VIEW_SET_B:
+        return view_compare_set_b(v, e->text);
+    case VIEW_SLIDER:
+        v->compare.slider = e->x;
+        view_want(v, 2);
+        return true;
     case VIEW_REPORT:
         return view_write_report(v, e->text);
     default: {
