@@ -91,5 +91,9 @@ void report_print(const struct render_report *r) {
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
            (double)s->device_peak_bytes / (1 << 20));
+    printf("  device memory, MiB:");
+    for (uint32_t i = 0; i < s->memory_kind_count; i++)
+        printf("%s %s %.1f", i ? "," : "", s->memory_kinds[i].name, (double)s->memory_kinds[i].bytes / (1 << 20));
+    putchar('\n');
     counters_print_table(s);
 }

@@ -117,9 +117,10 @@ char *report_text(const struct render_report *r, bool line) {
     if (!json) return NULL;
     json_object_set_new(json, "views", make_views(r));
     json_object_set_new(json, "ev", json_real((double)s->ev));
-    json_object_set_new(
-        json, "memory",
-        json_pack("{s:o,s:o}", "device_bytes", integer(s->device_bytes), "peak_bytes", integer(s->device_peak_bytes)));
+    json_t *kinds = json_object();
+    for (uint32_t i = 0; i < s->memory_kind_count; i++) json_object_set_new(kinds, s->memory_kinds[i].name, integer(s->memory_kinds[i].bytes));
+    json_object_set_new(json, "memory",
+                        json_pack("{s:o,s:o,s:o}", "device_bytes", integer(s->device_bytes), "peak_bytes", integer(s->device_peak_bytes), "kinds", kinds));
     json_object_set_new(json, "images", make_images(r));
     counters_set_groups(json, s);
     char *text = json_dumps(json, (line ? JSON_COMPACT : JSON_INDENT(2)) | JSON_REAL_PRECISION(DIGITS));

@@ -21,6 +21,20 @@ static void show_passes(const struct view *v, double most) {
     ui_table_end();
 }
 
+static void show_memory(const fnl_frame_stats *s) {
+    char text[48];
+    if (!ui_table("memory", 2, 0.4f)) return;
+    for (uint32_t i = 0; i < s->memory_kind_count; i++) {
+        if (s->memory_kinds[i].bytes == 0) continue;
+        ui_cell();
+        ui_text("%s", s->memory_kinds[i].name);
+        ui_cell();
+        snprintf(text, sizeof text, "%.2f MB", (double)s->memory_kinds[i].bytes / 1e6);
+        ui_bar((float)s->memory_kinds[i].bytes / (float)s->device_bytes, text);
+    }
+    ui_table_end();
+}
+
 void view_panel_frame(const struct view *v) {
     const fnl_frame_stats *s = &v->stats;
     double most = 1e-3;
@@ -36,6 +50,7 @@ void view_panel_frame(const struct view *v) {
             (unsigned long long)s->items);
     ui_text("%u of %u lights in view, %llu list entries", s->lights_in_view, s->lights_total, (unsigned long long)s->list_entries);
     if (ui_header("passes", true)) show_passes(v, most);
+    if (ui_header("memory", false)) show_memory(s);
     if (!ui_header("counters", false) || !ui_table("counters", 2, 0.62f)) return;
     for (uint32_t i = 0; i < s->counter_count; i++) {
         ui_cell();

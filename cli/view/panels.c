@@ -88,6 +88,7 @@ bool view_write_report(const struct view *v, const char *path) {
             s->gpu_milliseconds);
     for (uint32_t i = 0; i < v->pass_count; i++) fprintf(file, "pass\t%s\t%.4f\n", v->passes[i].name, v->passes[i].milliseconds);
     for (uint32_t i = 0; i < s->counter_count; i++) fprintf(file, "counter\t%s\t%llu\n", s->counters[i].key, (unsigned long long)s->counters[i].value);
+    for (uint32_t i = 0; i < s->memory_kind_count; i++) fprintf(file, "memory\t%s\t%llu\n", s->memory_kinds[i].name, (unsigned long long)s->memory_kinds[i].bytes);
     view_compare_report(v, file);
     if (v->pick.known)
         fprintf(file, "pixel\t%u\t%u\t%s\t%.9g\t%.9g\t%.9g\n", v->pick.x, v->pick.y, v->pick.hit ? "hit" : "empty", (double)v->pick.position.x,

@@ -109,6 +109,8 @@ void view_compare_swap(struct view *v) {
     if (b.renderer) { /* both know the scene: each goes on with what it remembers */
         c->renderer = v->shown.renderer;
         v->shown.renderer = b.renderer;
+        c->milliseconds = v->stats.gpu_milliseconds;
+        if (fnl_renderer_query_stats(v->shown.renderer, &v->stats) != FNL_OK) v->stats = (fnl_frame_stats){0};
     }
     view_want(v, 2);
 }
@@ -358,7 +360,11 @@ void view_compare_update(struct view *v) {
 static void label(const struct view *v, bool of_b, float x, bool left_of) {
     char method[160], text[200];
     view_compare_method(v, of_b, method, sizeof method);
-    snprintf(text, sizeof text, "%s  %s  %.2f ms", of_b ? "B" : "A", method[0] ? method : "the same", of_b ? v->compare.milliseconds : v->stats.gpu_milliseconds);
+    if (!method[0]) snprintf(method, sizeof method, "the same");
+    if (of_b) /* nearest to the middle what is shortest: the rest may be behind a panel */
+        snprintf(text, sizeof text, "B  %.2f ms  %s", v->compare.milliseconds, method);
+    else
+        snprintf(text, sizeof text, "%s  %.2f ms  A", method, v->stats.gpu_milliseconds);
     ui_back_label(x, 8 * v->scale, left_of, text);
 }
 

@@ -46,6 +46,7 @@ void view_show(struct view *v, struct view_scene *scene) {
     pthread_mutex_lock(&v->device.mutex);
     view_compare_leave(v);
     view_scene_free(&v->shown);
+    v->stats = (fnl_frame_stats){0}; /* what it points to was the old renderer's */
     pthread_mutex_unlock(&v->device.mutex);
     v->shown = *scene;
     v->camera.now = scene->camera;

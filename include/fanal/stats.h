@@ -39,6 +39,12 @@ typedef struct fnl_counter {
     uint64_t value;
 } fnl_counter;
 
+/** Device memory of one kind. */
+typedef struct fnl_memory_kind {
+    const char *name; /**< lives as long as the program */
+    uint64_t bytes;
+} fnl_memory_kind;
+
 /** The counter `index`, 0 and up, without a value; false beyond the last. No frame has all of them. */
 FNL_API bool fnl_counter_query(uint32_t index, fnl_counter *out);
 
@@ -103,6 +109,13 @@ typedef struct fnl_frame_stats {
     uint64_t tile_bytes, lazy_bytes, lazy_committed_bytes;
     /** Device memory in use, and its greatest amount so far. */
     uint64_t device_bytes, device_peak_bytes;
+    /** device_bytes by kind, always the same ones in the same order; together they are device_bytes, of all that use the device. Owned by the renderer,
+        valid until the next call on it.
+        geometry: vertices, clusters, instances, materials, acceleration structures; textures: images of materials and decals; lights: lights, decals and
+        probes, the environment, lists that outlive frames; shadows: shadow maps; frame: what lives within a frame, images as light lists; history: images
+        that frames hand on; transfer: between the CPU and the device, both ways; other: the rest. */
+    uint32_t memory_kind_count;
+    const fnl_memory_kind *memory_kinds;
     /** Recording and submitting. */
     double cpu_milliseconds;
     /** Sum of all passes; 0 without timers. */

@@ -73,7 +73,7 @@ static fnl_result finish_buffer(gpu_device *device, fnl_result result, struct gp
     return result;
 }
 
-static fnl_result create_buffer(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind,
+static fnl_result create_buffer(gpu_device *device, enum gpu_use use, const char *name, uint64_t size, enum gpu_memory_kind kind,
                                 VkBufferUsageFlags more, struct gpu_buffer *out) {
     *out = (struct gpu_buffer){0};
     if (!gpu_retire_reserve(device)) return FNL_ERROR_MEMORY;
@@ -85,7 +85,7 @@ static fnl_result create_buffer(gpu_device *device, const char *name, uint64_t s
     fnl_result result = make_buffer(device, name, &info, out);
     if (result == FNL_OK) {
         VkMemoryRequirements requirements = buffer_requirements(device, &info);
-        result = gpu_memory_allocate(device, name, &requirements, kind, false, &out->allocation, &memory, &mapped);
+        result = gpu_memory_allocate(device, name, &requirements, kind, use, false, &out->allocation, &memory, &mapped);
     }
     if (result == FNL_OK) result = bind_buffer(device, name, memory, out->allocation.offset, info.size, out);
     if (kind != GPU_MEMORY_DEVICE) out->mapped = mapped;
@@ -94,11 +94,15 @@ static fnl_result create_buffer(gpu_device *device, const char *name, uint64_t s
 
 fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind,
                              struct gpu_buffer *out) {
-    return create_buffer(device, name, size, kind, 0, out);
+    return create_buffer(device, kind == GPU_MEMORY_DEVICE ? GPU_USE_OTHER : GPU_USE_TRANSFER, name, size, kind, 0, out);
+}
+
+fnl_result gpu_buffer_create_for(gpu_device *device, enum gpu_use use, const char *name, uint64_t size, enum gpu_memory_kind kind, struct gpu_buffer *out) {
+    return create_buffer(device, use, name, size, kind, 0, out);
 }
 
 fnl_result gpu_structure_buffer_create(gpu_device *device, const char *name, uint64_t size, struct gpu_buffer *out) {
-    TRY(create_buffer(device, name, size, GPU_MEMORY_DEVICE, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR, out));
+    TRY(create_buffer(device, GPU_USE_GEOMETRY, name, size, GPU_MEMORY_DEVICE, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR, out));
     gpu_memory_count_structure(device, out->allocation.size, true);
     return FNL_OK;
 }

@@ -53,8 +53,24 @@ fnl_result gpu_status(const gpu_device *device);
 /** Makes an error stick (the first wins). */
 void gpu_fail(gpu_device *device, fnl_result result);
 
+/** What memory is for, in the accounts alone. */
+enum gpu_use {
+    GPU_USE_OTHER,    /* whatever says nothing else */
+    GPU_USE_GEOMETRY, /* vertices, clusters, instances, materials, acceleration structures */
+    GPU_USE_TEXTURES, /* images of materials and decals */
+    GPU_USE_LIGHTS,   /* lights, decals, probes, the environment, and lists that outlive frames */
+    GPU_USE_SHADOWS,  /* pages of shadow maps and what says where they are */
+    GPU_USE_FRAME,    /* what lives within a frame: its images, its light lists and other buffers */
+    GPU_USE_HISTORY,  /* images that one frame hands on to the next */
+    GPU_USE_TRANSFER, /* between the CPU and the device, both ways */
+    GPU_USE_COUNT
+};
+/** Such as "geometry". */
+const char *gpu_use_name(enum gpu_use use);
+
 struct gpu_memory_stats {
     uint64_t used_bytes, reserved_bytes, peak_used_bytes;
+    uint64_t use_bytes[GPU_USE_COUNT]; /* of used_bytes: together all of them */
     uint64_t structure_bytes; /* of used_bytes: acceleration structures */
 };
 /**
@@ -84,6 +100,7 @@ struct gpu_buffer {
     void *mapped; /* not for GPU_MEMORY_DEVICE */
     struct gpu_allocation {
         uint32_t block, type;
+        enum gpu_use use;
         uint64_t offset, size;
     } allocation;
 };
@@ -91,6 +108,8 @@ struct gpu_buffer {
 /** Usable as storage (by address), index, indirect and transfer buffer. Size 0 is rounded up to 16. Not cleared. */
 fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind,
                              struct gpu_buffer *out);
+/** The same with an account; without one it is that of GPU_USE_TRANSFER for memory that is mapped, and of GPU_USE_OTHER. */
+fnl_result gpu_buffer_create_for(gpu_device *device, enum gpu_use use, const char *name, uint64_t size, enum gpu_memory_kind kind, struct gpu_buffer *out);
 /** Freed once the frames in flight are over. Clears the struct; an all-zero struct is accepted. */
 void gpu_buffer_destroy(gpu_device *device, struct gpu_buffer *buffer);
 
@@ -149,6 +168,7 @@ struct gpu_image_params {
     /* SAMPLED and STORAGE get bindless indices. STORAGE of a compressed format: shaders store whole blocks to its parts (gpu_image_part), where
        gpu_block_stores_supported() */
     VkImageUsageFlags usage;
+    enum gpu_use use; /* its account */
 };
 
 struct gpu_image {
@@ -245,7 +265,7 @@ uint32_t gpu_mip_rows(const struct gpu_image *image, uint32_t mip);
  * Makes a device buffer larger: its first `used` bytes are copied on the device, and the old memory goes when the frames under way are over.
  * `buffer` may have no handle; then it is created. On errors it stays what it was.
  */
-fnl_result gpu_grow_buffer(gpu_device *device, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t size);
+fnl_result gpu_grow_buffer(gpu_device *device, enum gpu_use use, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t size);
 /** Hands uploads to the device: frames that are submitted later see them. */
 fnl_result gpu_upload_submit(gpu_device *device);
 /** Waits until all uploads are done and visible to later submissions. */

@@ -73,7 +73,7 @@ static void test_bindless_images_are_stored_fetched_and_sampled(void **state) {
                                       SIDE,       SIDE,
                                       1,          1,
                                       1,          false,
-                                      false,      VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+                                      false,      VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, GPU_USE_OTHER};
     struct gpu_sampler_params nearest = {.mag = VK_FILTER_NEAREST,
                                          .min = VK_FILTER_NEAREST,
                                          .mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,

@@ -177,7 +177,7 @@ static void test_every_allocation_may_fail(void **state) {
                                                     4,       4,
                                                     1,       1,
                                                     1,       false,
-                                                    false,   VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+                                                    false,   VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, GPU_USE_OTHER};
             uint32_t pixels[16] = {0};
             result = gpu_image_create(device, &image_params, &image);
             if (result == FNL_OK) result = gpu_buffer_create(device, "buffer", 64, GPU_MEMORY_DEVICE, &buffer);

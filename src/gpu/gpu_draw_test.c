@@ -29,12 +29,12 @@ static void canvas_init(struct canvas *canvas, gpu_device *device, uint32_t samp
                                      SIDE,    SIDE,
                                      1,       1,
                                      samples, false,
-                                     false,   VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+                                     false,   VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, GPU_USE_OTHER};
     struct gpu_image_params depth = {"depth", VK_FORMAT_D32_SFLOAT,
                                      SIDE,    SIDE,
                                      1,       1,
                                      samples, false,
-                                     false,   VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+                                     false,   VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, GPU_USE_OTHER};
     if (samples > 1) color.format = VK_FORMAT_R16G16B16A16_SFLOAT;
     assert_int_equal(gpu_image_create(device, &color, &canvas->color), FNL_OK);
     assert_int_equal(gpu_image_create(device, &depth, &canvas->depth), FNL_OK);

@@ -135,7 +135,7 @@ struct gpu_memory {
 
 /** `optimal`: for images. The name is for the message. `mapped` may be NULL. */
 fnl_result gpu_memory_allocate(gpu_device *device, const char *name, const VkMemoryRequirements *requirements,
-                               enum gpu_memory_kind kind, bool optimal, struct gpu_allocation *out, VkDeviceMemory *memory,
+                               enum gpu_memory_kind kind, enum gpu_use use, bool optimal, struct gpu_allocation *out, VkDeviceMemory *memory,
                                void **mapped);
 /** Memory types that do, best first; returns their number. Mapped kinds are coherent always. */
 uint32_t gpu_memory_order_types(const struct gpu_memory *memory, enum gpu_memory_kind kind, uint32_t mask,

@@ -84,7 +84,7 @@ static double check_mips(gpu_device *device, bool color) {
         SIDE,   SIDE,
         1,      MIPS,
         1,      false,
-        color,  VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+        color,  VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, GPU_USE_OTHER};
     struct gpu_image image;
     assert_int_equal(gpu_image_create(device, &params, &image), FNL_OK);
     assert_true((image.srgb_index != GPU_NO_INDEX) == color);
@@ -165,7 +165,7 @@ static void test_images_bigger_than_the_ring_go_in_slices(void **state) {
                                           false,
                                           false,
                                           VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                                              VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+                                              VK_IMAGE_USAGE_TRANSFER_SRC_BIT, GPU_USE_OTHER};
         size_t size = cases[i].texel * cases[i].width * cases[i].height;
         unsigned char *sent = malloc(size);
         fill_random(sent, size, i);
@@ -188,7 +188,7 @@ static void test_images_that_cannot_be_are_refused(void **state) {
     struct test_memory memory = {0};
     gpu_device *device = test_device_create(&memory);
     const struct gpu_image_params good = {"never", VK_FORMAT_R8G8B8A8_UNORM,  8, 8, 1, 1, 1, false,
-                                          false,   VK_IMAGE_USAGE_SAMPLED_BIT};
+                                          false,   VK_IMAGE_USAGE_SAMPLED_BIT, GPU_USE_OTHER};
     struct gpu_image_params params = good;
     struct gpu_image image;
     params.width = 0;
@@ -245,7 +245,7 @@ static void test_memory_is_accounted(void **state) {
                                               1,
                                               false,
                                               false,
-                                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT};
+                                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT, GPU_USE_OTHER};
             assert_int_equal(gpu_image_create(device, &params, &images[i]), FNL_OK);
         }
         if (step % 50 == 0) assert_int_equal(gpu_wait_idle(device), FNL_OK);
@@ -277,6 +277,65 @@ static void test_memory_is_accounted(void **state) {
 }
 
 /* The set takes what it holds and no more. Where the layer visits all of it at each draw, it holds a sixteenth. */
+static void assert_uses(gpu_device *device, const uint64_t wanted[GPU_USE_COUNT]) {
+    const struct gpu_memory_stats stats = gpu_memory_stats(device);
+    uint64_t sum = 0;
+    for (uint32_t use = 0; use < GPU_USE_COUNT; use++) {
+        if (stats.use_bytes[use] != wanted[use])
+            fail_msg("%s has %llu bytes, not %llu", gpu_use_name((enum gpu_use)use), (unsigned long long)stats.use_bytes[use], (unsigned long long)wanted[use]);
+        sum += stats.use_bytes[use];
+    }
+    assert_true(sum == stats.used_bytes);
+}
+
+/** Each piece counts where it says, from when it is made until it is freed. */
+static void test_memory_is_accounted_by_use(void **state) {
+    UNUSED(state);
+    gpu_device *device = test_device_create(NULL);
+    struct gpu_buffer buffers[GPU_USE_COUNT], mapped, plain;
+    struct gpu_image images[GPU_USE_COUNT];
+    uint64_t wanted[GPU_USE_COUNT] = {0};
+    for (uint32_t use = 0; use < GPU_USE_COUNT; use++) {
+        const struct gpu_image_params params = {.name = "of a use",
+                                                .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                                .width = 64 + 32 * use,
+                                                .height = 64,
+                                                .layers = 1,
+                                                .mips = 1,
+                                                .samples = 1,
+                                                .usage = VK_IMAGE_USAGE_SAMPLED_BIT,
+                                                .use = (enum gpu_use)use};
+        assert_int_equal(gpu_buffer_create_for(device, (enum gpu_use)use, "of a use", 5000 * (use + 1), GPU_MEMORY_DEVICE, &buffers[use]), FNL_OK);
+        assert_int_equal(gpu_image_create(device, &params, &images[use]), FNL_OK);
+        wanted[use] += buffers[use].allocation.size + images[use].allocation.size;
+        assert_uses(device, wanted);
+    }
+    assert_int_equal(gpu_buffer_create(device, "mapped", 3000, GPU_MEMORY_READBACK, &mapped), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "plain", 3000, GPU_MEMORY_DEVICE, &plain), FNL_OK);
+    wanted[GPU_USE_TRANSFER] += mapped.allocation.size;
+    wanted[GPU_USE_OTHER] += plain.allocation.size;
+    struct gpu_heap heap;
+    assert_int_equal(gpu_heap_create(device, "heap", 70000, gpu_buffer_requirements(device, 70000).memory_types, &heap), FNL_OK);
+    wanted[GPU_USE_FRAME] += heap.size;
+    assert_uses(device, wanted);
+    wanted[GPU_USE_LIGHTS] -= buffers[GPU_USE_LIGHTS].allocation.size;
+    assert_int_equal(gpu_grow_buffer(device, GPU_USE_LIGHTS, "grown", &buffers[GPU_USE_LIGHTS], 0, 90000), FNL_OK);
+    gpu_wait_idle(device);
+    wanted[GPU_USE_LIGHTS] += buffers[GPU_USE_LIGHTS].allocation.size;
+    assert_uses(device, wanted);
+    gpu_heap_destroy(device, &heap);
+    gpu_buffer_destroy(device, &mapped);
+    gpu_buffer_destroy(device, &plain);
+    for (uint32_t use = 0; use < GPU_USE_COUNT; use++) {
+        gpu_buffer_destroy(device, &buffers[use]);
+        gpu_image_destroy(device, &images[use]);
+    }
+    gpu_wait_idle(device);
+    memset(wanted, 0, sizeof wanted);
+    assert_uses(device, wanted);
+    test_device_destroy(&device);
+}
+
 static void test_the_bindless_set_fills(void **state) {
     UNUSED(state);
     struct test_memory memory = {0};
@@ -319,7 +378,7 @@ static void test_a_heap_holds_images_and_buffers(void **state) {
                                       64,          64,
                                       1,           1,
                                       1,           false,
-                                      false,       VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+                                      false,       VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, GPU_USE_OTHER};
     struct gpu_requirements for_image = gpu_image_requirements(device, &params),
                             for_buffer = gpu_buffer_requirements(device, 1000);
     assert_true(for_image.size >= 64 * 64 * 4 && for_buffer.size >= 1000 &&
@@ -403,6 +462,7 @@ const struct CMUnitTest memory_tests[] = {
     cmocka_unit_test(test_images_bigger_than_the_ring_go_in_slices),
     cmocka_unit_test(test_images_that_cannot_be_are_refused),
     cmocka_unit_test(test_memory_is_accounted),
+    cmocka_unit_test(test_memory_is_accounted_by_use),
     cmocka_unit_test(test_the_bindless_set_fills),
     cmocka_unit_test(test_a_heap_holds_images_and_buffers),
     cmocka_unit_test(test_what_is_destroyed_right_after_its_upload),

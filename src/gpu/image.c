@@ -310,8 +310,8 @@ static fnl_result make_image(gpu_device *device, const struct gpu_heap *heap, ui
         VkDeviceMemory memory = heap ? heap->memory : VK_NULL_HANDLE;
         if (!heap) {
             VkMemoryRequirements requirements = image_requirements(device, &info.info);
-            TRY(gpu_memory_allocate(device, name, &requirements, GPU_MEMORY_DEVICE, true, &image->allocation, &memory,
-                                    NULL));
+            TRY(gpu_memory_allocate(device, name, &requirements, GPU_MEMORY_DEVICE, image->params.use, true, &image->allocation,
+                                    &memory, NULL));
             image->owns_memory = true;
             offset = image->allocation.offset;
         }

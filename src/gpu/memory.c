@@ -66,8 +66,14 @@ static VkResult allocate_device_memory(gpu_device *device, const char *name, uin
     return VK_SUCCESS;
 }
 
-static void count_used(struct gpu_memory *memory, uint64_t size) {
+const char *gpu_use_name(enum gpu_use use) {
+    static const char *const names[GPU_USE_COUNT] = {"other", "geometry", "textures", "lights", "shadows", "frame", "history", "transfer"};
+    return names[use];
+}
+
+static void count_used(struct gpu_memory *memory, enum gpu_use use, uint64_t size) {
     memory->stats.used_bytes += size;
+    memory->stats.use_bytes[use] += size;
     memory->stats.peak_used_bytes = MAX(memory->stats.peak_used_bytes, memory->stats.used_bytes);
 }
 
@@ -190,7 +196,7 @@ static VkResult allocate_from_type(gpu_device *device, const char *name, const V
 }
 
 fnl_result gpu_memory_allocate(gpu_device *device, const char *name, const VkMemoryRequirements *requirements,
-                               enum gpu_memory_kind kind, bool optimal, struct gpu_allocation *out,
+                               enum gpu_memory_kind kind, enum gpu_use use, bool optimal, struct gpu_allocation *out,
                                VkDeviceMemory *out_memory, void **mapped) {
     struct gpu_memory *memory = &device->memory;
     uint32_t types[VK_MAX_MEMORY_TYPES];
@@ -201,7 +207,8 @@ fnl_result gpu_memory_allocate(gpu_device *device, const char *name, const VkMem
     for (uint32_t i = 0; i < type_count && result != VK_SUCCESS; i++)
         result = allocate_from_type(device, name, requirements, types[i], optimal, out);
     if (result == VK_SUCCESS) {
-        count_used(memory, out->size);
+        out->use = use;
+        count_used(memory, use, out->size);
         const struct gpu_block *block = &memory->blocks.data[out->block];
         *out_memory = block->memory;
         if (mapped) *mapped = block->mapped ? (char *)block->mapped + out->offset : NULL;
@@ -218,6 +225,7 @@ void gpu_memory_free(gpu_device *device, const struct gpu_allocation *allocation
     struct gpu_block *block = &memory->blocks.data[allocation->block];
     give_range(block, allocation->offset, allocation->size);
     memory->stats.used_bytes -= allocation->size;
+    memory->stats.use_bytes[allocation->use] -= allocation->size;
     if (--block->allocation_count == 0) {
         /* One empty block of a sort is kept, so that a resource made and freed in turn does not cost a block each time. */
         bool spare = false;
@@ -285,7 +293,7 @@ fnl_result gpu_heap_create(gpu_device *device, const char *name, uint64_t size, 
     pthread_mutex_lock(&memory->mutex);
     for (uint32_t i = 0; i < type_count && result != VK_SUCCESS; i++)
         result = allocate_device_memory(device, name, types[i], size, &out->memory);
-    if (result == VK_SUCCESS) count_used(memory, size);
+    if (result == VK_SUCCESS) count_used(memory, GPU_USE_FRAME, size);
     pthread_mutex_unlock(&memory->mutex);
     if (result != VK_SUCCESS) {
         gpu_retire_cancel(device);
@@ -311,6 +319,7 @@ void gpu_memory_free_heap(gpu_device *device, VkDeviceMemory memory, uint64_t si
     pthread_mutex_lock(&device->memory.mutex);
     device->vk.FreeMemory(device->handle, memory, NULL);
     device->memory.stats.used_bytes -= size;
+    device->memory.stats.use_bytes[GPU_USE_FRAME] -= size;
     device->memory.stats.reserved_bytes -= size;
     pthread_mutex_unlock(&device->memory.mutex);
 }

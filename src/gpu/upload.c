@@ -218,10 +218,10 @@ static fnl_result copy_buffer(gpu_device *device, const struct gpu_buffer *from,
     return FNL_OK;
 }
 
-fnl_result gpu_grow_buffer(gpu_device *device, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t size) {
+fnl_result gpu_grow_buffer(gpu_device *device, enum gpu_use use, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t size) {
     REQUIRE(&device->host, used <= buffer->size && used <= size);
     struct gpu_buffer grown;
-    TRY(gpu_buffer_create(device, name, size, GPU_MEMORY_DEVICE, &grown));
+    TRY(gpu_buffer_create_for(device, use, name, size, GPU_MEMORY_DEVICE, &grown));
     fnl_result result = FNL_OK;
     if (used) {
         pthread_mutex_lock(&device->uploads.mutex);

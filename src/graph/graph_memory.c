@@ -269,6 +269,7 @@ static fnl_result realise_history(struct graph *graph, struct graph_resource *re
     if (!image->handle) {
         struct gpu_image_params params = graph_gpu_params(resource);
         params.usage = resource->usage | history_usage(graph, entry);
+        params.use = GPU_USE_HISTORY;
         TRY(gpu_image_create(graph->device, &params, image));
     }
     resource->image = image;

@@ -68,7 +68,7 @@ static fnl_result send_movers(fnl_renderer *r) {
         if (moves) bits.data[i / 32] |= 1u << i % 32;
         p->moves |= moves;
     }
-    fnl_result result = device_array_set(d, "moving items", &p->moving, bits.data, words, sizeof *bits.data);
+    fnl_result result = device_array_set(d, GPU_USE_LIGHTS, "moving items", &p->moving, bits.data, words, sizeof *bits.data);
     array_free(&r->host, &bits);
     p->structure = d->structure_version;
     p->sent_movers = p->mover_version;

@@ -38,7 +38,7 @@ static fnl_result grow_diffuse(fnl_renderer *r) {
     if (held >= p->list.count) return FNL_OK;
     gpu_buffer_destroy(r->device, &p->diffuse);
     const uint32_t room = MAX(MAX(2 * held, p->list.count), (uint32_t)DIFFUSE_START);
-    return gpu_buffer_create(r->device, "probe light", room * sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &p->diffuse);
+    return gpu_buffer_create_for(r->device, GPU_USE_LIGHTS, "probe light", room * sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &p->diffuse);
 }
 
 /* What the maps hold is kept where the probe is the same. */
@@ -122,8 +122,8 @@ fnl_result reflections_prepare(fnl_renderer *r) {
         probes[i] = reflection_of(&p->list.data[i], rank);
         bounds[i] = bounds_of(&p->list.data[i], i);
     }
-    if (result == FNL_OK) result = device_array_set(r->device_scene, "reflection probes", &p->probes, probes, count, sizeof *probes);
-    if (result == FNL_OK) result = device_array_set(r->device_scene, "reflection bounds", &p->bounds, bounds, count, sizeof *bounds);
+    if (result == FNL_OK) result = device_array_set(r->device_scene, GPU_USE_LIGHTS, "reflection probes", &p->probes, probes, count, sizeof *probes);
+    if (result == FNL_OK) result = device_array_set(r->device_scene, GPU_USE_LIGHTS, "reflection bounds", &p->bounds, bounds, count, sizeof *bounds);
     host_free(&r->host, probes, count * sizeof *probes);
     host_free(&r->host, bounds, count * sizeof *bounds);
     return result == FNL_OK ? gpu_upload_submit(r->device) : result;
@@ -190,7 +190,7 @@ static fnl_result capture(fnl_renderer *r, const fnl_frame *shown, uint32_t inde
     const VkFormat before = probe->maps.cube.params.format;
     TRY(environment_prepare_cube(r->device, side, compressed, &probe->maps));
     if (probe->maps.cube.params.format != before) probe->is_captured = false;
-    if (!probe->maps.light.handle) TRY(gpu_buffer_create(r->device, "probe light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &probe->maps.light));
+    if (!probe->maps.light.handle) TRY(gpu_buffer_create_for(r->device, GPU_USE_LIGHTS, "probe light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &probe->maps.light));
     face_cameras(&probe->params, cameras);
     const fnl_frame frame = capture_frame(shown, cameras, side);
     p->capturer->captured = index;

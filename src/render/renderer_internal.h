@@ -154,6 +154,7 @@ struct fnl_renderer {
     struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];  /* struct frame_counts of each view */
     uint32_t slot_views[GPU_FRAMES_IN_FLIGHT];       /* of the frame whose counts a slot holds; 0: none */
     ARRAY(fnl_pass_time) pass_times;
+    fnl_memory_kind memory_kinds[GPU_USE_COUNT];
     double cpu_milliseconds;
     uint32_t pipelines_made; /* by the frame itself */
 };

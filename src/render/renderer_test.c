@@ -681,6 +681,9 @@ static void test_device_memory_comes_back(void **state) {
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
         assert_true(stats.device_bytes > 64 * 64 * 36 && stats.device_peak_bytes >= stats.device_bytes);
+        uint64_t sum = 0;
+        for (uint32_t k = 0; k < stats.memory_kind_count; k++) sum += stats.memory_kinds[k].bytes;
+        assert_true(sum == stats.device_bytes);
         fnl_renderer_destroy(&renderer);
         uint64_t left = gpu_memory_stats(test_device).used_bytes;
         assert_true(left < stats.device_bytes);

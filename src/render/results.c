@@ -89,6 +89,12 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
     struct gpu_memory_stats memory = gpu_memory_stats(r->device);
     out->device_bytes = memory.used_bytes;
     out->device_peak_bytes = memory.peak_used_bytes;
+    for (uint32_t i = 0; i < GPU_USE_COUNT; i++) { /* other comes last */
+        const enum gpu_use use = (enum gpu_use)((i + 1) % GPU_USE_COUNT);
+        r->memory_kinds[i] = (fnl_memory_kind){gpu_use_name(use), memory.use_bytes[use]};
+    }
+    out->memory_kinds = r->memory_kinds;
+    out->memory_kind_count = GPU_USE_COUNT;
     const struct graph_timer *timers;
     uint32_t count;
     r->pass_times.count = 0;

@@ -73,7 +73,7 @@ fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct 
     memcpy(s->placed, placed, sizeof placed);
     if (s->kept.size < bytes) {
         gpu_buffer_destroy(r->device, &s->kept);
-        TRY(gpu_buffer_create(r->device, "shadow items", bytes + bytes / 4, GPU_MEMORY_DEVICE, &s->kept));
+        TRY(gpu_buffer_create_for(r->device, GPU_USE_SHADOWS, "shadow items", bytes + bytes / 4, GPU_MEMORY_DEVICE, &s->kept));
     }
     return shadow_pages_prepare(r->device, &s->pages, (uint32_t)row_count(r), atlas_side(frame));
 }

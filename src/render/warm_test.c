@@ -129,7 +129,7 @@ static void test_for_a_target(void **state) {
     assert_int_equal(fnl_renderer_warm(s.renderer, &frame, &wrong, true, NULL), FNL_ERROR_UNSUPPORTED);
     struct gpu_image image;
     struct gpu_image_params params = {"target", linear.format, frame.width, frame.height, 1, 1, 1, false, false,
-                                      VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+                                      VK_IMAGE_USAGE_TRANSFER_DST_BIT, GPU_USE_OTHER};
     assert_int_equal(gpu_image_create(harness_device(), &params, &image), FNL_OK);
     linear.image = image.handle;
     fnl_frame_stats stats;

@@ -246,6 +246,12 @@ expect 0 '' render builtin:spheres $plain --lists clustered --frames 2 -q -o "$w
 cmp -s "$work/alone.png" "$work/timed.png" || fail '--frames 0 gave other bytes'
 expect 2 'frames 0 is a picture without numbers' render builtin:spheres $plain --frames 0 --stats "$work/none.json" -o "$work/none.png"
 absent "$work/none.json" "$work/none.png"
+# memory KIND: what the last statistics say of it.
+memory() { sed -n "s/^ *\"$1\": \([0-9]*\),*$/\1/p" "$work/memory.json"; }
+expect 0 '' render builtin:onetile $plain --shadows off -o "$work/m.png" --stats "$work/memory.json"
+[ "$(memory shadows)" = 0 ] && [ "$(memory history)" = 0 ] || fail 'without shadows and history there is memory for them'
+expect 0 '' render builtin:onetile $plain --shadows maps --aa taa -o "$work/m.png" --stats "$work/memory.json"
+[ "$(memory shadows)" -gt 1000000 ] && [ "$(memory history)" -gt 10000 ] || fail 'shadow maps and history take no memory'
 cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the stats are not as documented'
 # A pipe or a device stays one.
 mkfifo "$work/pipe"

@@ -39,6 +39,7 @@ static struct gpu_image_params image_params(const char *name, VkFormat format, u
                                      .layers = 1,
                                      .mips = 1,
                                      .samples = 1,
+                                     .use = GPU_USE_LIGHTS,
                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
 }
 
@@ -94,7 +95,7 @@ fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint3
                                struct environment_maps *maps) {
     TRY(environment_prepare_cube(device, environment_side(width), compressed, maps));
     TRY(environment_prepare_table(device, maps));
-    if (!maps->light.handle) TRY(gpu_buffer_create(device, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
+    if (!maps->light.handle) TRY(gpu_buffer_create_for(device, GPU_USE_LIGHTS, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
     const struct gpu_image_params picture = image_params("environment picture", VK_FORMAT_R16G16B16A16_SFLOAT, width, height);
     TRY(gpu_image_create(device, &picture, &maps->picture));
     return gpu_upload_image(device, &maps->picture, pixels, (uint64_t)width * height * 8, false, false);

@@ -202,7 +202,7 @@ static void execute_upload(const struct graph_context *context, const void *data
 static fnl_result keep(gpu_device *device, const char *name, struct gpu_buffer *buffer, uint64_t size) {
     if (buffer->size >= size && buffer->handle) return FNL_OK;
     gpu_buffer_destroy(device, buffer);
-    return gpu_buffer_create(device, name, size + size / 4, GPU_MEMORY_DEVICE, buffer);
+    return gpu_buffer_create_for(device, GPU_USE_LIGHTS, name, size + size / 4, GPU_MEMORY_DEVICE, buffer);
 }
 
 static fnl_result rebuild(struct world_grid *grid, gpu_device *device, const struct light_input *input,

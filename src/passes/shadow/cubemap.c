@@ -35,6 +35,7 @@ fnl_result cubemap_create(gpu_device *device, uint32_t side, struct gpu_image *o
                                                        .mips = cubemap_levels(side),
                                                        .samples = 1,
                                                        .cube = true,
+                                                       .use = GPU_USE_SHADOWS,
                                                        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT},
                             out);
 }

@@ -34,15 +34,15 @@ static fnl_result create(gpu_device *device, struct shadow_state *state, uint32_
     const uint64_t words = row_room * (uint64_t)SHADOW_ROW_WORDS * 4,
                    pages = cell_count(atlas_side) * (uint64_t)CELL_PAGES * sizeof(struct gpu_shadow_page);
     for (int i = 0; i < 2; i++) {
-        TRY(gpu_buffer_create(device, "shadow held", words, GPU_MEMORY_DEVICE, &state->held[i]));
-        TRY(gpu_buffer_create(device, "shadow before", words, GPU_MEMORY_DEVICE, &state->before[i]));
-        TRY(gpu_buffer_create(device, "shadow pages", pages, GPU_MEMORY_DEVICE, &state->pages[i]));
+        TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow held", words, GPU_MEMORY_DEVICE, &state->held[i]));
+        TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow before", words, GPU_MEMORY_DEVICE, &state->before[i]));
+        TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow pages", pages, GPU_MEMORY_DEVICE, &state->pages[i]));
     }
-    TRY(gpu_buffer_create(device, "shadow shapes", row_room * sizeof(struct gpu_shape), GPU_MEMORY_DEVICE,
+    TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow shapes", row_room * sizeof(struct gpu_shape), GPU_MEMORY_DEVICE,
                           &state->shapes));
-    TRY(gpu_buffer_create(device, "shadow counts", sizeof(struct gpu_shadow_counts), GPU_MEMORY_DEVICE, &state->counts));
+    TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow counts", sizeof(struct gpu_shadow_counts), GPU_MEMORY_DEVICE, &state->counts));
     const uint64_t blocks = atlas_side / SHADOW_DARK_BLOCK, squares = atlas_side / SHADOW_DARK_WIDE;
-    TRY(gpu_buffer_create(device, "shadow least", (blocks * blocks + squares * squares) * 4, GPU_MEMORY_DEVICE, &state->least));
+    TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow least", (blocks * blocks + squares * squares) * 4, GPU_MEMORY_DEVICE, &state->least));
     const struct gpu_image_params atlas = {.name = "shadow atlas",
                                            .format = VK_FORMAT_D32_SFLOAT,
                                            .width = atlas_side,
@@ -50,6 +50,7 @@ static fnl_result create(gpu_device *device, struct shadow_state *state, uint32_
                                            .layers = 1,
                                            .mips = 1,
                                            .samples = 1,
+                                           .use = GPU_USE_SHADOWS,
                                            .usage =
                                                VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
     TRY(gpu_image_create(device, &atlas, &state->atlas));

@@ -28,7 +28,7 @@ static fnl_result clear_buffer(gpu_device *device, const struct gpu_buffer *buff
 
 static fnl_result make_buffer(gpu_device *device, const char *name, const void *data, uint64_t size,
                               struct gpu_buffer *out) {
-    TRY(gpu_buffer_create(device, name, size, GPU_MEMORY_DEVICE, out));
+    TRY(gpu_buffer_create_for(device, GPU_USE_TEXTURES, name, size, GPU_MEMORY_DEVICE, out));
     return data ? gpu_upload_buffer(device, out, 0, data, size) : clear_buffer(device, out);
 }
 
@@ -78,6 +78,7 @@ static fnl_result create_all(gpu_device *device, const struct virtual_contents *
                                           .layers = 1,
                                           .mips = 1,
                                           .samples = 1,
+                                          .use = GPU_USE_TEXTURES,
                                           .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT};
         TRY(gpu_image_create(device, &params, &atlas->layers[i]));
         atlas->bytes += 4ull * params.width * params.height;

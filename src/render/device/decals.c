@@ -34,6 +34,7 @@ static fnl_result upload_pixels(struct device_scene *d, struct decal_picture *pi
                                       .mips = mip_count(width, height),
                                       .samples = 1,
                                       .srgb_view = color,
+                                      .use = GPU_USE_TEXTURES,
                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                                VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     TRY(gpu_image_create(d->device, &params, &picture->gpu));
@@ -263,9 +264,9 @@ static fnl_result prepare_mesh(struct device_scene *d) {
     }
     if (result == FNL_OK)
         result =
-            device_upload_array(d, "mesh decal ranges", &all->mesh_ranges, ranges, (instance_count + 1) * sizeof *ranges);
+            device_upload_array(d, GPU_USE_LIGHTS, "mesh decal ranges", &all->mesh_ranges, ranges, (instance_count + 1) * sizeof *ranges);
     if (result == FNL_OK)
-        result = device_upload_array(d, "mesh decal ids", &all->mesh_ids, ids.data, id_count * sizeof *ids.data);
+        result = device_upload_array(d, GPU_USE_LIGHTS, "mesh decal ids", &all->mesh_ids, ids.data, id_count * sizeof *ids.data);
     array_free(&d->host, &ids);
     host_free(&d->host, ranges, (instance_count + 1) * sizeof *ranges);
     return result;
@@ -327,13 +328,13 @@ static fnl_result prepare_redraws(struct device_scene *d) {
     struct redraws r = {{0}, {0}, {0}};
     fnl_result result = find_redraws(d, &r);
     if (result == FNL_OK)
-        result = device_upload_array(d, "redraw indices", &all->redraw_indices, r.indices.data, r.indices.count * 4ull);
+        result = device_upload_array(d, GPU_USE_LIGHTS, "redraw indices", &all->redraw_indices, r.indices.data, r.indices.count * 4ull);
     if (result == FNL_OK)
         result =
-            device_upload_array(d, "redraw draws", &all->redraw_draws, r.draws.data, r.draws.count * sizeof *r.draws.data);
+            device_upload_array(d, GPU_USE_LIGHTS, "redraw draws", &all->redraw_draws, r.draws.data, r.draws.count * sizeof *r.draws.data);
     if (result == FNL_OK)
         result =
-            device_upload_array(d, "redraw table", &all->redraw_table, r.table.data, r.table.count * sizeof *r.table.data);
+            device_upload_array(d, GPU_USE_LIGHTS, "redraw table", &all->redraw_table, r.table.data, r.table.count * sizeof *r.table.data);
     if (result == FNL_OK) all->draw_count = r.draws.count;
     array_free(&d->host, &r.indices);
     array_free(&d->host, &r.draws);
@@ -384,7 +385,7 @@ static fnl_result grow_buffer(struct device_scene *d, const char *name, struct g
     uint64_t wanted = MAX(size, buffer->size + buffer->size / 2);
     gpu_buffer_destroy(d->device, buffer);
     d->sent.decals = UINT64_MAX;
-    return gpu_buffer_create(d->device, name, wanted, GPU_MEMORY_DEVICE, buffer);
+    return gpu_buffer_create_for(d->device, GPU_USE_LIGHTS, name, wanted, GPU_MEMORY_DEVICE, buffer);
 }
 
 /* Those that are coming: now, or in the background. */

@@ -75,14 +75,14 @@ struct pools {
 
 static fnl_result reserve_pools(struct device_scene *d, const struct pools *before) {
     uint64_t vertices = d->vertices_taken.end;
-    TRY(device_buffer_reserve(d, "positions", &d->positions, before->vertices * 12ull, vertices * 12));
-    TRY(device_buffer_reserve(d, "attributes", &d->attributes, before->vertices * sizeof(struct gpu_attributes),
+    TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "positions", &d->positions, before->vertices * 12ull, vertices * 12));
+    TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "attributes", &d->attributes, before->vertices * sizeof(struct gpu_attributes),
                               vertices * sizeof(struct gpu_attributes)));
-    TRY(device_buffer_reserve(d, "indices", &d->indices, before->indices * 4ull,
+    TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "indices", &d->indices, before->indices * 4ull,
                               d->index_count * 4ull + d->pool_triangles * 12ull));
-    TRY(device_buffer_reserve(d, "influences", &d->influences, before->influences * sizeof(struct gpu_influence),
+    TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "influences", &d->influences, before->influences * sizeof(struct gpu_influence),
                               d->influence_count * sizeof(struct gpu_influence)));
-    return device_buffer_reserve(d, "morph targets", &d->morphs, before->morphs * 4ull, d->morph_count * 4ull);
+    return device_buffer_reserve(d, GPU_USE_GEOMETRY, "morph targets", &d->morphs, before->morphs * 4ull, d->morph_count * 4ull);
 }
 
 static fnl_result upload_positions(struct device_scene *d, const struct scene_primitive *p, uint32_t first) {
@@ -174,8 +174,8 @@ static fnl_result place_clusters(struct device_scene *d, struct cluster_batch *b
         d->primitive_places.data[changed[i]].first_word += first_word;
     }
     const uint64_t size = sizeof *batch->clusters.data;
-    TRY(device_buffer_reserve(d, "clusters", &d->clusters, cluster_end * size, d->clusters_taken.end * size));
-    TRY(device_buffer_reserve(d, "cluster words", &d->cluster_words, word_end * 4ull, d->words_taken.end * 4ull));
+    TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "clusters", &d->clusters, cluster_end * size, d->clusters_taken.end * size));
+    TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "cluster words", &d->cluster_words, word_end * 4ull, d->words_taken.end * 4ull));
     TRY(device_upload(d, &d->clusters, first_cluster * size, batch->clusters.data, batch->clusters.count * size));
     return device_upload(d, &d->cluster_words, first_word * 4ull, batch->words.data, batch->words.count * 4ull);
 }
@@ -288,9 +288,9 @@ static fnl_result upload_all(struct upload *u) {
         TRY(add_deforming_node(u, n));
     }
     d->deformed_vertex_count = d->vertices_taken.end - d->first_deformed;
-    TRY(device_array_set(d, "primitives", &d->primitives, u->primitives.data, u->primitives.count,
+    TRY(device_array_set(d, GPU_USE_GEOMETRY, "primitives", &d->primitives, u->primitives.data, u->primitives.count,
                          sizeof *u->primitives.data));
-    TRY(device_array_set(d, "deforms", &d->deforms, u->deforms.data, u->deforms.count, sizeof *u->deforms.data));
+    TRY(device_array_set(d, GPU_USE_GEOMETRY, "deforms", &d->deforms, u->deforms.data, u->deforms.count, sizeof *u->deforms.data));
     TRY(device_items_upload(d));
     return device_table_send(d);
 }
@@ -305,7 +305,7 @@ fnl_result device_table_send(struct device_scene *d) {
                               .groups = d->groups.buffer.address,
                               .clusters = d->clusters.address,
                               .cluster_words = d->cluster_words.address};
-    return device_array_set(d, "scene table", &d->table, &table, 1, sizeof table);
+    return device_array_set(d, GPU_USE_GEOMETRY, "scene table", &d->table, &table, 1, sizeof table);
 }
 
 fnl_result device_geometry_upload(struct device_scene *d) {

@@ -52,6 +52,7 @@ static fnl_result create_image(struct device_scene *d, uint32_t index, const str
                                       .mips = mip_count(texture->width, texture->height),
                                       .samples = 1,
                                       .srgb_view = image->color,
+                                      .use = GPU_USE_TEXTURES,
                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     if (texture->format == TEXTURE_RGBA8) params.usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT; /* mips are made by blits */
     return gpu_image_create(d->device, &params, out);

@@ -132,8 +132,8 @@ fnl_result device_items_send(struct device_scene *d) {
         result = add_to_bucket(d, i);
     }
     if (result == FNL_OK)
-        result = device_array_set(d, "items", &d->items, d->item_list.data, d->item_count, sizeof(struct gpu_item));
-    if (result == FNL_OK) result = device_array_set(d, "groups", &d->groups, groups, d->group_count, sizeof *groups);
+        result = device_array_set(d, GPU_USE_GEOMETRY, "items", &d->items, d->item_list.data, d->item_count, sizeof(struct gpu_item));
+    if (result == FNL_OK) result = device_array_set(d, GPU_USE_GEOMETRY, "groups", &d->groups, groups, d->group_count, sizeof *groups);
     if (groups) host_free(&d->host, groups, size);
     return result;
 }

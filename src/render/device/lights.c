@@ -242,7 +242,7 @@ static fnl_result send_profiles(struct device_scene *d) {
         to[1] = (float)p->columns;
         memcpy(to + LIGHT_PROFILE_HEAD, p->values, (p->rows + 1) * p->columns * sizeof *to);
     }
-    fnl_result result = all ? device_array_set(d, "light profiles", &d->profiles, all, count, sizeof *all) : FNL_ERROR_MEMORY;
+    fnl_result result = all ? device_array_set(d, GPU_USE_LIGHTS, "light profiles", &d->profiles, all, count, sizeof *all) : FNL_ERROR_MEMORY;
     host_free(&d->host, all, count * sizeof *all);
     if (result == FNL_OK) d->profile_floats = count;
     return result;
@@ -258,11 +258,11 @@ fnl_result device_lights_prepare(struct device_scene *d) {
     }
     bool sent = d->sent.lights != UINT64_MAX;
     uint64_t places = MAX(scene->light_slots.count, 1u), light_bytes = (d->sun_room + places) * sizeof(struct gpu_light);
-    TRY(device_buffer_reserve(d, "lights", &d->lights, sent ? d->lights.size : 0, light_bytes));
-    TRY(device_buffer_reserve(d, "light bounds", &d->bound_buffer, sent ? d->bound_buffer.size : 0,
+    TRY(device_buffer_reserve(d, GPU_USE_LIGHTS, "lights", &d->lights, sent ? d->lights.size : 0, light_bytes));
+    TRY(device_buffer_reserve(d, GPU_USE_LIGHTS, "light bounds", &d->bound_buffer, sent ? d->bound_buffer.size : 0,
                               places * sizeof(struct gpu_entity_bounds)));
     uint64_t plane_bytes = scene->hull_plane_count * sizeof(vec4);
-    return device_buffer_reserve(d, "light planes", &d->planes, sent ? d->planes.size : 0, plane_bytes);
+    return device_buffer_reserve(d, GPU_USE_LIGHTS, "light planes", &d->planes, sent ? d->planes.size : 0, plane_bytes);
 }
 
 void device_lights_finish(struct device_scene *d) {
@@ -290,7 +290,7 @@ static void unfade(struct device_scene *d) {
 static fnl_result copy_room(struct device_scene *d, const char *name, const struct gpu_buffer *of, struct gpu_buffer *copy) {
     if (copy->size >= of->size) return FNL_OK;
     gpu_buffer_destroy(d->device, copy);
-    return gpu_buffer_create(d->device, name, of->size, GPU_MEMORY_DEVICE, copy);
+    return gpu_buffer_create_for(d->device, GPU_USE_LIGHTS, name, of->size, GPU_MEMORY_DEVICE, copy);
 }
 
 fnl_result device_lights_fade(struct device_scene_user *user, const struct gpu_view *view, float lod, bool walk) {

@@ -167,7 +167,7 @@ static fnl_result upload_layers(struct device_scene *d, struct gpu_material *mat
         if (scene_material_layered(m) && !array_push(&d->host, &layers, device_layers(d, m))) result = FNL_ERROR_MEMORY;
     }
     if (result == FNL_OK && (layers.count > 0 || device_has_layers(d)))
-        result = device_array_set(d, "layers", &d->layers, layers.data, layers.count, sizeof *layers.data);
+        result = device_array_set(d, GPU_USE_GEOMETRY, "layers", &d->layers, layers.data, layers.count, sizeof *layers.data);
     for (uint32_t i = 0, at = 0; i < d->scene->materials.count && result == FNL_OK; i++)
         if (materials[i].flags & GPU_MATERIAL_LAYERED) materials[i].layers = d->layers.buffer.address + sizeof *layers.data * at++;
     array_free(&d->host, &layers);
@@ -191,9 +191,9 @@ fnl_result device_materials_upload(struct device_scene *d, bool *out_regroup) {
     }
     if (result == FNL_OK) result = upload_layers(d, materials);
     *out_regroup = result == FNL_OK && moves_buckets(d, materials, count);
-    if (result == FNL_OK) result = device_array_set(d, "materials", &d->materials, materials, count, sizeof *materials);
+    if (result == FNL_OK) result = device_array_set(d, GPU_USE_GEOMETRY, "materials", &d->materials, materials, count, sizeof *materials);
     if (result == FNL_OK)
-        result = device_array_set(d, "material entries", &d->material_entries, entries, count, sizeof *entries);
+        result = device_array_set(d, GPU_USE_GEOMETRY, "material entries", &d->material_entries, entries, count, sizeof *entries);
     if (materials) host_free(&d->host, materials, count * sizeof *materials);
     if (entries) host_free(&d->host, entries, count * sizeof *entries);
     return result;

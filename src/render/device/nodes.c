@@ -128,7 +128,7 @@ fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uin
         if (d->nodes.data[n].first_instance == SCENE_NONE && device_node_draws(node)) TRY(take_place(d, n));
         d->nodes.data[n].mirrored = device_node_mirrors(node);
     }
-    TRY(device_buffer_reserve(d, "instances", &d->instances, before,
+    TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "instances", &d->instances, before,
                               (uint64_t)d->instances_taken.end * sizeof(struct gpu_instance)));
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t n = nodes ? nodes[i] : i;

@@ -47,7 +47,7 @@ static fnl_result send_table(struct device_scene *d) {
     }
     if (d->ray_key != key) d->sent.ray_meshes = UINT64_MAX;
     d->ray_key = key;
-    fnl_result result = device_array_set(d, "ray meshes", &d->ray_table, table.data, count, sizeof *table.data);
+    fnl_result result = device_array_set(d, GPU_USE_GEOMETRY, "ray meshes", &d->ray_table, table.data, count, sizeof *table.data);
     array_free(&d->host, &table);
     return result;
 }
@@ -56,7 +56,7 @@ static fnl_result keep(struct device_scene *d, const char *name, struct gpu_buff
     if (buffer->handle && buffer->size >= size) return FNL_OK;
     gpu_buffer_destroy(d->device, buffer);
     d->sent.ray_meshes = d->sent.ray_items = d->sent.ray_instances = UINT64_MAX;
-    return gpu_buffer_create(d->device, name, size + size / 2, GPU_MEMORY_DEVICE, buffer);
+    return gpu_buffer_create_for(d->device, GPU_USE_GEOMETRY, name, size + size / 2, GPU_MEMORY_DEVICE, buffer);
 }
 
 fnl_result device_rays_prepare(struct device_scene *d, struct device_rays_use use) {

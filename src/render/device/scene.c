@@ -15,9 +15,9 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .decals = {.version = UINT64_MAX}};
 }
 
-fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
+fnl_result device_upload_array(struct device_scene *d, enum gpu_use use, const char *name, struct gpu_buffer *buffer, const void *data,
                                uint64_t size) {
-    TRY(gpu_buffer_create(d->device, name, MAX(size, 16u), GPU_MEMORY_DEVICE, buffer));
+    TRY(gpu_buffer_create_for(d->device, use, name, MAX(size, 16u), GPU_MEMORY_DEVICE, buffer));
     return size ? gpu_upload_buffer(d->device, buffer, 0, data, size) : FNL_OK;
 }
 
@@ -27,18 +27,18 @@ fnl_result device_upload(struct device_scene *d, const struct gpu_buffer *buffer
     return gpu_upload_buffer(d->device, buffer, offset, data, size);
 }
 
-fnl_result device_buffer_reserve(struct device_scene *d, const char *name, struct gpu_buffer *buffer, uint64_t used,
+fnl_result device_buffer_reserve(struct device_scene *d, enum gpu_use use, const char *name, struct gpu_buffer *buffer, uint64_t used,
                                  uint64_t needed) {
     if (buffer->handle && buffer->size >= needed) return FNL_OK;
     uint64_t size = buffer->handle ? MAX(needed, buffer->size + buffer->size / 2) : MAX(needed, 16u);
-    return gpu_grow_buffer(d->device, name, buffer, MIN(used, buffer->size), size);
+    return gpu_grow_buffer(d->device, use, name, buffer, MIN(used, buffer->size), size);
 }
 
-fnl_result device_array_set(struct device_scene *d, const char *name, struct device_array *array, const void *data,
+fnl_result device_array_set(struct device_scene *d, enum gpu_use use, const char *name, struct device_array *array, const void *data,
                             uint64_t count, uint32_t stride) {
     enum { BLOCK = 256, APART = 64 }; /* elements compared at once; bytes from which on two copies pay */
     uint64_t size = count * stride, common = MIN(size, array->sent.count);
-    TRY(device_buffer_reserve(d, name, &array->buffer, array->sent.count, size));
+    TRY(device_buffer_reserve(d, use, name, &array->buffer, array->sent.count, size));
     if (!array_reserve(&d->host, &array->sent, size)) return FNL_ERROR_MEMORY;
     const char *bytes = data;
     char *sent = array->sent.data;
@@ -163,7 +163,7 @@ fnl_result device_scene_reserve_triangles(struct device_scene_user *user, uint32
     user->pool_triangles = count;
     if (count <= d->pool_triangles) return FNL_OK;
     uint64_t used = d->index_count * 4ull, needed = used + count * 12ull;
-    if (d->indices.size < needed) TRY(gpu_grow_buffer(d->device, "indices", &d->indices, used, needed));
+    if (d->indices.size < needed) TRY(gpu_grow_buffer(d->device, GPU_USE_GEOMETRY, "indices", &d->indices, used, needed));
     d->pool_triangles = count;
     return gpu_upload_submit(d->device);
 }

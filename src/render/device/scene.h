@@ -311,16 +311,16 @@ fnl_result device_users_add(struct device_scene_user *user, struct graph *graph,
                             struct device_scene_frame *out);
 
 /** Makes a device buffer and fills it; of size 0 it is as small as can be. */
-fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
+fnl_result device_upload_array(struct device_scene *d, enum gpu_use use, const char *name, struct gpu_buffer *buffer, const void *data,
                                uint64_t size);
 
 fnl_result device_upload(struct device_scene *d, const struct gpu_buffer *buffer, uint64_t offset, const void *data,
                          uint64_t size);
 /** Room for `needed` bytes; the first `used` stay. What is made larger becomes half as large again at least. */
-fnl_result device_buffer_reserve(struct device_scene *d, const char *name, struct gpu_buffer *buffer, uint64_t used,
+fnl_result device_buffer_reserve(struct device_scene *d, enum gpu_use use, const char *name, struct gpu_buffer *buffer, uint64_t used,
                                  uint64_t needed);
 /** Makes the array hold `count` elements of `stride` bytes. Sends the elements that differ from what it held. */
-fnl_result device_array_set(struct device_scene *d, const char *name, struct device_array *array, const void *data,
+fnl_result device_array_set(struct device_scene *d, enum gpu_use use, const char *name, struct device_array *array, const void *data,
                             uint64_t count, uint32_t stride);
 
 /** Whether a node shows a mesh. */

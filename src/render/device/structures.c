@@ -107,7 +107,7 @@ static fnl_result create_rows(struct device_scene *d) {
 
 static fnl_result create_top(struct device_scene *d) {
     struct device_structures *s = &d->structures;
-    if (!s->bottoms.handle) TRY(gpu_buffer_create(d->device, "ray structures", 16, GPU_MEMORY_DEVICE, &s->bottoms));
+    if (!s->bottoms.handle) TRY(gpu_buffer_create_for(d->device, GPU_USE_GEOMETRY, "ray structures", 16, GPU_MEMORY_DEVICE, &s->bottoms));
     if (s->top.handle && s->top_capacity >= d->item_count) return FNL_OK;
     d->sent.ray_instances = UINT64_MAX;
     gpu_structure_destroy(d->device, &s->top);
@@ -116,7 +116,7 @@ static fnl_result create_top(struct device_scene *d) {
     const struct gpu_structure_input input = {.count = s->top_capacity, .of_instances = true};
     const struct gpu_structure_sizes sizes = gpu_structure_sizes(d->device, &input);
     s->top_scratch = sizes.build_scratch;
-    TRY(gpu_buffer_create(d->device, "ray instances", ray_query_instance_bytes(s->top_capacity), GPU_MEMORY_DEVICE, &s->instances));
+    TRY(gpu_buffer_create_for(d->device, GPU_USE_GEOMETRY, "ray instances", ray_query_instance_bytes(s->top_capacity), GPU_MEMORY_DEVICE, &s->instances));
     return gpu_structure_create(d->device, "ray top", true, sizes.size, &s->top);
 }
 
@@ -166,7 +166,7 @@ static fnl_result send_addresses(struct device_scene *d) {
         const struct device_structure *row = &s->rows.data[s->rows.data[i].share];
         addresses[i] = row->smaller.handle ? row->smaller.address : row->made.address;
     }
-    const fnl_result result = device_array_set(d, "ray structure addresses", &s->addresses, addresses, s->rows.count, sizeof *addresses);
+    const fnl_result result = device_array_set(d, GPU_USE_GEOMETRY, "ray structure addresses", &s->addresses, addresses, s->rows.count, sizeof *addresses);
     host_free(&d->host, addresses, bytes);
     return result;
 }

@@ -54,7 +54,7 @@ fnl_result device_users_prepare(struct device_scene *d) {
         if (!user->wants_previous && !user->keeps_previous) continue;
         if (user->last == DEVICE_LAST_KEPT || user->previous.size >= size) continue;
         gpu_buffer_destroy(d->device, &user->previous);
-        TRY(gpu_buffer_create(d->device, "previous vertices", size, GPU_MEMORY_DEVICE, &user->previous));
+        TRY(gpu_buffer_create_for(d->device, GPU_USE_GEOMETRY, "previous vertices", size, GPU_MEMORY_DEVICE, &user->previous));
     }
     return FNL_OK;
 }
