@@ -679,9 +679,10 @@ static void test_fields_of_frames(void **state) {
     SAYS("fnl_renderer_render", "ev is NaN, must be -64 .. 64 EV100", fnl_renderer_render(w.renderer, &frame));
     frame = small_frame();
 #define PRINTS(what, text, capacity) (fnl_renderer_print(w.renderer, what, text, capacity) ? FNL_OK : FNL_ERROR_INVALID)
-    SAYS("fnl_renderer_print", "what is 2, must be a value of fnl_print, 0 .. 1", PRINTS(FNL_PRINT_COUNT, NULL, 0));
-    SAYS("fnl_renderer_print", "what is -1, must be a value of fnl_print, 0 .. 1", PRINTS((fnl_print)-1, NULL, 0));
+    SAYS("fnl_renderer_print", "what is 3, must be a value of fnl_print, 0 .. 2", PRINTS(FNL_PRINT_COUNT, NULL, 0));
+    SAYS("fnl_renderer_print", "what is -1, must be a value of fnl_print, 0 .. 2", PRINTS((fnl_print)-1, NULL, 0));
     SAYS("fnl_renderer_print", "text is NULL, but capacity is 9", PRINTS(FNL_PRINT_TRAFFIC, NULL, 9));
+    SAYS("fnl_renderer_print", "text is NULL, but capacity is 9", PRINTS(FNL_PRINT_PLAN_JSON, NULL, 9));
     SAYS("fnl_renderer_read", "output is 3, must be one value of fnl_output",
          fnl_renderer_read(w.renderer, (fnl_output)3, &difference_image));
 }

@@ -45,8 +45,9 @@ FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, 
 FNL_API fnl_result fnl_renderer_query_stats(fnl_renderer *renderer, fnl_frame_stats *out);
 /** What fnl_renderer_print() writes about the last frame. */
 typedef enum fnl_print {
-    FNL_PRINT_PLAN = 0, /**< the compiled frame graph */
-    FNL_PRINT_TRAFFIC,  /**< a table of what the passes move between images and memory */
+    FNL_PRINT_PLAN = 0,  /**< the compiled frame graph */
+    FNL_PRINT_TRAFFIC,   /**< a table of what the passes move between images and memory */
+    FNL_PRINT_PLAN_JSON, /**< the plan as one JSON object, for programs: docs/frame-graph.md; the same text for the same plan */
     FNL_PRINT_COUNT
 } fnl_print;
 

@@ -283,6 +283,8 @@ fnl_result graph_compile(struct graph *graph);
  * length it wants.
  */
 size_t graph_print(const struct graph *graph, char *text, size_t capacity);
+/** The same as JSON (docs/frame-graph.md), with what resources are and the load and store operations of attachments; "null" without a plan. */
+size_t graph_print_json(const struct graph *graph, char *text, size_t capacity);
 
 struct graph_execute_params {
     uint32_t record_threads;      /* 0: as many as the device's job pool has */

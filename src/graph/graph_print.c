@@ -1,14 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** The plan as text, see docs/frame-graph.md. */
-#include "graph/graph_internal.h"
+#include "graph/graph_print.h"
 
-struct printer {
-    const struct graph *graph;
-    char *text;
-    size_t capacity, length;
-};
-
-__attribute__((format(printf, 2, 3))) static void put(struct printer *printer, const char *format, ...) {
+void print_put(struct printer *printer, const char *format, ...) {
     size_t left = printer->length < printer->capacity ? printer->capacity - printer->length : 0;
     va_list arguments;
     va_start(arguments, format);
@@ -63,19 +57,19 @@ static void put_flags(struct printer *printer, uint64_t flags, const struct flag
     const char *separator = "";
     for (uint32_t i = 0; i < count; i++) {
         if (!(flags & names[i].flag)) continue;
-        put(printer, "%s%s", separator, names[i].name);
+        print_put(printer, "%s%s", separator, names[i].name);
         separator = "|";
     }
-    if (!flags) put(printer, "NONE");
+    if (!flags) print_put(printer, "NONE");
 }
 
-static void put_scope(struct printer *printer, VkPipelineStageFlags2 stages, VkAccessFlags2 access) {
+void print_stages(struct printer *printer, VkPipelineStageFlags2 stages) {
     put_flags(printer, stages, stage_names, COUNT_OF(stage_names));
-    put(printer, "/");
-    put_flags(printer, access, access_names, COUNT_OF(access_names));
 }
 
-static const char *layout_name(VkImageLayout layout) {
+void print_access(struct printer *printer, VkAccessFlags2 access) { put_flags(printer, access, access_names, COUNT_OF(access_names)); }
+
+const char *print_layout_name(VkImageLayout layout) {
     switch (layout) {
     case VK_IMAGE_LAYOUT_UNDEFINED:
         return "UNDEFINED";
@@ -106,6 +100,12 @@ static const char *layout_name(VkImageLayout layout) {
     }
 }
 
+static void put_scope(struct printer *printer, VkPipelineStageFlags2 stages, VkAccessFlags2 access) {
+    print_stages(printer, stages);
+    print_put(printer, "/");
+    print_access(printer, access);
+}
+
 static const char *role_suffix(const struct graph_resource *resource) {
     return resource->role == GRAPH_HISTORY_PREVIOUS ? " (previous)" : "";
 }
@@ -113,24 +113,24 @@ static const char *role_suffix(const struct graph_resource *resource) {
 static void put_barriers(struct printer *printer, const struct graph_barriers *barriers, const char *indent) {
     for (const struct graph_barrier *barrier = barriers->first; barrier; barrier = barrier->next) {
         const struct graph_resource *resource = &printer->graph->resources.data[barrier->resource];
-        put(printer, "%sbarrier %s%s %s", indent, resource->name, role_suffix(resource), layout_name(barrier->from_layout));
-        if (barrier->from_layout != barrier->to_layout) put(printer, "->%s", layout_name(barrier->to_layout));
-        put(printer, " (");
+        print_put(printer, "%sbarrier %s%s %s", indent, resource->name, role_suffix(resource), print_layout_name(barrier->from_layout));
+        if (barrier->from_layout != barrier->to_layout) print_put(printer, "->%s", print_layout_name(barrier->to_layout));
+        print_put(printer, " (");
         put_scope(printer, barrier->from_stages, barrier->from_access);
-        put(printer, " -> ");
+        print_put(printer, " -> ");
         put_scope(printer, barrier->to_stages, barrier->to_access);
-        put(printer, ")\n");
+        print_put(printer, ")\n");
     }
     if (!barriers->first_cause) return;
-    put(printer, "%sbarrier memory of", indent);
+    print_put(printer, "%sbarrier memory of", indent);
     for (const struct graph_cause *cause = barriers->first_cause; cause; cause = cause->next)
-        put(printer, "%s %s", cause == barriers->first_cause ? "" : ",",
+        print_put(printer, "%s %s", cause == barriers->first_cause ? "" : ",",
             printer->graph->resources.data[cause->resource].name);
-    put(printer, " (");
+    print_put(printer, " (");
     put_scope(printer, barriers->from_stages, barriers->from_access);
-    put(printer, " -> ");
+    print_put(printer, " -> ");
     put_scope(printer, barriers->to_stages, barriers->to_access);
-    put(printer, ")\n");
+    print_put(printer, ")\n");
 }
 
 /* Those of an image with several, where a pass does not use them all. */
@@ -140,27 +140,27 @@ static void put_layers(struct printer *printer, const struct graph_resource *res
     const char *separator = " layer ";
     for (uint32_t i = 0; i < count; i++) {
         if (!(layers >> i & 1)) continue;
-        put(printer, "%s%u", separator, i);
+        print_put(printer, "%s%u", separator, i);
         separator = ",";
     }
 }
 
 static void put_step(struct printer *printer, uint32_t index) {
     const struct graph_step *step = &printer->graph->plan.steps[index];
-    put(printer, "  pass %u '%s' %s", index, step->pass->name, step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
+    print_put(printer, "  pass %u '%s' %s", index, step->pass->name, step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
     const struct graph_merged *merged = step->pass->merged;
     for (uint32_t i = 0; merged && i < merged->part_count; i++)
-        put(printer, "%s'%s'", i ? ", " : ", one scope of ", merged->parts[i]->name);
-    if (step->pass->view_mask) put(printer, ", views %#x at once", step->pass->view_mask);
-    put(printer, ":\n");
+        print_put(printer, "%s'%s'", i ? ", " : ", one scope of ", merged->parts[i]->name);
+    if (step->pass->view_mask) print_put(printer, ", views %#x at once", step->pass->view_mask);
+    print_put(printer, ":\n");
     put_barriers(printer, &step->before, "    ");
     for (const struct graph_access *use = step->pass->first_use; use; use = use->next) {
         const struct graph_resource *resource = &printer->graph->resources.data[use->resource];
-        put(printer, "    %s %s%s", use->writes ? (use->reads ? "reads, writes" : "writes") : "reads", resource->name,
+        print_put(printer, "    %s %s%s", use->writes ? (use->reads ? "reads, writes" : "writes") : "reads", resource->name,
             role_suffix(resource));
         put_layers(printer, resource, use->read_layers | use->written_layers);
-        if (resource->is_image) put(printer, " in %s", layout_name(use->layout));
-        put(printer, "\n");
+        if (resource->is_image) print_put(printer, " in %s", print_layout_name(use->layout));
+        print_put(printer, "\n");
     }
 }
 
@@ -169,11 +169,11 @@ static void put_memory(struct printer *printer) {
     for (uint32_t i = 0; i < graph->pools.count; i++) {
         const struct graph_pool *pool = &graph->pools.data[i];
         if (pool->first_resource == GRAPH_NONE) continue;
-        put(printer, "memory of %s, types %#x: %llu bytes\n", pool->images ? "images" : "buffers", pool->memory_types,
+        print_put(printer, "memory of %s, types %#x: %llu bytes\n", pool->images ? "images" : "buffers", pool->memory_types,
             (unsigned long long)pool->needed);
         for (uint32_t r = pool->first_resource; r != GRAPH_NONE; r = graph->resources.data[r].next_in_pool) {
             const struct graph_resource *resource = &graph->resources.data[r];
-            put(printer, "  at %llu, %llu bytes, passes %u to %u: %s\n", (unsigned long long)resource->offset,
+            print_put(printer, "  at %llu, %llu bytes, passes %u to %u: %s\n", (unsigned long long)resource->offset,
                 (unsigned long long)resource->size, resource->first_step, resource->last_step, resource->name);
         }
     }
@@ -184,17 +184,17 @@ size_t graph_print(const struct graph *graph, char *text, size_t capacity) {
     if (capacity) text[0] = 0;
     const struct graph_plan *plan = &graph->plan;
     if (!plan->compiled) {
-        put(&printer, "no plan: the graph is not compiled\n");
+        print_put(&printer, "no plan: the graph is not compiled\n");
         return printer.length;
     }
-    put(&printer, "%u passes, %u culled, %u barriers, %u batches, %llu bytes (%llu without aliasing)\n", plan->step_count,
+    print_put(&printer, "%u passes, %u culled, %u barriers, %u batches, %llu bytes (%llu without aliasing)\n", plan->step_count,
         plan->culled_count, plan->barrier_count, plan->batch_count, (unsigned long long)plan->transient_bytes,
         (unsigned long long)plan->unaliased_bytes);
     for (uint32_t i = 0; i < plan->batch_count; i++) {
         const struct graph_batch *batch = &plan->batches[i];
-        put(&printer, "batch %u %s", i, batch->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
-        if (batch->wait != GRAPH_NONE) put(&printer, ", waits for batch %u", batch->wait);
-        put(&printer, ":\n");
+        print_put(&printer, "batch %u %s", i, batch->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
+        if (batch->wait != GRAPH_NONE) print_put(&printer, ", waits for batch %u", batch->wait);
+        print_put(&printer, ":\n");
         for (uint32_t step = batch->first_step; step != GRAPH_NONE; step = plan->steps[step].next_in_batch)
             put_step(&printer, step);
         put_barriers(&printer, &batch->after, "  at the end: ");
@@ -217,19 +217,19 @@ size_t graph_print_traffic(const struct graph *graph, char *text, size_t capacit
     struct printer printer = {.graph = graph, .text = text, .capacity = capacity};
     if (capacity) text[0] = 0;
     if (!graph->plan.compiled) {
-        put(&printer, "no plan: the graph is not compiled\n");
+        print_put(&printer, "no plan: the graph is not compiled\n");
         return printer.length;
     }
-    put(&printer, "%-24s %-24s %-7s %-7s %12s %12s\n", "pass", "image", "load", "store", "bytes read", "written");
+    print_put(&printer, "%-24s %-24s %-7s %-7s %12s %12s\n", "pass", "image", "load", "store", "bytes read", "written");
     struct graph_traffic rows[64];
     for (uint32_t step = 0; step < graph->plan.step_count; step++) {
         uint32_t count = MIN(graph_step_traffic(graph, step, rows, COUNT_OF(rows)), (uint32_t)COUNT_OF(rows));
         for (uint32_t i = 0; i < count; i++)
-            put(&printer, "%-24s %-24s %-7s %-7s %12llu %12llu%s\n", i ? "" : rows[i].pass, rows[i].image,
+            print_put(&printer, "%-24s %-24s %-7s %-7s %12llu %12llu%s\n", i ? "" : rows[i].pass, rows[i].image,
                 load_name(&rows[i]), store_name(&rows[i]), (unsigned long long)rows[i].bytes_read,
                 (unsigned long long)rows[i].bytes_written, rows[i].transient ? " in tiles" : "");
     }
-    put(&printer, "%-24s %-24s %-7s %-7s %12llu %12llu\n", "all", "", "", "", (unsigned long long)graph->plan.bytes_read,
+    print_put(&printer, "%-24s %-24s %-7s %-7s %12llu %12llu\n", "all", "", "", "", (unsigned long long)graph->plan.bytes_read,
         (unsigned long long)graph->plan.bytes_written);
     return printer.length;
 }

@@ -158,5 +158,8 @@ size_t fnl_renderer_print(const fnl_renderer *r, fnl_print what, char *text, siz
         misuse(CALL(&r->host), "text is NULL, but capacity is %zu", capacity);
         return 0;
     }
-    return what == FNL_PRINT_PLAN ? graph_print(r->graph, text, capacity) : graph_print_traffic(r->graph, text, capacity);
+    static size_t (*const prints[])(const struct graph *, char *, size_t) = {
+        [FNL_PRINT_PLAN] = graph_print, [FNL_PRINT_TRAFFIC] = graph_print_traffic, [FNL_PRINT_PLAN_JSON] = graph_print_json};
+    _Static_assert(COUNT_OF(prints) == FNL_PRINT_COUNT, "a row for each");
+    return prints[what](r->graph, text, capacity);
 }
