@@ -11,10 +11,35 @@
 extern "C" {
 #endif
 
+/** What a pass runs on. */
+typedef enum fnl_queue {
+    FNL_QUEUE_GRAPHICS = 0,
+    FNL_QUEUE_COMPUTE, /**< beside it, where the device has a second queue */
+    FNL_QUEUE_COUNT
+} fnl_queue;
+
 typedef struct fnl_pass_time {
     const char *name; /**< as the frame graph names it */
     double milliseconds;
+    double begin_milliseconds; /**< since the first pass of the frame began */
+    fnl_queue queue;
 } fnl_pass_time;
+
+/** A part of what the calling thread does for a frame. They follow one another without gaps. */
+typedef struct fnl_cpu_section {
+    const char *name;          /**< lives as long as the program */
+    double begin_milliseconds; /**< since the call that rendered the frame began */
+    double milliseconds;
+} fnl_cpu_section;
+
+/** A pair that `auto` may choose. */
+typedef struct fnl_candidate {
+    fnl_shading shading;
+    fnl_light_lists lists;
+    double milliseconds; /**< the median of its frames, without passes that cost the same with all of them; 0: not measured yet */
+    uint32_t frames;     /**< that were measured, those of earlier runs among them; 0 with milliseconds above 0: remembered */
+    bool chosen;         /**< the decision; none while auto is choosing */
+} fnl_candidate;
 
 typedef enum fnl_counter_kind {
     FNL_COUNTER_COUNT = 0, /**< how many */
@@ -116,7 +141,8 @@ typedef struct fnl_frame_stats {
         that frames hand on; transfer: between the CPU and the device, both ways; other: the rest. */
     uint32_t memory_kind_count;
     const fnl_memory_kind *memory_kinds;
-    /** Recording and submitting. */
+    /** What the calling thread took to declare, compile, record and submit the frame: the sum of cpu_sections but for "update the scene" and
+        "wait for the GPU". */
     double cpu_milliseconds;
     /** Sum of all passes; 0 without timers. */
     double gpu_milliseconds;
@@ -142,6 +168,13 @@ typedef struct fnl_frame_stats {
     /** The passes in order. Owned by the renderer, valid until the next call on it. */
     uint32_t pass_count;
     const fnl_pass_time *passes;
+    /** What the calling thread did, in order. Owned by the renderer, valid until the next call on it. */
+    uint32_t cpu_section_count;
+    const fnl_cpu_section *cpu_sections;
+    /** What auto has measured or will, the shading paths first; 0 and NULL for frames without auto. Owned by the renderer, valid until the next call
+        on it. */
+    uint32_t candidate_count;
+    const fnl_candidate *candidates;
     /** The numbers of each view of a frame with several: those of lights and geometry, the counters, and ev are the view's own, the rest is the frame's.
         Here outside are those of the first view. 0 and NULL for a frame with one. Owned by the renderer, valid until the next call on it. */
     uint32_t view_count;

@@ -54,6 +54,7 @@ typedef enum fnl_enum {
     FNL_ENUM_DECAL_KIND,       /**< fnl_decal_kind */
     FNL_ENUM_DECAL_BLEND,      /**< fnl_decal_blend */
     FNL_ENUM_DEVICE_TYPE,      /**< fnl_device_type */
+    FNL_ENUM_QUEUE,            /**< fnl_queue */
     FNL_ENUM_COUNT
 } fnl_enum;
 

@@ -119,6 +119,7 @@ static const struct names enums[] = {
     [FNL_ENUM_DECAL_KIND] = NAMES(fnl_decal_kind, FNL_DECAL_KIND_COUNT, "box", "volume", "mesh", "redraw", "baked"),
     [FNL_ENUM_DECAL_BLEND] = NAMES(fnl_decal_blend, FNL_DECAL_BLEND_COUNT, "alpha", "multiply", "add", "screen", "overlay"),
     [FNL_ENUM_DEVICE_TYPE] = NAMES(fnl_device_type, FNL_DEVICE_OTHER + 1, "discrete", "integrated", "virtual", "cpu", "other"),
+    [FNL_ENUM_QUEUE] = NAMES(fnl_queue, FNL_QUEUE_COUNT, "graphics", "compute"),
 };
 _Static_assert(COUNT_OF(enums) == FNL_ENUM_COUNT, "each enum has its names");
 

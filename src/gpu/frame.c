@@ -84,11 +84,11 @@ bool gpu_frame_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uin
     if (frame->timestamps_pending && is_finished(device, frame)) fetch_timestamps(device, frame);
     if (count == 0 || count > frame->tick_count) return false;
     double period = device->properties.limits.timestampPeriod; /* nanoseconds of one tick */
-    for (uint32_t i = 0; i < count; i++) {
-        uint64_t ticks = (frame->ticks[i] - frame->ticks[0]) & device->timestamp_mask;
-        if (ticks > device->timestamp_mask / 2) ticks = 0; /* the other queue started a moment earlier */
-        out[i] = (uint64_t)((double)ticks * period);
-    }
+    const uint64_t mask = device->timestamp_mask;
+    uint64_t earliest = frame->ticks[0]; /* of the other queue it may be another than the first; ticks may wrap */
+    for (uint32_t i = 1; i < count; i++)
+        if (((frame->ticks[i] - earliest) & mask) > mask / 2) earliest = frame->ticks[i];
+    for (uint32_t i = 0; i < count; i++) out[i] = (uint64_t)((double)((frame->ticks[i] - earliest) & mask) * period);
     return true;
 }
 

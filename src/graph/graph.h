@@ -314,7 +314,9 @@ fnl_result graph_ask_pipelines(struct graph *graph, uint64_t *out_ticket);
  */
 struct graph_timer {
     const char *name;
+    double begin_milliseconds; /* since the first pass of the frame began */
     double milliseconds;
+    enum gpu_queue queue;
 };
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count);
 
@@ -324,6 +326,7 @@ struct graph_stats {
     uint64_t image_bytes_read, image_bytes_written; /* of graph_query_traffic */
     uint64_t tile_bytes; /* of images that live in one scope or pass as attachments: usage TRANSIENT_ATTACHMENT */
     double compile_milliseconds;
+    double place_milliseconds, record_milliseconds, submit_milliseconds; /* of the last execute, which does these one after the other */
 };
 /** Of the last compile. */
 struct graph_stats graph_query_stats(const struct graph *graph);

@@ -495,5 +495,8 @@ struct graph_stats graph_query_stats(const struct graph *graph) {
                                 .image_bytes_read = plan->bytes_read,
                                 .image_bytes_written = plan->bytes_written,
                                 .tile_bytes = plan->tile_bytes,
-                                .compile_milliseconds = plan->compile_milliseconds};
+                                .compile_milliseconds = plan->compile_milliseconds,
+                                .place_milliseconds = graph->place_milliseconds,
+                                .record_milliseconds = graph->record_milliseconds,
+                                .submit_milliseconds = graph->submit_milliseconds};
 }

@@ -347,6 +347,11 @@ static void test_timers(void **state) {
         for (uint32_t i = 0; i < count; i++) {
             assert_string_equal(timers[i].name, pass_names[i]);
             assert_true(timers[i].milliseconds >= 0 && timers[i].milliseconds < 10000);
+            assert_int_equal(timers[i].queue, gpu_info(world->base.device)->async_compute ? (int)timers[i].queue : GPU_QUEUE_GRAPHICS);
+            assert_true(i > 0 || timers[i].begin_milliseconds == 0 || timers[i].queue == GPU_QUEUE_COMPUTE);
+            for (uint32_t k = 0; k < i; k++) /* one after the other on a queue */
+                if (timers[k].queue == timers[i].queue)
+                    assert_true(timers[k].begin_milliseconds + timers[k].milliseconds <= timers[i].begin_milliseconds + 1e-6);
             sum += timers[i].milliseconds;
         }
         assert_true(sum > 0);

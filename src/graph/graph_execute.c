@@ -272,8 +272,9 @@ static void read_timers(struct graph *graph, uint32_t index) {
     if (count == 0 || !gpu_frame_timestamps(graph->device, index, 2 * count, times)) return;
     if (!array_reserve(&graph->host, &slot->results, count)) return;
     for (uint32_t i = 0; i < count; i++) {
+        const struct graph_timed *timed = &slot->names.data[i];
         double nanoseconds = times[2 * i + 1] > times[2 * i] ? (double)(times[2 * i + 1] - times[2 * i]) : 0;
-        slot->results.data[i] = (struct graph_timer){slot->names.data[i], nanoseconds * 1e-6};
+        slot->results.data[i] = (struct graph_timer){timed->name, (double)times[2 * i] * 1e-6, nanoseconds * 1e-6, timed->queue};
     }
     slot->results.count = count;
 }
@@ -288,7 +289,8 @@ static bool name_timers(struct graph *graph, bool timers) {
     if (!timers) return true;
     uint32_t count = MIN(graph->plan.step_count, (uint32_t)MAX_TIMERS);
     if (!array_reserve(&graph->host, &slot->names, count)) return false;
-    for (uint32_t i = 0; i < count; i++) slot->names.data[i] = graph->plan.steps[i].pass->name;
+    for (uint32_t i = 0; i < count; i++)
+        slot->names.data[i] = (struct graph_timed){graph->plan.steps[i].pass->name, graph->plan.steps[i].queue};
     slot->names.count = count;
     return true;
 }
@@ -311,9 +313,11 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
             log_error(&graph->host, "graph: a frame is executed that is not compiled, or for a second time");
         return give_up(graph, params->external, graph->result != FNL_OK ? graph->result : FNL_ERROR_INVALID);
     }
+    const double begun = time_now();
     fnl_result result = graph_realise(graph);
     if (result != FNL_OK) return give_up(graph, params->external, result);
     graph_put_addresses(graph);
+    const double placed = time_now();
 
     struct jobs *jobs = gpu_jobs(graph->device);
     uint32_t threads = params->record_threads ? params->record_threads : jobs_thread_count(jobs);
@@ -323,7 +327,11 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
         return give_up(graph, params->external, FNL_ERROR_MEMORY);
     jobs_parallel_for(jobs, chunks, record_chunk, &recorder);
     graph->executed = true;
+    const double recorded = time_now();
     result = submit(&recorder, params->external);
+    graph->place_milliseconds = (placed - begun) * 1e3;
+    graph->record_milliseconds = (recorded - placed) * 1e3;
+    graph->submit_milliseconds = (time_now() - recorded) * 1e3;
     if (result == FNL_OK)
         graph_commit(graph);
     else

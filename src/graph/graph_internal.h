@@ -231,10 +231,16 @@ struct graph_requirements {
     struct gpu_requirements requirements;
 };
 
+/** A pass with a timer. */
+struct graph_timed {
+    const char *name;
+    enum gpu_queue queue;
+};
+
 /** Timers of the latest frame of a slot, and the results of that frame or, until it is over, of the one before. */
 struct graph_timer_slot {
     uint64_t frame_number, results_frame;
-    ARRAY(const char *) names;
+    ARRAY(struct graph_timed) names;
     ARRAY(struct graph_timer) results;
 };
 
@@ -258,6 +264,7 @@ struct graph {
     struct graph_put *puts;
     struct graph_plan plan;
     bool executed;
+    double place_milliseconds, record_milliseconds, submit_milliseconds; /* of the last frame executed */
     struct graph_names names;
 
     ARRAY(struct graph_pool) pools;

@@ -7,6 +7,7 @@ static void test_async_lists_give_the_same_bytes(void **state) {
     UNUSED(state);
     struct stage s = stage_open("builtin:hall?lights=200", 0);
     s.frame.lists = FNL_LISTS_CLUSTERED;
+    s.frame.timers = true;
     for (int shading = 0; shading < FNL_SHADING_DEFERRED + 1; shading++) {
         s.frame.shading = (fnl_shading)shading;
         harness_hooks(s.renderer)->force_async = false;
@@ -21,6 +22,14 @@ static void test_async_lists_give_the_same_bytes(void **state) {
         char plan[65536];
         assert_true(fnl_renderer_print(s.renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
         assert_non_null(strstr(plan, "compute:")); /* the plan really has a second queue */
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(s.renderer, &stats), FNL_OK);
+        for (uint32_t i = 0; i < stats.pass_count; i++) {
+            char line[300];
+            snprintf(line, sizeof line, "pass %u '%s' %s", i, stats.passes[i].name, fnl_value_name(FNL_ENUM_QUEUE, (uint32_t)stats.passes[i].queue));
+            if (!strstr(plan, line)) fail_msg("the plan has no %s", line);
+        }
+        assert_true(stats.pass_count > 0);
         shot_free(&plain);
     }
     stage_close(&s);

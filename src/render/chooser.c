@@ -324,7 +324,7 @@ static void start(struct chooser *c, const struct choice_case *at, struct choice
     c->at = *at;
     c->choice = first;
     c->milliseconds = 0;
-    c->candidate_count = c->pending_count = c->frames = c->measured_count = c->slow_frames = 0;
+    c->before_count = c->candidate_count = c->pending_count = c->frames = c->measured_count = c->slow_frames = 0;
     c->lists_left = at->asked.shading == FNL_SHADING_AUTO && at->asked.lists == FNL_LISTS_AUTO;
     if (at->asked.shading == FNL_SHADING_AUTO)
         add_orders(c, at);
@@ -340,6 +340,33 @@ static void decide(struct chooser *c, const char *how) {
     snprintf(c->reason, sizeof c->reason, "%s", how);
 }
 
+/* `out` has room for all candidates. */
+static uint32_t list_candidates(const struct chooser *c, fnl_candidate *out) {
+    for (uint32_t i = 0; i < c->candidate_count; i++) {
+        const struct chooser_candidate *k = &c->candidates[i];
+        out[i] = (fnl_candidate){.shading = k->choice.shading, .lists = k->choice.lists, .frames = k->got};
+        if (k->got > 0) out[i].milliseconds = median_of(k);
+    }
+    return c->candidate_count;
+}
+
+uint32_t chooser_list(const struct chooser *c, fnl_candidate out[CHOOSER_ROWS]) {
+    uint32_t count = 0;
+    fnl_candidate now[CHOOSER_CANDIDATES];
+    const uint32_t now_count = list_candidates(c, now);
+    for (uint32_t i = 0; i < c->before_count; i++) { /* the winner is measured again with its rivals in lists */
+        bool again = false;
+        for (uint32_t k = 0; k < now_count; k++) again |= now[k].shading == c->before[i].shading && now[k].lists == c->before[i].lists;
+        if (!again) out[count++] = c->before[i];
+    }
+    for (uint32_t i = 0; i < now_count; i++) out[count++] = now[i];
+    if (count == 0 && c->milliseconds > 0) /* remembered */
+        out[count++] = (fnl_candidate){.shading = c->choice.shading, .lists = c->choice.lists, .milliseconds = c->milliseconds};
+    for (uint32_t i = 0; i < count; i++)
+        out[i].chosen = c->state == CHOOSER_DECIDED && out[i].shading == c->choice.shading && out[i].lists == c->choice.lists;
+    return count;
+}
+
 static void finish_stage(struct chooser *c) {
     uint32_t second, best = best_of(c, &second);
     if (best < CHOOSER_CANDIDATES) {
@@ -350,6 +377,7 @@ static void finish_stage(struct chooser *c) {
     if (c->lists_left) {
         c->lists_left = false;
         chooser_keep(c);
+        c->before_count = list_candidates(c, c->before);
         c->candidate_count = 0;
         add_lists(c, &c->at, c->choice.shading);
         begin_stage(c, true);
@@ -450,6 +478,7 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
             c->at = *at;
             c->choice = known->choice;
             c->milliseconds = known->milliseconds;
+            c->before_count = c->candidate_count = 0;
             char how[96];
             snprintf(how, sizeof how, "remembered: %.2f ms when it was measured", known->milliseconds);
             decide(c, how);

@@ -27,6 +27,7 @@ enum {
     CHOOSER_MEMORY = 256,
     CHOOSER_TRIALS = 64, /* of candidates that no decision has come of yet */
     CHOOSER_PATIENCE = 1000,
+    CHOOSER_ROWS = 2 * CHOOSER_CANDIDATES, /* of chooser_list */
 };
 #define CHOOSER_DROP_FACTOR 2.0
 
@@ -85,6 +86,8 @@ struct chooser {
         bool warm, dropped;
         double times[CHOOSER_TIMES];
     } candidates[CHOOSER_CANDIDATES];
+    fnl_candidate before[CHOOSER_CANDIDATES]; /* the shading orders, when lists are being chosen or were */
+    uint32_t before_count;
     uint32_t frames; /* measured for the decision, or since it fell */
     uint32_t waited; /* frames that were not measured as pipelines were being made */
     uint32_t last;   /* candidate of the last pick; CHOOSER_CANDIDATES: none */
@@ -120,6 +123,9 @@ uint64_t chooser_wants(const struct chooser *chooser);
 bool chooser_counts(const struct choice *asked, const char *pass);
 /** Time of that frame's passes, negative: it is not known and never will be; and of those among them that are not compared. */
 void chooser_feed(struct chooser *chooser, double gpu_milliseconds, double left_out);
+
+/** What has been or will be measured for the choice, from the first on; returns how many there are. */
+uint32_t chooser_list(const struct chooser *chooser, fnl_candidate out[CHOOSER_ROWS]);
 
 /** Of what a decision is remembered by: cases of like size share it. */
 uint64_t chooser_key(const struct choice_case *at);

@@ -235,6 +235,55 @@ static void test_order_and_lists_together(void **state) {
     assert_true(m.tried[FNL_LISTS_TILED]);
 }
 
+/* What was measured is told with its times: of paths and lists, while it goes on and when it is decided. */
+static void test_candidates_are_told(void **state) {
+    UNUSED(state);
+    static struct chooser c, later;
+    fnl_candidate rows[CHOOSER_ROWS];
+    c = later = (struct chooser){0};
+    assert_int_equal(chooser_list(&c, rows), 0);
+    struct machine m = machine_make(&c);
+    struct choice_case at = some_case(1000);
+    at.asked.shading = FNL_SHADING_AUTO;
+    m.orders[FNL_SHADING_FORWARD_PREPASS] = 3;
+    m.lists[FNL_LISTS_CLUSTERED] = 0.5;
+    m.lists[FNL_LISTS_FINE] = 100;
+    step(&m, &at, false);
+    uint32_t count = chooser_list(&c, rows), measured = 0, shadings = 0, chosen = 0;
+    assert_true(count > 1);
+    for (uint32_t i = 0; i < count; i++) assert_true(!rows[i].chosen && rows[i].milliseconds == 0 && rows[i].frames == 0);
+    settle(&m, &at);
+    count = chooser_list(&c, rows);
+    for (uint32_t i = 0; i < count; i++) {
+        const bool is_choice = rows[i].shading == FNL_SHADING_FORWARD_PREPASS && rows[i].lists == FNL_LISTS_CLUSTERED;
+        for (uint32_t k = 0; k < i; k++) assert_false(rows[i].shading == rows[k].shading && rows[i].lists == rows[k].lists);
+        assert_int_equal(rows[i].chosen, is_choice);
+        assert_int_equal(rows[i].milliseconds > 0, rows[i].frames > 0);
+        chosen += rows[i].chosen;
+        measured += rows[i].frames > 0;
+        shadings += i == 0 || rows[i].shading != rows[i - 1].shading;
+        const double real = m.orders[rows[i].shading] + m.lists[rows[i].lists] - DRAWING;
+        if (rows[i].frames) assert_true(fabs(rows[i].milliseconds / real - 1) < 0.05);
+        assert_true(rows[i].frames <= CHOOSER_TIMES);
+    }
+    assert_int_equal(chosen, 1);
+    assert_int_equal(measured, c.measured_count);
+    assert_int_equal(shadings, 3); /* deferred and forward, then forward with prepass with all its lists */
+    assert_int_equal(rows[count - 1].shading, FNL_SHADING_FORWARD_PREPASS);
+
+    /* Remembered in another run: the choice alone. */
+    char text[8192];
+    assert_true(chooser_print(&c, text, sizeof text) < sizeof text);
+    chooser_parse(&later, text, strlen(text));
+    chooser_pick(&later, &at, true, (struct chooser_background){0});
+    assert_int_equal(chooser_list(&later, rows), 1);
+    assert_true(rows[0].chosen && rows[0].frames == 0 && fabs(rows[0].milliseconds - c.milliseconds) < 1e-3);
+    assert_int_equal(rows[0].lists, FNL_LISTS_CLUSTERED);
+    at.scene++; /* another scene: from the start again */
+    chooser_pick(&later, &at, true, (struct chooser_background){0});
+    assert_true(chooser_list(&later, rows) > 1 && !rows[0].chosen && rows[0].milliseconds == 0);
+}
+
 /* A path whose picture is only close is a candidate where that is allowed, and nowhere else, however fast it is. */
 static void test_close_paths_where_they_are_allowed(void **state) {
     UNUSED(state);
@@ -543,6 +592,7 @@ int main(void) {
         cmocka_unit_test(test_likely_pairs_are_those_that_are_tried),
         cmocka_unit_test(test_slow_candidates_get_fewer_turns),
         cmocka_unit_test(test_order_and_lists_together),
+        cmocka_unit_test(test_candidates_are_told),
         cmocka_unit_test(test_close_paths_where_they_are_allowed),
         cmocka_unit_test(test_decides_again_when_much_changes),
         cmocka_unit_test(test_pinned_measures_nothing),

@@ -238,19 +238,52 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     return shading_prepare(r, frame);
 }
 
+/* When the parts of a frame were over, seconds. */
+struct frame_times {
+    double begun, updated, waited, asked, declared;
+};
+
+static void note_sections(fnl_renderer *r, const struct frame_times *at, double now) {
+    const struct graph_stats graph = graph_query_stats(r->graph);
+    const double execute = graph.place_milliseconds + graph.record_milliseconds + graph.submit_milliseconds;
+    const fnl_cpu_section sections[] = {
+        {.name = "update the scene", .milliseconds = (at->updated - at->begun) * 1e3},
+        {.name = "wait for the GPU", .milliseconds = (at->waited - at->updated) * 1e3}, /* the frame before the last is over */
+        {.name = "prepare", .milliseconds = (at->asked - at->waited) * 1e3}, /* pools by what earlier frames counted; the pipelines of a candidate of auto */
+        {.name = "declare passes", .milliseconds = (at->declared - at->asked) * 1e3 - graph.compile_milliseconds},
+        {.name = "compile the graph", .milliseconds = graph.compile_milliseconds},
+        {.name = "place resources", .milliseconds = graph.place_milliseconds},
+        {.name = "record", .milliseconds = graph.record_milliseconds},
+        {.name = "submit", .milliseconds = graph.submit_milliseconds},
+        {.name = "clean up", .milliseconds = (now - at->declared) * 1e3 - execute}};
+    _Static_assert(COUNT_OF(sections) == RENDERER_CPU_SECTIONS, "a place for each");
+    double begin = 0;
+    for (r->cpu_section_count = 0; r->cpu_section_count < COUNT_OF(sections); r->cpu_section_count++) {
+        fnl_cpu_section *section = &r->cpu_sections[r->cpu_section_count];
+        *section = sections[r->cpu_section_count];
+        section->milliseconds = MAX(section->milliseconds, 0.0);
+        section->begin_milliseconds = begin;
+        begin += section->milliseconds;
+    }
+    r->cpu_milliseconds = (now - at->waited) * 1e3;
+}
+
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
-                             const struct gpu_external_semaphores *external) {
+                             const struct gpu_external_semaphores *external, double begun) {
+    struct frame_times at = {.begun = begun};
     TRY(renderer_prepare(r, frame));
     TRY(prepare_buffers(r, frame));
+    at.updated = time_now();
     TRY(gpu_frame_begin(r->device));
-    double start = time_now();
+    at.waited = time_now();
     const uint64_t late = gpu_pipeline_stats(r->device).late;
     uint32_t slot = gpu_frame_slot(r->device);
     fnl_result result = prepare_counts(r, frame, slot);
     pools_prepare(r, (uint64_t)frame->width * frame->height);
     if (result == FNL_OK) result = prepare_candidate(r, frame, target);
-    const double declared = time_now(); /* what comes next is the frame's own */
+    at.asked = time_now(); /* what comes next is the frame's own */
     if (result == FNL_OK) result = frame_declare(r, frame, target);
+    at.declared = time_now();
     if (result != FNL_OK) {
         gpu_frame_end(r->device, NULL, 0, NULL);
         return result;
@@ -269,13 +302,13 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     r->frame.views = NULL;
     r->frame.overlay = NULL;
     r->frame_number = gpu_frame_number(r->device);
-    if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - declared) * 1e3);
+    if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - at.asked) * 1e3);
     feed_chooser(r);
     r->frame_slot = slot;
     r->slot_views[slot] = frame_view_count(frame);
     r->pipelines_made = (uint32_t)(gpu_pipeline_stats(r->device).late - late);
     for (uint32_t i = r->slot_views[slot]; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
-    r->cpu_milliseconds = (time_now() - start) * 1e3;
+    note_sections(r, &at, time_now());
     return FNL_OK;
 }
 
@@ -301,12 +334,13 @@ void renderer_settle_views(fnl_frame *frame) {
 
 static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_frame *given, const struct frame_target *target,
                          const struct gpu_external_semaphores *external) {
+    const double begun = time_now();
     fnl_frame frame = given ? *given : fnl_frame_default();
     renderer_settle_views(&frame);
     TRY(frame_check(call, r, &frame));
     fnl_result result = overlay_prepare(r, &frame);
     if (result == FNL_OK) result = reflections_capture(r, &frame);
-    if (result == FNL_OK) result = make_frame(r, &frame, target, external);
+    if (result == FNL_OK) result = make_frame(r, &frame, target, external, begun);
     if (result != FNL_OK) {
         r->frame_number = 0; /* buffers may have changed without a frame to fill them */
         renderer_forget(r);

@@ -98,6 +98,8 @@ struct renderer_tests {
     const struct volumes_hook *volume_hook; /* of deferred-volumes with the shape stencil; NULL: none */
 };
 
+enum { RENDERER_CPU_SECTIONS = 9 };
+
 struct fnl_renderer {
     fnl_host host;
     gpu_device *device;
@@ -156,6 +158,9 @@ struct fnl_renderer {
     ARRAY(fnl_pass_time) pass_times;
     fnl_memory_kind memory_kinds[GPU_USE_COUNT];
     double cpu_milliseconds;
+    fnl_cpu_section cpu_sections[RENDERER_CPU_SECTIONS];
+    uint32_t cpu_section_count;
+    fnl_candidate candidates[CHOOSER_ROWS]; /* handed out with the stats */
     uint32_t pipelines_made; /* by the frame itself */
 };
 

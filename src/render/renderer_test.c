@@ -337,6 +337,48 @@ static void test_time(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Where the time goes: parts of the calling thread without gaps, and passes one after the other. */
+static void test_times_of_a_frame(void **state) {
+    UNUSED(state);
+    static const char *const names[] = {"update the scene", "wait for the GPU", "prepare", "declare passes", "compile the graph", "place resources",
+                                        "record", "submit", "clean up"};
+    struct stage_set s = stage_set_open();
+    fnl_renderer *renderer;
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_create(quiet_device, s.scene, &renderer), FNL_OK);
+    fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+    frame.timers = true;
+    for (int i = 0; i < 3; i++) {
+        const double begun = time_now();
+        test_render_frame(renderer, &frame);
+        const double whole = (time_now() - begun) * 1e3;
+        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+        assert_int_equal(stats.cpu_section_count, COUNT_OF(names));
+        double end = 0, own = 0, passes = 0;
+        for (uint32_t k = 0; k < stats.cpu_section_count; k++) {
+            const fnl_cpu_section *section = &stats.cpu_sections[k];
+            assert_string_equal(section->name, names[k]);
+            assert_true(fabs(section->begin_milliseconds - end) < 1e-6 && section->milliseconds >= 0);
+            end += section->milliseconds;
+            if (k >= 2) own += section->milliseconds;
+        }
+        assert_true(end <= whole && end > 0.5 * whole - 0.5);
+        assert_true(fabs(own - stats.cpu_milliseconds) < 1e-3);
+        assert_true(stats.cpu_sections[3].milliseconds > 0 && stats.cpu_sections[4].milliseconds > 0 && stats.cpu_sections[6].milliseconds > 0);
+        assert_true(stats.pass_count > 3 && stats.passes[0].begin_milliseconds == 0);
+        for (uint32_t k = 0; k < stats.pass_count; k++) {
+            assert_int_equal(stats.passes[k].queue, FNL_QUEUE_GRAPHICS);
+            passes += stats.passes[k].milliseconds;
+            if (k > 0) assert_true(stats.passes[k].begin_milliseconds + 1e-6 >= stats.passes[k - 1].begin_milliseconds + stats.passes[k - 1].milliseconds);
+        }
+        assert_true(fabs(passes - stats.gpu_milliseconds) < 1e-6);
+        assert_int_equal(stats.candidate_count, 0);
+        assert_null(stats.candidates);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&s.scene);
+}
+
 static void test_resize(void **state) {
     UNUSED(state);
     static const uint32_t sizes[][2] = {{64, 64}, {100, 30}, {1, 1}, {17, 200}, {64, 64}};
@@ -725,6 +767,7 @@ int main(void) {
         cmocka_unit_test(test_steady_state_allocates_nothing),
         cmocka_unit_test(test_edits_show_in_the_next_frame),
         cmocka_unit_test(test_time),
+        cmocka_unit_test(test_times_of_a_frame),
         cmocka_unit_test(test_resize),
         cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_empty_scene),

@@ -101,7 +101,9 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
     if (r->frame.timers && graph_query_timers(r->graph, r->frame_number, &timers, &count)) {
         if (!array_reserve(&r->host, &r->pass_times, count)) return FNL_ERROR_MEMORY;
         for (uint32_t i = 0; i < count; i++) {
-            r->pass_times.data[r->pass_times.count++] = (fnl_pass_time){timers[i].name, timers[i].milliseconds};
+            r->pass_times.data[r->pass_times.count++] =
+                (fnl_pass_time){timers[i].name, timers[i].milliseconds, timers[i].begin_milliseconds,
+                                timers[i].queue == GPU_QUEUE_COMPUTE ? FNL_QUEUE_COMPUTE : FNL_QUEUE_GRAPHICS};
             out->gpu_milliseconds += timers[i].milliseconds;
         }
     }
@@ -116,6 +118,10 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
     out->choice = is_auto ? r->chooser.reason : "";
     out->passes = r->pass_times.data;
     out->pass_count = r->pass_times.count;
+    out->cpu_sections = r->cpu_sections;
+    out->cpu_section_count = r->cpu_section_count;
+    out->candidate_count = is_auto ? chooser_list(&r->chooser, r->candidates) : 0;
+    if (is_auto) out->candidates = r->candidates;
     return FNL_OK;
 }
 
