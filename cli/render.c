@@ -87,7 +87,9 @@ static void print_help(void) {
          "  --choose-seconds S         with --frames 2 or more: how long auto may measure before the first one (20)\n"
          "  --stats FILE|-             writes the statistics as JSON; for a sequence, a line per picture. 'fanal render\n"
          "                             --counters' lists the counters that can be among them\n"
-         "  --plan                     prints the frame graph\n"
+         "  --plan[=json]              prints the frame graph, as text or for programs\n"
+         "  --trace-file FILE          writes when each pass and each part of the CPU's work began and ended, for the last 240 of the\n"
+         "                             timed frames or pictures: Chrome's trace format, which Perfetto shows\n"
          "  --traffic                  prints what each pass moves between images and memory\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
          "  --no-cache                 does not use the user's cache folder, which keeps compiled pipelines and what auto "
@@ -151,6 +153,7 @@ enum {
     O_AOV,
     O_STATS,
     O_PLAN,
+    O_TRACE_FILE,
     O_CAMERA_PATH,
     O_START_FRAME,
     O_FORMAT,
@@ -233,7 +236,15 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->stats = value;
         return true;
     case O_PLAN:
-        o->plan = true;
+        if (!value)
+            o->plan = RENDER_PLAN_TEXT;
+        else if (strcmp(value, "json") == 0)
+            o->plan = RENDER_PLAN_JSON;
+        else
+            return argument_bad("plan", value, "json, nor nothing at all");
+        return true;
+    case O_TRACE_FILE:
+        o->trace_file = value;
         return true;
     case O_CAMERA_PATH:
         o->camera_path = value;
@@ -274,7 +285,8 @@ static const struct option own_options[] = {
     {"no-cache", no_argument, NULL, O_NO_CACHE},
     {"aov", required_argument, NULL, O_AOV},
     {"stats", required_argument, NULL, O_STATS},
-    {"plan", no_argument, NULL, O_PLAN},
+    {"plan", optional_argument, NULL, O_PLAN},
+    {"trace-file", required_argument, NULL, O_TRACE_FILE},
     {"camera-path", required_argument, NULL, O_CAMERA_PATH},
     {"start-frame", required_argument, NULL, O_START_FRAME},
     {"format", required_argument, NULL, O_FORMAT},
@@ -295,10 +307,11 @@ static bool is_same_file(const char *a, const char *b) {
 }
 
 static bool check_files(const struct render_options *o) {
-    const char *files[RENDER_MAX_OUTPUTS + 2];
+    const char *files[RENDER_MAX_OUTPUTS + 3];
     int count = 0;
     for (; count < o->output_count; count++) files[count] = o->outputs[count];
     if (o->stats) files[count++] = o->stats;
+    if (o->trace_file) files[count++] = o->trace_file;
     int written = count;
     files[count++] = o->world.scene;
     for (int i = 0; i < written; i++)
@@ -330,8 +343,8 @@ static bool check_options(struct render_options *o) {
         if (o->views && !is_stdout && !render_is_sequence(o->outputs[i]))
             problem = "each output of --views has one %d, or as %02d, for the view's number";
     }
-    if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic)
-        problem = "no output was asked for: give -o FILE, --stats FILE, --plan or --traffic";
+    if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file)
+        problem = "no output was asked for: give -o FILE, --stats FILE, --plan, --traffic or --trace-file FILE";
     if (o->has_format && !has_stdout) problem = "--format is for -o -: files have it in their names";
     if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
     if (world_problem(&o->world)) problem = world_problem(&o->world);
@@ -346,7 +359,10 @@ static bool check_options(struct render_options *o) {
         problem = "--camera-path orbit and turntable need --frames, or as orbit:N the pictures once round";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
     if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample is no --aa taa";
-    if (o->frame_count == 0 && (o->stats || sequence)) problem = "--frames 0 is a picture without numbers: not with --stats, nor for a sequence";
+    if (o->frame_count == 0 && (o->stats || o->trace_file || sequence))
+        problem = "--frames 0 is a picture without numbers: not with --stats or --trace-file, nor for a sequence";
+    if (o->trace_file && render_is_stdout(o->trace_file)) problem = "--trace-file writes a file, not to stdout";
+    if (o->trace_file && o->supersample > 1) problem = "--trace-file and --supersample exclude one another: pictures of several frames are not timed";
     if (o->has_frame_time && !sequence) problem = "--frame-time is for sequences: -o NAME-%04d.png";
     if (o->start_frame > 0 && !sequence) problem = "--start-frame is for sequences: -o NAME-%04d.png";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal render --help'\n", problem);

@@ -21,12 +21,13 @@ enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
 
 struct render_options {
     struct world_options world;
-    const char *outputs[RENDER_MAX_OUTPUTS], *views, *camera_path, *device, *stats;
+    const char *outputs[RENDER_MAX_OUTPUTS], *views, *camera_path, *device, *stats, *trace_file;
     int output_count;
     const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
     int given_count;
     fnl_frame frame;
-    bool validate, no_cache, quiet, plan, traffic;
+    bool validate, no_cache, quiet, traffic;
+    enum render_plan { RENDER_NO_PLAN, RENDER_PLAN_TEXT, RENDER_PLAN_JSON } plan;
     double choose_seconds;      /* that auto may take before the frames */
     uint32_t frame_count;       /* timed ones; 0: the picture alone */
     uint32_t aovs;              /* bits 1 << enum render_aov */
@@ -57,6 +58,17 @@ bool render_makes_sequence(const struct render_options *options);
 /** Loads, renders, writes; returns the exit status. */
 int render_run(const struct render_options *options);
 
+/** "text", "json"; NULL beyond, and for no plan. */
+const char *render_plan_name(int plan);
+
+/** What took time in each frame: passes, or what the CPU did. */
+struct report_series {
+    uint32_t count;
+    const char **names;
+    fnl_queue *queues;      /* passes */
+    double *times, *begins; /* count * frame_count, milliseconds: those of one name in a row */
+};
+
 /** Times and counts over the frames of a run, or of one picture of a sequence. */
 struct render_report {
     const struct render_options *options;
@@ -66,9 +78,8 @@ struct render_report {
     double time;           /* of the animation, seconds */
     uint32_t picture;      /* of a sequence; UINT32_MAX: none */
     fnl_frame_stats stats; /* of the last, counted frame; its passes are not used */
-    uint32_t frame_count, pass_count;
-    const char **names;            /* pass_count */
-    double *pass_times;            /* pass_count * frame_count: times of one pass in a row */
+    uint32_t frame_count;
+    struct report_series passes, sections;
     double *cpu_times, *gpu_times; /* frame_count */
 };
 
@@ -77,6 +88,10 @@ struct report_summary {
 };
 struct report_summary report_summarise(const double *times, uint32_t count);
 
+/** Keeps the times of frame `index` of report.frame_count, from 0 on; false when memory ran out. */
+bool report_note(struct render_report *report, uint32_t index, const fnl_frame_stats *stats);
+/** Frees the times. */
+void report_finish(struct render_report *report);
 void report_print(const struct render_report *report);
 /** A line instead, where nothing but the picture was asked for; `seconds` is what the command took. */
 void report_print_picture(const struct render_report *report, double seconds);
@@ -86,6 +101,7 @@ char *report_text(const struct render_report *report, bool line);
 /* ---- parts of a run ---- */
 
 struct supersample;
+struct trace_history;
 /**
  * Renders again until all pools (counters of kind FNL_COUNTER_OVERFLOW) hold what the frame needs: they learn by a frame how large they have
  * to be. What is saved is exact if memory lasts.
@@ -95,6 +111,6 @@ bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_fra
 bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer,
                          const struct supersample *mean, uint32_t view_count);
 bool render_sequence(const struct render_options *options, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
-                     const fnl_frame *frame, struct render_report *report);
+                     const fnl_frame *frame, struct render_report *report, struct trace_history *trace);
 
 #endif

@@ -7,6 +7,7 @@
 #include "progress.h"
 #include "stream.h"
 #include "supersample.h"
+#include "trace_file.h"
 #include "views.h"
 
 #include <errno.h>
@@ -43,6 +44,8 @@ const char *render_format_name(int format) {
     static const char *const names[] = {"png", "exr", "raw", "y4m"};
     return format >= 0 && format <= RENDER_Y4M ? names[format] : NULL;
 }
+
+const char *render_plan_name(int plan) { return plan == RENDER_PLAN_TEXT ? "text" : plan == RENDER_PLAN_JSON ? "json" : NULL; }
 
 const char *render_aov_name(int aov) {
     static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position", "motion"};
@@ -171,36 +174,15 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
 
 /* ---- frames ---- */
 
-static bool note_frame(struct render_report *report, uint32_t index, const fnl_frame_stats *stats) {
-    if (index == 0) {
-        report->pass_count = stats->pass_count;
-        report->names = calloc(stats->pass_count + 1, sizeof *report->names);
-        report->pass_times = calloc((size_t)stats->pass_count * report->frame_count + 1, sizeof *report->pass_times);
-        if (!report->names || !report->pass_times) return false;
-        for (uint32_t i = 0; i < stats->pass_count; i++) report->names[i] = stats->passes[i].name;
-    }
-    for (uint32_t i = 0; i < report->pass_count && i < stats->pass_count; i++)
-        report->pass_times[(size_t)i * report->frame_count + index] = stats->passes[i].milliseconds;
-    report->cpu_times[index] = stats->cpu_milliseconds;
-    report->gpu_times[index] = stats->gpu_milliseconds;
-    return true;
-}
-
-static double seconds_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Lets auto decide before anything is timed, but not for long; a single frame takes what is remembered or likely. */
 static bool settle_choice(const struct render_options *o, fnl_renderer *renderer, fnl_frame *frame) {
-    double start = seconds_now();
+    double start = trace_now();
     if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) return true;
     fnl_frame_stats stats = {.choosing = true};
     fnl_frame trial = *frame;
     trial.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     uint32_t count = 0;
-    for (; o->frame_count > 1 && stats.choosing && seconds_now() < start + o->choose_seconds; count++) {
+    for (; o->frame_count > 1 && stats.choosing && trace_now() < start + o->choose_seconds; count++) {
         progress_show("choosing", count, 60);
         if (fnl_renderer_render(renderer, &trial) != FNL_OK || fnl_renderer_query_stats(renderer, &stats) != FNL_OK)
             return false;
@@ -243,14 +225,11 @@ static bool run_picture(const struct render_options *o, fnl_renderer *renderer, 
  * One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is
  * saved; with samples another, since Mesa's CPU driver tests depth after cutouts whose shader counts, and takes other centroids then.
  */
-static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame,
-                       struct render_report *report) {
+static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame, struct render_report *report,
+                       struct trace_history *trace) {
     report->frame_count = o->frame_count;
     if (o->frame_count == 0) return run_picture(o, renderer, frame, report);
     if (!settle_choice(o, renderer, &frame)) return false;
-    report->cpu_times = calloc(o->frame_count, sizeof(double));
-    report->gpu_times = calloc(o->frame_count, sizeof(double));
-    if (!report->cpu_times || !report->gpu_times) return false;
     bool counts = o->stats || !o->quiet;
     uint32_t collected = frame.aa == FNL_ANTIALIASING_TAA && !o->has_frames ? TAA_FRAMES - 1 : 0;
     uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts + (counts && frame.msaa > 1);
@@ -258,10 +237,13 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     for (uint32_t i = 0; i < o->frame_count + warm_up; i++) {
         progress_show("rendering", i, total);
-        if (fnl_renderer_render(renderer, counts ? &timed : &frame) != FNL_OK ||
-            fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
-            return false;
-        if (i >= warm_up && !note_frame(report, i - warm_up, &report->stats)) return false;
+        const double called = trace_now();
+        trace_mark(trace, "render");
+        if (fnl_renderer_render(renderer, counts ? &timed : &frame) != FNL_OK) return false;
+        trace_mark(trace, "wait for the frame");
+        if (fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK) return false;
+        trace_end_frame(trace, i >= warm_up ? &report->stats : NULL, called);
+        if (i >= warm_up && !report_note(report, i - warm_up, &report->stats)) return false;
     }
     if (counts) {
         progress_show("rendering", o->frame_count + warm_up, total);
@@ -329,8 +311,13 @@ int render_run(const struct render_options *o) {
     frame.views = cameras;
     frame.view_count = view_count;
     struct supersample mean = {0};
-    if (good && sequence) good = render_sequence(o, &host, scene, renderer, &frame, &report);
-    if (good && !sequence) good = run_frames(o, renderer, frame, &report);
+    struct trace_history *trace = good && o->trace_file ? trace_create() : NULL;
+    if (good && o->trace_file && !trace) {
+        fputs("fanal: error: --trace-file: memory ran out\n", stderr);
+        good = false;
+    }
+    if (good && sequence) good = render_sequence(o, &host, scene, renderer, &frame, &report, trace);
+    if (good && !sequence) good = run_frames(o, renderer, frame, &report, trace);
     if (good && !sequence && o->supersample > 1) {
         frame.pin_choice = true;
         good = supersample_render(&mean, renderer, &frame, o->supersample);
@@ -341,7 +328,7 @@ int render_run(const struct render_options *o) {
                 (unsigned long long)fnl_device_validation_count(device));
         good = false;
     }
-    if (good && o->plan) print_text(renderer, FNL_PRINT_PLAN);
+    if (good && o->plan) print_text(renderer, o->plan == RENDER_PLAN_JSON ? FNL_PRINT_PLAN_JSON : FNL_PRINT_PLAN);
     if (good && o->traffic) print_text(renderer, FNL_PRINT_TRAFFIC);
     progress_end();
     bool table = good && !o->quiet && !o->plan && !o->traffic && !sequence;
@@ -350,14 +337,14 @@ int render_run(const struct render_options *o) {
     good = good && output_flush(); /* before anything is written: all or nothing */
     if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean, view_count);
     supersample_free(&mean);
-    if (good && o->stats && !sequence && !save_stats(o, &report)) {
-        remove_files(o, (uint32_t)o->output_count * (view_count ? view_count : 1), view_count); /* all or nothing */
+    const bool traced = good && trace && trace_save(trace, o->trace_file), failed = good && trace && !traced;
+    if (failed || (good && o->stats && !sequence && !save_stats(o, &report))) {
+        if (!sequence) remove_files(o, (uint32_t)o->output_count * (view_count ? view_count : 1), view_count); /* all or nothing */
+        if (traced) unlink(o->trace_file);
         good = false;
     }
-    free((void *)report.names);
-    free(report.pass_times);
-    free(report.cpu_times);
-    free(report.gpu_times);
+    trace_destroy(&trace);
+    report_finish(&report);
     fnl_renderer_destroy(&renderer);
     fnl_device_destroy(&device);
     fnl_scene_destroy(&scene);

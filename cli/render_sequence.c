@@ -6,6 +6,7 @@
 #include "render.h"
 #include "stream.h"
 #include "supersample.h"
+#include "trace_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,6 +46,7 @@ struct sequence {
     fnl_renderer *renderer;
     fnl_frame frame;
     fnl_frame_stats stats;
+    struct trace_history *trace;
     struct bench_path path;
     uint32_t animation, end;
     double time; /* of the animation */
@@ -63,10 +65,14 @@ static bool pose(struct sequence *s, uint32_t index) {
 }
 
 static bool render(struct sequence *s, struct supersample *mean) {
+    const double called = trace_now();
+    trace_mark(s->trace, "render");
     if (s->o->supersample > 1 ? !supersample_render(mean, s->renderer, &s->frame, s->o->supersample)
                               : fnl_renderer_render(s->renderer, &s->frame) != FNL_OK)
         return false;
+    trace_mark(s->trace, "wait for the frame");
     if (fnl_renderer_query_stats(s->renderer, &s->stats) != FNL_OK) return false;
+    trace_end_frame(s->trace, s->o->supersample > 1 ? NULL : &s->stats, called);
     if (earlier_pictures(&s->frame) > 0) return true; /* rendered again it would show no motion */
     return s->o->supersample > 1 || render_settle_pools(s->renderer, &s->frame, &s->stats);
 }
@@ -90,28 +96,11 @@ static bool note(const struct sequence *s, uint32_t index, struct render_report 
     report->frame = s->frame;
     report->stats = s->stats;
     report->frame_count = 1;
-    report->pass_count = s->stats.pass_count;
-    const char **names = calloc(s->stats.pass_count + 1, sizeof *names);
-    double *times = calloc(s->stats.pass_count + 1, sizeof *times);
-    char *text = NULL;
-    if (names && times) {
-        for (uint32_t i = 0; i < s->stats.pass_count; i++) {
-            names[i] = s->stats.passes[i].name;
-            times[i] = s->stats.passes[i].milliseconds;
-        }
-        report->names = names;
-        report->pass_times = times;
-        report->cpu_times = &report->stats.cpu_milliseconds;
-        report->gpu_times = &report->stats.gpu_milliseconds;
-        text = report_text(report, true);
-    }
+    char *text = report_note(report, 0, &s->stats) ? report_text(report, true) : NULL;
     bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0);
     if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
     free(text);
-    free(names);
-    free(times);
-    report->names = NULL;
-    report->pass_times = report->cpu_times = report->gpu_times = NULL;
+    report_finish(report);
     return good;
 }
 
@@ -121,6 +110,7 @@ static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
     for (uint32_t i = first < earlier ? 0 : first - earlier; i < s->end; i++) {
         struct supersample mean = {0};
         progress_show("rendering", i < first ? 0 : i - first, s->end - first);
+        trace_mark(s->trace, "pose");
         bool good = pose(s, i) && render(s, &mean) && (i < first || (save(s, i, &mean) && note(s, i, report, lines)));
         supersample_free(&mean);
         if (!good) return false;
@@ -129,8 +119,8 @@ static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
 }
 
 bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
-                     const fnl_frame *frame, struct render_report *report) {
-    struct sequence s = {.o = o, .host = host, .scene = scene, .renderer = renderer, .frame = *frame};
+                     const fnl_frame *frame, struct render_report *report, struct trace_history *trace) {
+    struct sequence s = {.o = o, .host = host, .scene = scene, .renderer = renderer, .frame = *frame, .trace = trace};
     s.frame.pin_choice = true;
     char *text = NULL;
     size_t length;

@@ -29,14 +29,83 @@ struct report_summary report_summarise(const double *times, uint32_t count) {
     return s;
 }
 
-static struct report_summary pass_summary(const struct render_report *r, uint32_t pass) {
-    return report_summarise(r->pass_times + (size_t)pass * r->frame_count, r->frame_count);
+/* ---- times of frames ---- */
+
+static void finish_series(struct report_series *series) {
+    free((void *)series->names);
+    free(series->queues);
+    free(series->times);
+    free(series->begins);
+    *series = (struct report_series){0};
 }
+
+static bool make_series(struct report_series *series, uint32_t count, uint32_t frame_count) {
+    const size_t all = (size_t)count * frame_count + 1;
+    *series = (struct report_series){count, calloc(count + 1, sizeof *series->names), calloc(count + 1, sizeof *series->queues), calloc(all, sizeof(double)),
+                                     calloc(all, sizeof(double))};
+    return series->names && series->queues && series->times && series->begins;
+}
+
+static bool begin_notes(struct render_report *r, const fnl_frame_stats *stats) {
+    r->cpu_times = calloc(r->frame_count, sizeof(double));
+    r->gpu_times = calloc(r->frame_count, sizeof(double));
+    if (!r->cpu_times || !r->gpu_times || !make_series(&r->passes, stats->pass_count, r->frame_count) ||
+        !make_series(&r->sections, stats->cpu_section_count, r->frame_count))
+        return false;
+    for (uint32_t i = 0; i < stats->pass_count; i++) {
+        r->passes.names[i] = stats->passes[i].name;
+        r->passes.queues[i] = stats->passes[i].queue;
+    }
+    for (uint32_t i = 0; i < stats->cpu_section_count; i++) r->sections.names[i] = stats->cpu_sections[i].name;
+    return true;
+}
+
+bool report_note(struct render_report *r, uint32_t index, const fnl_frame_stats *stats) {
+    if (index == 0 && !begin_notes(r, stats)) return false;
+    for (uint32_t i = 0; i < r->passes.count && i < stats->pass_count; i++) {
+        r->passes.times[(size_t)i * r->frame_count + index] = stats->passes[i].milliseconds;
+        r->passes.begins[(size_t)i * r->frame_count + index] = stats->passes[i].begin_milliseconds;
+    }
+    for (uint32_t i = 0; i < r->sections.count && i < stats->cpu_section_count; i++) {
+        r->sections.times[(size_t)i * r->frame_count + index] = stats->cpu_sections[i].milliseconds;
+        r->sections.begins[(size_t)i * r->frame_count + index] = stats->cpu_sections[i].begin_milliseconds;
+    }
+    r->cpu_times[index] = stats->cpu_milliseconds;
+    r->gpu_times[index] = stats->gpu_milliseconds;
+    return true;
+}
+
+void report_finish(struct render_report *r) {
+    finish_series(&r->passes);
+    finish_series(&r->sections);
+    free(r->cpu_times);
+    free(r->gpu_times);
+    r->cpu_times = r->gpu_times = NULL;
+}
+
+static struct report_summary summary_of(const struct render_report *r, const struct report_series *series, uint32_t index) {
+    return report_summarise(series->times + (size_t)index * r->frame_count, r->frame_count);
+}
+
+/* ---- the table ---- */
 
 void report_print_picture(const struct render_report *r, double seconds) {
     printf("%ux%u, %s, %s lists, %u lights: the frame took %.2f s on %s, everything %.2f s\n", r->frame.width,
            r->frame.height, fnl_value_name(FNL_ENUM_SHADING, r->stats.shading), fnl_value_name(FNL_ENUM_LISTS, r->stats.lists), r->stats.lights_total,
            r->stats.gpu_milliseconds * 1e-3, r->device.name, seconds);
+}
+
+static void print_candidates(const fnl_frame_stats *s) {
+    uint32_t measured = 0;
+    for (uint32_t i = 0; i < s->candidate_count; i++) measured += s->candidates[i].frames > 0;
+    for (uint32_t i = 0; i < s->candidate_count && measured > 0; i++) {
+        const fnl_candidate *c = &s->candidates[i];
+        char time[32] = "not measured", frames[48] = "";
+        if (c->milliseconds > 0) snprintf(time, sizeof time, "%.3f ms", c->milliseconds);
+        if (c->milliseconds > 0 && c->frames) snprintf(frames, sizeof frames, ", %u frame%s", c->frames, c->frames == 1 ? "" : "s");
+        printf("  %c %-16s %-16s %s%s\n", c->chosen ? '*' : ' ', fnl_value_name(FNL_ENUM_SHADING, c->shading), fnl_value_name(FNL_ENUM_LISTS, c->lists), time,
+               frames);
+    }
 }
 
 void report_print(const struct render_report *r) {
@@ -47,23 +116,30 @@ void report_print(const struct render_report *r) {
            r->scene.triangle_count, r->scene.instance_count, s->lights_total);
     if (s->view_count) printf("%u views; the numbers of lights and triangles below are those of the first, --stats has all\n", s->view_count);
     if (s->choice[0]) printf("auto: %s\n", s->choice);
+    print_candidates(s);
     struct report_summary gpu = report_summarise(r->gpu_times, r->frame_count), cpu = report_summarise(r->cpu_times, r->frame_count);
     printf("\n  %-28s %10s %10s %10s\n", "pass, ms", "median", "min", "p95");
     double small = 0;
     uint32_t small_count = 0;
-    for (uint32_t i = 0; i < r->pass_count; i++) {
-        struct report_summary p = pass_summary(r, i);
+    for (uint32_t i = 0; i < r->passes.count; i++) {
+        struct report_summary p = summary_of(r, &r->passes, i);
         if (p.median < 0.005 * gpu.median) { /* the table shows what matters; the JSON shows all */
             small += p.median;
             small_count++;
             continue;
         }
-        printf("  %-28s %10.3f %10.3f %10.3f\n", r->names[i], p.median, p.low, p.p95);
+        printf("  %-28s %10.3f %10.3f %10.3f\n", r->passes.names[i], p.median, p.low, p.p95);
     }
     char others[32];
     snprintf(others, sizeof others, "%u smaller passes", small_count);
     if (small_count) printf("  %-28s %10.3f\n", others, small);
     printf("  %-28s %10.3f %10.3f %10.3f\n", "all passes", gpu.median, gpu.low, gpu.p95);
+    for (uint32_t i = 0; i < r->sections.count; i++) {
+        struct report_summary p = summary_of(r, &r->sections, i);
+        char name[40];
+        snprintf(name, sizeof name, "CPU: %.30s", r->sections.names[i]);
+        if (p.median >= 0.05 * cpu.median) printf("  %-28s %10.3f %10.3f %10.3f\n", name, p.median, p.low, p.p95);
+    }
     printf("  %-28s %10.3f %10.3f %10.3f\n", "CPU, record and submit", cpu.median, cpu.low, cpu.p95);
     printf("\n  lights in view %u of %u; list entries %" PRIu64 " in %u cells, %.1f KiB; overflow cells %u; dropped %u\n",
            s->lights_in_view, s->lights_total, s->list_entries, s->cells, (double)s->list_bytes / 1024, s->overflow_cells,

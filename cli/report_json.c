@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { FORMAT_VERSION = 3, DIGITS = 9 };
+enum { FORMAT_VERSION = 4, DIGITS = 9 };
 
 static json_t *integer(uint64_t value) { return json_integer((json_int_t)value); }
 static json_t *counted(bool is_known, uint64_t value) { return is_known ? integer(value) : json_null(); }
@@ -25,25 +25,49 @@ static json_t *make_camera(const fnl_camera *c) {
                                (double)c->vertical_fov * 57.295779513082321, "vertical_extent", (double)c->vertical_extent);
 }
 
+static json_t *make_candidates(const fnl_frame_stats *s) {
+    json_t *candidates = json_array();
+    for (uint32_t i = 0; i < s->candidate_count; i++) {
+        const fnl_candidate *c = &s->candidates[i];
+        json_array_append_new(candidates, json_pack("{s:s,s:s,s:o,s:i,s:b}", "shading", fnl_value_name(FNL_ENUM_SHADING, c->shading), "lists",
+                                                    fnl_value_name(FNL_ENUM_LISTS, c->lists), "ms", measured(c->milliseconds > 0, c->milliseconds),
+                                                    "frames", (int)c->frames, "chosen", c->chosen));
+    }
+    return candidates;
+}
+
 static json_t *make_view(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
-    return json_pack("{s:i,s:i,s:s,s:s,s:i,s:o,s:o,s:f,s:o}", "width", (int)r->frame.width, "height", (int)r->frame.height,
+    return json_pack("{s:i,s:i,s:s,s:s,s:i,s:o,s:o,s:o,s:f,s:o}", "width", (int)r->frame.width, "height", (int)r->frame.height,
                      "shading", fnl_value_name(FNL_ENUM_SHADING, s->shading), "lists", fnl_value_name(FNL_ENUM_LISTS, s->lists), "msaa",
-                     (int)r->frame.msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "picture",
+                     (int)r->frame.msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "candidates", make_candidates(s), "picture",
                      counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera",
                      make_camera(&r->frame.camera));
 }
 
+static struct report_summary row_of(const struct render_report *r, const double *rows, uint32_t index) {
+    return report_summarise(rows + (size_t)index * r->frame_count, r->frame_count);
+}
+
 static json_t *make_passes(const struct render_report *r) {
     json_t *passes = json_array();
-    for (uint32_t i = 0; i < r->pass_count; i++) {
-        struct report_summary p = report_summarise(r->pass_times + (size_t)i * r->frame_count, r->frame_count);
-        bool timed = r->device.timestamps;
-        json_array_append_new(passes, json_pack("{s:s,s:o,s:o,s:o}", "name", r->names[i], "gpu_ms_median",
-                                                measured(timed, p.median), "gpu_ms_min", measured(timed, p.low), "gpu_ms_p95",
-                                                measured(timed, p.p95)));
+    const bool timed = r->device.timestamps;
+    for (uint32_t i = 0; i < r->passes.count; i++) {
+        struct report_summary p = row_of(r, r->passes.times, i);
+        json_array_append_new(passes, json_pack("{s:s,s:s,s:o,s:o,s:o,s:o}", "name", r->passes.names[i], "queue",
+                                                fnl_value_name(FNL_ENUM_QUEUE, (uint32_t)r->passes.queues[i]), "begin_ms_median",
+                                                measured(timed, row_of(r, r->passes.begins, i).median), "gpu_ms_median", measured(timed, p.median),
+                                                "gpu_ms_min", measured(timed, p.low), "gpu_ms_p95", measured(timed, p.p95)));
     }
     return passes;
+}
+
+static json_t *make_sections(const struct render_report *r) {
+    json_t *sections = json_array();
+    for (uint32_t i = 0; i < r->sections.count; i++)
+        json_array_append_new(sections, json_pack("{s:s,s:f,s:f}", "name", r->sections.names[i], "begin_ms_median",
+                                                  row_of(r, r->sections.begins, i).median, "ms_median", row_of(r, r->sections.times, i).median));
+    return sections;
 }
 
 static json_t *make_lights(const struct render_report *r) {
@@ -104,7 +128,7 @@ char *report_text(const struct render_report *r, bool line) {
     const fnl_scene_info *scene = &r->scene;
     double gpu = report_summarise(r->gpu_times, r->frame_count).median;
     json_t *json = json_pack(
-        "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f},s:o,s:i,s:o}",
+        "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f,s:o},s:o,s:i,s:o}",
         "version", FORMAT_VERSION, "program", "version", fnl_version(), "commit", program_commit, "device", "name",
         r->device.name, "driver", r->device.driver, "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, r->device.type), "scene", "source",
         r->options->world.scene, "triangles", integer(scene->triangle_count), "instances", integer(scene->instance_count), "lights",
@@ -112,7 +136,7 @@ char *report_text(const struct render_report *r, bool line) {
         integer(scene->material_count), "images", integer(scene->image_count), "animations",
         integer(scene->animation_count), "settings", report_settings(r->options), "view", make_view(r), "passes",
         make_passes(r), "frame", "gpu_ms_median", measured(r->device.timestamps, gpu), "cpu_ms_median",
-        report_summarise(r->cpu_times, r->frame_count).median, "lights", make_lights(r), "draws", (int)s->draws, "culling",
+        report_summarise(r->cpu_times, r->frame_count).median, "cpu", make_sections(r), "lights", make_lights(r), "draws", (int)s->draws, "culling",
         make_culling(r));
     if (!json) return NULL;
     json_object_set_new(json, "views", make_views(r));

@@ -76,7 +76,8 @@ static void add_run(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "frame_time", json_real(o->frame_time));
     json_object_set_new(json, "choose_seconds", json_real(o->choose_seconds));
     json_object_set_new(json, "stats", text(o->stats));
-    json_object_set_new(json, "plan", json_boolean(o->plan));
+    json_object_set_new(json, "trace_file", text(o->trace_file));
+    json_object_set_new(json, "plan", text(render_plan_name((int)o->plan)));
     json_object_set_new(json, "traffic", json_boolean(o->traffic));
     json_object_set_new(json, "device", text(o->device));
     json_object_set_new(json, "validate", json_boolean(o->validate));

@@ -276,6 +276,10 @@ expect 2 "set: clusters.near is '1e99', must be a number or auto" render builtin
 expect 2 'mesh lists do not work with deferred' render builtin:spheres --lists mesh -o "$work/b.png"
 expect 2 "set: deferred.class-blocks is 5, must be 0, 4 or 8" render builtin:spheres --set deferred.class-blocks=5 -o "$work/b.png"
 expect 0 'tonemap' render builtin:spheres $plain --plan
+expect 0 '"name":"tonemap","queue":"graphics"' render builtin:spheres $plain --plan=json
+expect 2 "plan.*xml" render builtin:spheres $plain --plan=xml
+expect 2 'exclude one another' render builtin:spheres $plain -o a.png --trace-file a.trace --supersample 2
+expect 2 'not to stdout' render builtin:spheres $plain -o a.png --trace-file -
 expect 0 'size' compare "$work/a.png" "$work/b.png"
 expect 1 'max-diff|max' compare "$work/a.png" "$work/a.exr" --max-diff 0
 expect 2 'missing.png' compare "$work/a.png" "$work/missing.png"

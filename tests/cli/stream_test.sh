@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Sequences, stdout as a place for pictures and numbers, and the numbers against their schema. Usage: stream_test.sh FANAL CHECK_SCHEMA
+# Sequences, stdout as a place for pictures and numbers, and the numbers against their schema. Usage: stream_test.sh FANAL CHECK_SCHEMA CHECK_TRACE
 set -u
-fanal=$1 check_schema=$2
+fanal=$1 check_schema=$2 check_trace=$3
 source=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -51,7 +51,7 @@ spheres="builtin:spheres --lists clustered"
     mv out still.json
 
     # A sequence: as many pictures as the path has points, each where the path says; parts of it have the bytes of the whole.
-    run 0 '' $spheres -q --camera-path orbit:4 -o walk-%02d.png -o - --format raw --stats walk.json
+    run 0 '' $spheres -q --camera-path orbit:4 -o walk-%02d.png -o - --format raw --stats walk.json --trace-file walk.trace
     [ "$(size out)" = $((4 * 33 * 17 * 4)) ] || fail "raw pictures have $(size out) bytes"
     mv out whole.raw
     for i in 0 1 2; do cmp -s walk-0$i.png walk-0$((i + 1)).png && fail "pictures $i and $((i + 1)) of an orbit are the same"; done
@@ -86,8 +86,10 @@ spheres="builtin:spheres --lists clustered"
     [ $? = 2 ] && grep -q 'standard output cannot be written: No space' err && [ ! -e full.png ] || fail "a full device: $(cat err)"
 
     # The numbers: by the schema, and each property of it in one of these.
-    run 0 '' $spheres -q --shading dais --set dais.mode=list --stats dais.json
-    run 0 '' builtin:spheres -q --lists backface --shading coarse --transparency linked --stats coarse.json
+    run 0 '' builtin:spheres -q --shading dais --set dais.mode=list --stats dais.json # auto lists
+    run 0 '' builtin:spheres -q --lists backface --shading coarse --transparency linked --stats coarse.json --frames 2 --trace-file still.trace
+    run 2 'no-folder/a.trace' $spheres -q -o left.png --stats left.json --trace-file no-folder/a.trace
+    [ ! -e left.png ] && [ ! -e left.json ] || fail 'a trace that cannot be written leaves other files behind'
     run 0 '' $spheres -q --shading visibility --set visibility.sort=class --stats visibility.json
     run 0 '' $spheres -q --shading virtual-texturing --stats atlas.json
     run 0 '' $spheres -q --shading mobile --stats mobile.json
@@ -96,6 +98,9 @@ spheres="builtin:spheres --lists clustered"
 }
 "$check_schema" "$source/docs/stats.schema.json" still.json walk.json dais.json coarse.json visibility.json atlas.json mobile.json msaa.json views.json ||
     fail 'the numbers are not by docs/stats.schema.json'
+# Traces: of the pictures of a sequence, and of the timed frames.
+[ "$("$check_trace" walk.trace 'frame 3' gbuffer 'compile the graph' submit pose render 'wait for the frame')" = 4 ] || fail 'the trace of a sequence'
+[ "$("$check_trace" still.trace 'frame 1' gbuffer record render)" = 2 ] || fail 'the trace of two frames'
 [ "$(wc -l <walk.json)" = 4 ] || fail "the numbers of four pictures have $(wc -l <walk.json) lines"
 for i in 0 1 2 3; do sed -n $((i + 1))p walk.json | grep -q "\"picture\":$i," || fail "line $((i + 1)) is not of picture $i"; done
 tr -d ' \n' <still.json | grep -qF '"probe":[[0.0,2.0,0.0,6.0,2.5,7.0,0.0]]' || fail 'the settings do not tell the probe'
