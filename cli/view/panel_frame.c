@@ -35,7 +35,29 @@ static void show_memory(const fnl_frame_stats *s) {
     ui_table_end();
 }
 
-void view_panel_frame(const struct view *v) {
+/* What auto has measured. */
+static void show_candidates(const fnl_frame_stats *s) {
+    if (s->candidate_count == 0 || !ui_header("candidates", false) || !ui_table("candidates", 3, 0.5f)) return;
+    for (uint32_t i = 0; i < s->candidate_count; i++) {
+        const fnl_candidate *c = &s->candidates[i];
+        ui_cell();
+        ui_text("%s%s, %s", c->chosen ? "* " : "", fnl_value_name(FNL_ENUM_SHADING, c->shading), fnl_value_name(FNL_ENUM_LISTS, c->lists));
+        if (c->chosen) ui_tooltip("What auto has chosen");
+        ui_cell();
+        if (c->milliseconds > 0)
+            ui_text("%.3f ms", c->milliseconds);
+        else
+            ui_text("not yet");
+        ui_cell();
+        if (c->frames > 0)
+            ui_text("%u frames", c->frames);
+        else
+            ui_text("%s", c->milliseconds > 0 ? "remembered" : "");
+    }
+    ui_table_end();
+}
+
+void view_panel_frame(struct view *v) {
     const fnl_frame_stats *s = &v->stats;
     double most = 1e-3;
     float highest = 1;
@@ -46,6 +68,12 @@ void view_panel_frame(const struct view *v) {
     ui_tooltip("Milliseconds of the last frames");
     ui_text("%s, lists %s%s", fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists), s->choosing ? " (choosing)" : "");
     if (s->choice && s->choice[0]) ui_note("%s", s->choice);
+    show_candidates(s);
+    if (ui_button("timeline")) view_show_wide(v, VIEW_TIMELINE);
+    ui_tooltip("What ran when, in this frame and the last ones (F2)");
+    ui_same_line();
+    if (ui_button("graph")) view_show_wide(v, VIEW_GRAPH);
+    ui_tooltip("The frame graph: passes, what they read and write, barriers (F3)");
     ui_text("%.1f MB on the device, %u draws, %llu of %llu objects", (double)s->device_bytes / 1e6, s->draws, (unsigned long long)s->items_visible,
             (unsigned long long)s->items);
     ui_text("%u of %u lights in view, %llu list entries", s->lights_in_view, s->lights_total, (unsigned long long)s->list_entries);

@@ -39,6 +39,7 @@ static void show_help(struct view *v) {
                                               {"P", "save the picture"},
                                               {"Tab", "hide the panels"},
                                               {"F1", "this list"},
+                                              {"F2, F3", "the timeline, the frame graph"},
                                               {"Ctrl and Q", "quit"}};
         if (ui_table("keys", 2, 0.55f)) {
             for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -67,6 +68,7 @@ void view_panels(struct view *v) {
     ui_window_end();
     if (ui_window("Messages", NULL, wide - 348, 24 + high * 0.75f, 340, high * 0.25f - 32)) show_messages(v);
     ui_window_end();
+    view_panel_wide(v);
     if (v->shows_help) show_help(v);
 }
 
@@ -86,7 +88,8 @@ bool view_write_report(const struct view *v, const char *path) {
             (double)c->target.x, (double)c->target.y, (double)c->target.z);
     fprintf(file, "shading\t%s\nlists\t%s\npasses_ms\t%.4f\n", fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists),
             s->gpu_milliseconds);
-    for (uint32_t i = 0; i < v->pass_count; i++) fprintf(file, "pass\t%s\t%.4f\n", v->passes[i].name, v->passes[i].milliseconds);
+    view_report_timeline(v, file);
+    view_report_graph(v, file);
     for (uint32_t i = 0; i < s->counter_count; i++) fprintf(file, "counter\t%s\t%llu\n", s->counters[i].key, (unsigned long long)s->counters[i].value);
     for (uint32_t i = 0; i < s->memory_kind_count; i++) fprintf(file, "memory\t%s\t%llu\n", s->memory_kinds[i].name, (unsigned long long)s->memory_kinds[i].bytes);
     view_compare_report(v, file);

@@ -359,7 +359,7 @@ bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high) {
 }
 bool ui_color(const char *label, float rgb[3]) { return ImGui::ColorEdit3(label, rgb, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR); }
 bool ui_input(const char *label, char *text, size_t capacity) {
-    return ImGui::InputText(label, text, capacity, ImGuiInputTextFlags_EnterReturnsTrue);
+    return noted(label, ImGui::InputText(label, text, capacity, ImGuiInputTextFlags_EnterReturnsTrue));
 }
 bool ui_combo(const char *label, const char *shown) { const bool open = ImGui::BeginCombo(label, shown);
     return open || noted(label, false); }
@@ -372,7 +372,8 @@ void ui_combo_end(void) { ImGui::EndCombo(); }
 void ui_disabled(void) { ImGui::BeginDisabled(); }
 void ui_enabled(void) { ImGui::EndDisabled(); }
 void ui_plot(const char *label, const float *values, uint32_t count, uint32_t first, float most, float height) {
-    ImGui::PlotLines(label, values, static_cast<int>(count), static_cast<int>(first), nullptr, 0, most, ImVec2(-1, height * ui.scale));
+    ImGui::PlotLines(label, values, static_cast<int>(count), static_cast<int>(first), nullptr, 0, most,
+                     ImVec2(ImGui::GetContentRegionAvail().x, height * ui.scale));
 }
 void ui_bar(float part, const char *text) { ImGui::ProgressBar(part, ImVec2(-1, 0), text); }
 bool ui_table(const char *name, int columns, float first) {
@@ -383,3 +384,67 @@ bool ui_table(const char *name, int columns, float first) {
 }
 void ui_cell(void) { ImGui::TableNextColumn(); }
 void ui_table_end(void) { ImGui::EndTable(); }
+
+// ---- a canvas ----
+
+static ImVec2 canvas_origin;
+
+static ImU32 color_of(uint32_t rgba) { return IM_COL32(rgba >> 24, rgba >> 16 & 255, rgba >> 8 & 255, rgba & 255); }
+static ImVec2 canvas_place(float x, float y) { return ImVec2(canvas_origin.x + x * ui.scale, canvas_origin.y + y * ui.scale); }
+
+void ui_canvas_begin(const char *name, float width, float height, float shown, ui_canvas *out) {
+    ImGui::BeginChild(name, ImVec2(0, shown * ui.scale), true, ImGuiWindowFlags_HorizontalScrollbar);
+    canvas_origin = ImGui::GetCursorScreenPos();
+    ImGui::Dummy(ImVec2(width * ui.scale, height * ui.scale));
+    const ImVec2 low = ImGui::GetWindowDrawList()->GetClipRectMin(), high = ImGui::GetWindowDrawList()->GetClipRectMax(), mouse = ImGui::GetIO().MousePos;
+    out->left = (low.x - canvas_origin.x) / ui.scale;
+    out->top = (low.y - canvas_origin.y) / ui.scale;
+    out->width = (high.x - low.x) / ui.scale;
+    out->height = (high.y - low.y) / ui.scale;
+    out->hovered = ImGui::IsWindowHovered();
+    out->mouse_x = (mouse.x - canvas_origin.x) / ui.scale;
+    out->mouse_y = (mouse.y - canvas_origin.y) / ui.scale;
+}
+void ui_canvas_end(void) { ImGui::EndChild(); }
+
+bool ui_canvas_rect(const char *label, float x, float y, float width, float height, uint32_t color) {
+    const ImVec2 low = canvas_place(x, y), high = canvas_place(x + width, y + height);
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    list->AddRectFilled(low, high, color_of(color));
+    const ImVec2 clip_low = list->GetClipRectMin(), clip_high = list->GetClipRectMax();
+    const float left = std::fmax(low.x, clip_low.x), right = std::fmin(high.x, clip_high.x), top = std::fmax(low.y, clip_low.y),
+                bottom = std::fmin(high.y, clip_high.y);
+    if (left >= right || top >= bottom) return false;
+    if (label) { // at whole pixels, in it however narrow it is
+        float inside = std::floor((left + right) / 2);
+        if (inside < left) inside = std::ceil(left);
+        place *p = ui.places.add(1);
+        if (p) *p = {name_of(label), ImVec2(inside, (top + bottom) / 2)};
+    }
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    return mouse.x >= left && mouse.x < right && mouse.y >= top && mouse.y < bottom && ImGui::IsWindowHovered();
+}
+void ui_canvas_line(float x0, float y0, float x1, float y1, uint32_t color) {
+    ImGui::GetWindowDrawList()->AddLine(canvas_place(x0, y0), canvas_place(x1, y1), color_of(color), ui.scale);
+}
+void ui_canvas_text(float x, float y, float width, uint32_t color, const char *text) {
+    const ImVec2 at = canvas_place(x, y), end = canvas_place(x + width, y);
+    const ImVec4 clip(at.x, at.y, end.x, at.y + ImGui::GetFontSize());
+    ImGui::GetWindowDrawList()->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, color_of(color), text, nullptr, 0, &clip);
+}
+void ui_colored(uint32_t rgba, const char *text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, color_of(rgba));
+    ImGui::TextUnformatted(text);
+    ImGui::PopStyleColor();
+}
+bool ui_clicked(void) { return ImGui::IsMouseClicked(0); }
+void ui_hint(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::BeginTooltip();
+    ImGui::TextV(format, arguments);
+    ImGui::EndTooltip();
+    va_end(arguments);
+}
+float ui_width_left(void) { return ImGui::GetContentRegionAvail().x / ui.scale; }
+float ui_height_left(void) { return ImGui::GetContentRegionAvail().y / ui.scale; }

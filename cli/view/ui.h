@@ -59,6 +59,7 @@ void ui_child_end(void);
 void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_note(const char *format, ...) __attribute__((format(printf, 1, 2))); /* less loud, wraps */
 void ui_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void ui_colored(uint32_t rgba, const char *text); /* 0xrrggbbaa */
 void ui_separator(void);
 void ui_same_line(void);
 void ui_item_width(float width); /* of the next widget, pixels at scale 1; negative: leaves that much to its right */
@@ -89,6 +90,29 @@ void ui_bar(float part, const char *text);
 bool ui_table(const char *name, int columns, float first); /* the part of the width that the first column has */
 void ui_cell(void);
 void ui_table_end(void);
+
+/* ---- a canvas: shapes in a part of a window, which scrolls. Places are pixels at scale 1 from its upper left corner, colours 0xrrggbbaa ---- */
+
+/** What is in sight of it, and where the mouse is. */
+struct ui_canvas {
+    float left, top, width, height, mouse_x, mouse_y;
+    bool hovered;
+};
+/** `width` and `height` are of all of it; `shown`: how high it is in the window. Shapes until ui_canvas_end, which must always follow. */
+void ui_canvas_begin(const char *name, float width, float height, float shown, struct ui_canvas *out);
+void ui_canvas_end(void);
+/** A filled rectangle; true: the mouse is in it. With a `label` (or NULL) it is a widget that ui_find finds. */
+bool ui_canvas_rect(const char *label, float x, float y, float width, float height, uint32_t color);
+void ui_canvas_line(float x0, float y0, float x1, float y1, uint32_t color);
+/** As much of a line of text as fits into the width. */
+void ui_canvas_text(float x, float y, float width, uint32_t color, const char *text);
+/** The left button has just been pressed. */
+bool ui_clicked(void);
+/** Beside the mouse, at once. */
+void ui_hint(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/** What is left of the window's width and height, pixels at scale 1. */
+float ui_width_left(void);
+float ui_height_left(void);
 
 #ifdef __cplusplus
 }

@@ -42,7 +42,7 @@ static void print_help(void) {
          "  --compare KEY=VALUE[,...]  begins with a split screen: left as asked for, right with these options changed\n"
          "  --headless                 draws the same frames without a window; with --replay\n"
          "  --replay FILE              takes its events from a file that --record has written, a line each; besides what a window sends,\n"
-         "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE', 'capture FILE' (with the panels), 'command FILE', 'report FILE'\n"
+         "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE', 'capture FILE' (with the panels), 'command FILE', 'report FILE', 'trace FILE'\n"
          "  --record FILE              writes the events of the window to a file\n"
          "  --exit-after N             ends after N frames of the scene\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
@@ -84,6 +84,7 @@ static bool run_window(struct view *v, const struct view_options *o) {
             view_want(v, 1);
         }
         v->moving = false;
+        trace_mark(v->timeline.history, "events");
         for (bool enough = false; good && !enough && view_queue_take(&v->queue, &event);) {
             if (record) view_event_write(record, &event);
             good = view_feed(v, &event, &enough);
@@ -92,7 +93,10 @@ static bool run_window(struct view *v, const struct view_options *o) {
         const double time = view_now(), seconds = fmin(time - last, 0.1);
         last = time;
         view_advance(v, seconds);
-        if (v->wanted == 0) continue;
+        if (v->wanted == 0) {
+            trace_end_frame(v->timeline.history, NULL, 0);
+            continue;
+        }
         good = view_draw_frame(v, seconds);
         if (record) fputs("frames 1\n", record);
     }
@@ -334,6 +338,9 @@ int command_view(int argc, char **argv) {
     v->part = 1;
     v->speed = 1;
     snprintf(v->save_path, sizeof v->save_path, "picture.png");
+    snprintf(v->timeline.trace_path, sizeof v->timeline.trace_path, "trace.json");
+    v->timeline.history = trace_create(); /* without one there is no timeline */
+    v->timeline.zoom = 1;
     const bool good = view_compare_start(v, o.compare) && run(v, &o);
     fnl_swapchain_destroy(&v->swapchain);
     view_scene_free(&v->shown);
@@ -341,6 +348,7 @@ int command_view(int argc, char **argv) {
     view_window_destroy(&v->window);
     pthread_mutex_destroy(&v->messages.mutex);
     pthread_mutex_destroy(&v->device.mutex);
+    view_timeline_finish(v);
     free(v);
     return good ? 0 : 2;
 }

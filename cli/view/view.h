@@ -3,6 +3,7 @@
 #ifndef FNL_CLI_VIEW_H
 #define FNL_CLI_VIEW_H
 
+#include "trace_file.h"
 #include "view/view_compare.h"
 #include "world.h"
 
@@ -36,6 +37,7 @@ enum view_event_kind {
     VIEW_SET_B,   /* text: KEY=VALUE, an option of what is compared */
     VIEW_SLIDER,  /* x: where that begins, 0 .. 1 of the width */
     VIEW_REPORT,  /* text: writes what all tables say */
+    VIEW_TRACE,   /* text: writes what the last frames did and when */
     VIEW_EVENT_COUNT
 };
 enum { VIEW_SHIFT = 1, VIEW_CONTROL = 2, VIEW_ALT = 4 }; /* modifiers */
@@ -178,6 +180,21 @@ struct view_messages {
     uint32_t seen;  /* of these the user has seen */
 };
 
+/* Where the time goes (view_timeline.c, panel_timeline.c, panel_graph.c). */
+struct view_graph;
+struct view_timeline {
+    enum view_wide { VIEW_NOTHING_WIDE, VIEW_TIMELINE, VIEW_GRAPH } shown;
+    struct trace_history *history;
+    double called;             /* when the call began that rendered this frame, seconds; 0: none has */
+    bool is_frozen;            /* a frame of the past is shown, not the last */
+    struct trace_frame frozen;
+    uint32_t frozen_generation; /* of the names in it: trace_generation */
+    char pass[256];            /* whose history is shown; "": none */
+    float zoom;
+    char trace_path[256];
+    struct view_graph *graph;  /* NULL: was never shown */
+};
+
 struct view {
     struct world_options world;
     fnl_host host;
@@ -247,6 +264,7 @@ struct view {
     } passes[VIEW_PASSES];
     uint32_t pass_count;
     uint32_t light; /* that is edited */
+    struct view_timeline timeline;
     struct view_pick {
         bool asked, known, hit;
         uint32_t x, y;
@@ -261,8 +279,23 @@ void view_panels(struct view *view);
 void view_panel_scene(struct view *view);
 void view_panel_lights(struct view *view); /* a part of the scene's */
 void view_panel_options(struct view *view);
-void view_panel_frame(const struct view *view);
+void view_panel_frame(struct view *view);
 void view_panel_pixel(const struct view *view);
+/** The wide panel below, if it is open. */
+void view_panel_wide(struct view *view);
+void view_panel_timeline(struct view *view);
+void view_panel_graph(struct view *view);
+/** Opens the wide panel with this in it; closes it where it shows it. */
+void view_show_wide(struct view *view, enum view_wide what);
+void view_timeline_finish(struct view *view);
+/** The frame that the timeline shows; NULL: none yet. */
+const struct trace_frame *view_timeline_frame(const struct view *view);
+/** Lines of the report. */
+void view_report_timeline(const struct view *view, FILE *file);
+void view_report_graph(const struct view *view, FILE *file);
+void view_graph_free(struct view_graph **graph);
+/** What the last frames did and when, to a file; false with a message. */
+bool view_save_trace(struct view *view, const char *path);
 /** What the panels say, as text; false when it could not be written. */
 bool view_write_report(const struct view *view, const char *path);
 /** The command line that renders what is shown. */

@@ -27,15 +27,15 @@ bool view_queue_take(struct view_queue *q, struct view_event *out) {
 
 static const struct {
     const char *name;
-    enum { PLACE, PRESS, NUMBER, AXIS, FACTOR, FRACTION, TEXT, ALONE } takes;
+    enum { PLACE, PRESS, NUMBER, AXIS, FRACTION, TEXT, ALONE } takes;
 } lines[VIEW_EVENT_COUNT] = {[VIEW_MOVE] = {"move", PLACE},       [VIEW_BUTTON] = {"button", PRESS},  [VIEW_WHEEL] = {"wheel", PLACE},
                              [VIEW_KEY] = {"key", PRESS},         [VIEW_CHARACTER] = {"character", NUMBER}, [VIEW_SIZE] = {"size", PLACE},
-                             [VIEW_SCALE] = {"scale", FACTOR},     [VIEW_PAD] = {"pad", AXIS},        [VIEW_PAD_BUTTON] = {"padbutton", PRESS},
+                             [VIEW_SCALE] = {"scale", FRACTION},     [VIEW_PAD] = {"pad", AXIS},        [VIEW_PAD_BUTTON] = {"padbutton", PRESS},
                              [VIEW_DROP] = {"drop", TEXT},        [VIEW_CLOSE] = {"close", ALONE},    [VIEW_FRAMES] = {"frames", NUMBER},
                              [VIEW_SETTLE] = {"settle", ALONE},   [VIEW_SET] = {"set", TEXT},            [VIEW_CLICK] = {"click", TEXT},
                              [VIEW_SAVE] = {"save", TEXT},       [VIEW_CAPTURE] = {"capture", TEXT},
                              [VIEW_COMPARE] = {"compare", TEXT},  [VIEW_SET_B] = {"setb", TEXT},      [VIEW_SLIDER] = {"slider", FRACTION},
-                             [VIEW_COMMAND] = {"command", TEXT},  [VIEW_REPORT] = {"report", TEXT}};
+                             [VIEW_COMMAND] = {"command", TEXT},  [VIEW_REPORT] = {"report", TEXT},   [VIEW_TRACE] = {"trace", TEXT}};
 
 bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out) {
     char name[16] = "", state[8] = "", rest[1024] = "";
@@ -56,9 +56,6 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
             break;
         case AXIS:
             good = sscanf(arguments, "%d %f %1s", &out->code, &out->x, rest) == 2;
-            break;
-        case FACTOR:
-            good = sscanf(arguments, "%f %1s", &out->x, rest) == 1;
             break;
         case NUMBER:
             good = sscanf(arguments, "%d %1s", &out->code, rest) == 1;
@@ -99,9 +96,6 @@ void view_event_write(FILE *file, const struct view_event *e) {
         break;
     case AXIS:
         fprintf(file, " %d %.9g", e->code, (double)e->x);
-        break;
-    case FACTOR:
-        fprintf(file, " %.9g", (double)e->x);
         break;
     case NUMBER:
         fprintf(file, " %d", e->code);

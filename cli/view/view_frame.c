@@ -155,7 +155,10 @@ double view_now(void) {
 }
 
 static void note_stats(struct view *v) {
-    if (fnl_renderer_query_stats(v->shown.renderer, &v->stats) != FNL_OK) return;
+    trace_mark(v->timeline.history, "wait for the frame");
+    const bool good = fnl_renderer_query_stats(v->shown.renderer, &v->stats) == FNL_OK;
+    trace_end_frame(v->timeline.history, good && v->timeline.called > 0 ? &v->stats : NULL, v->timeline.called);
+    if (!good) return;
     v->pass_count = v->stats.pass_count < VIEW_PASSES ? v->stats.pass_count : VIEW_PASSES;
     for (uint32_t i = 0; i < v->pass_count; i++) {
         snprintf(v->passes[i].name, sizeof v->passes[i].name, "%s", v->stats.passes[i].name);
@@ -181,11 +184,20 @@ static void choose_part(struct view *v) {
     v->part = (float)fmax(2, fmin(8, floor(8 * part + 0.25))) / 8;
 }
 
+static void begin_call(struct view *v) {
+    trace_mark(v->timeline.history, "render");
+    v->timeline.called = trace_now();
+}
+
 static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried) {
     fnl_frame frame = view_whole_frame(v);
     frame.overlay = overlay;
-    if (!v->swapchain) return view_compare_draw(v, &frame, NULL);
+    if (!v->swapchain) {
+        begin_call(v);
+        return view_compare_draw(v, &frame, NULL);
+    }
     fnl_vulkan_target target;
+    trace_mark(v->timeline.history, "acquire");
     fnl_result result = fnl_swapchain_acquire(v->swapchain, &target);
     if (result == FNL_ERROR_DEVICE && !retried) { /* the surface is lost: another one, once */
         fnl_swapchain_destroy(&v->swapchain);
@@ -197,7 +209,9 @@ static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried)
     frame.pin_choice = v->part < 1; /* auto measures frames of the window's size alone */
     frame.width = (uint32_t)fmaxf(1, (float)target.width * v->part);
     frame.height = (uint32_t)fmaxf(1, (float)target.height * v->part);
+    begin_call(v);
     result = view_compare_draw(v, &frame, &target);
+    trace_mark(v->timeline.history, "present");
     if (result == FNL_OK) result = fnl_swapchain_present(v->swapchain);
     return result == FNL_ERROR_DEVICE && !retried ? FNL_OK : result; /* the next one finds out whether the surface is lost */
 }
@@ -274,6 +288,8 @@ bool view_draw_frame(struct view *v, double seconds) {
     const double begun = view_now();
     view_compare_update(v);
     if (v->compare.is_shown) note_stats(v); /* before more frames of the device follow */
+    v->timeline.called = 0;
+    trace_mark(v->timeline.history, "panels");
     ui_begin(v->width, v->height, seconds);
     view_panels(v);
     ui_end(&overlay);

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { KEY_SPACE = 32, KEY_ESCAPE = 256, KEY_TAB = 258, KEY_F1 = 290, KEY_SHIFT = 340, KEY_CONTROL = 341 };
+enum { KEY_SPACE = 32, KEY_ESCAPE = 256, KEY_TAB = 258, KEY_F1 = 290, KEY_F2, KEY_F3, KEY_SHIFT = 340, KEY_CONTROL = 341 };
 
 static void capture_mouse(struct view *v, bool captured) {
     v->captured = captured;
@@ -45,6 +45,12 @@ static void press_key(struct view *v, int key) {
         break;
     case KEY_F1:
         v->shows_help = !v->shows_help;
+        break;
+    case KEY_F2:
+        view_show_wide(v, VIEW_TIMELINE);
+        break;
+    case KEY_F3:
+        view_show_wide(v, VIEW_GRAPH);
         break;
     default:
         break;

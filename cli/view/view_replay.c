@@ -90,6 +90,8 @@ static bool replay_event(struct view *v, const struct view_event *e) {
         return true;
     case VIEW_REPORT:
         return view_write_report(v, e->text);
+    case VIEW_TRACE:
+        return view_save_trace(v, e->text);
     default: {
         bool wants_frame;
         return view_feed(v, e, &wants_frame) && (!wants_frame || view_draw_frame(v, 1.0 / 60));
