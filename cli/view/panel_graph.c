@@ -277,7 +277,7 @@ void view_panel_graph(struct view *v) {
         if (is_wanted(g, i)) rows[count++] = i;
     struct ui_canvas canvas;
     ui_canvas_begin("graph", (float)pass_count * g->column + 4, HEAD + (float)count * ROW + 4, fmaxf(ui_height_left() - 62, 120), &canvas);
-    if (rows) draw_resources(g, &canvas, rows, count, v->dark);
+    if (rows) draw_resources(g, &canvas, rows, count, v->settings.dark);
     draw_passes(g, &canvas);
     ui_canvas_end();
     ui_colored(READ_COLOR, "read");

@@ -176,7 +176,7 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
     }
     for (int lane = 0; lane < TRACE_LANE_COUNT; lane++) { /* over what has been scrolled below it */
         if (!has[lane]) continue;
-        if (ui_canvas_rect(NULL, canvas.left, tops[lane], GUTTER - 2, LANE, v->dark ? 0x202020ff : 0xe0e0e0ff)) over = NULL;
+        if (ui_canvas_rect(NULL, canvas.left, tops[lane], GUTTER - 2, LANE, v->settings.dark ? 0x202020ff : 0xe0e0e0ff)) over = NULL;
         ui_canvas_text(canvas.left + 8, tops[lane] + 3, GUTTER - 10, AXIS_COLOR, lane_names[lane]);
     }
     if (over) {

@@ -27,14 +27,14 @@ bool view_queue_take(struct view_queue *q, struct view_event *out) {
 
 static const struct {
     const char *name;
-    enum { PLACE, PRESS, NUMBER, AXIS, FRACTION, TEXT, ALONE } takes;
+    enum { PLACE, PRESS, NUMBER, AXIS, FACTOR, TEXT, ALONE } takes;
 } lines[VIEW_EVENT_COUNT] = {[VIEW_MOVE] = {"move", PLACE},       [VIEW_BUTTON] = {"button", PRESS},  [VIEW_WHEEL] = {"wheel", PLACE},
                              [VIEW_KEY] = {"key", PRESS},         [VIEW_CHARACTER] = {"character", NUMBER}, [VIEW_SIZE] = {"size", PLACE},
-                             [VIEW_SCALE] = {"scale", FRACTION},     [VIEW_PAD] = {"pad", AXIS},        [VIEW_PAD_BUTTON] = {"padbutton", PRESS},
+                             [VIEW_SCALE] = {"scale", FACTOR},     [VIEW_PAD] = {"pad", AXIS},        [VIEW_PAD_BUTTON] = {"padbutton", PRESS},
                              [VIEW_DROP] = {"drop", TEXT},        [VIEW_CLOSE] = {"close", ALONE},    [VIEW_FRAMES] = {"frames", NUMBER},
                              [VIEW_SETTLE] = {"settle", ALONE},   [VIEW_SET] = {"set", TEXT},            [VIEW_CLICK] = {"click", TEXT},
                              [VIEW_SAVE] = {"save", TEXT},       [VIEW_CAPTURE] = {"capture", TEXT},
-                             [VIEW_COMPARE] = {"compare", TEXT},  [VIEW_SET_B] = {"setb", TEXT},      [VIEW_SLIDER] = {"slider", FRACTION},
+                             [VIEW_COMPARE] = {"compare", TEXT},  [VIEW_SET_B] = {"setb", TEXT},      [VIEW_SLIDER] = {"slider", FACTOR},
                              [VIEW_COMMAND] = {"command", TEXT},  [VIEW_REPORT] = {"report", TEXT},   [VIEW_TRACE] = {"trace", TEXT}};
 
 bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out) {
@@ -63,8 +63,8 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
         case TEXT:
             good = sscanf(arguments, "%1023[^\n]", out->text) == 1;
             break;
-        case FRACTION:
-            good = sscanf(arguments, "%f %1s", &out->x, rest) == 1 && out->x >= 0 && out->x <= 1;
+        case FACTOR:
+            good = sscanf(arguments, "%f %1s", &out->x, rest) == 1;
             break;
         case ALONE:
             good = sscanf(arguments, "%1s", rest) < 1;
@@ -73,6 +73,7 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
     }
     if (good && (kind == VIEW_SIZE || kind == VIEW_FRAMES))
         good = kind == VIEW_SIZE ? out->x >= 0 && out->x <= 16384 && out->y >= 0 && out->y <= 16384 : out->code >= 0 && out->code <= 100000;
+    if (good && kind == VIEW_SLIDER) good = out->x >= 0 && out->x <= 1;
     if (good && kind == VIEW_SCALE) good = out->x >= 0.5f && out->x <= 4;
     if (good && kind == VIEW_PAD) good = out->code >= 0 && out->code < 6 && out->x >= -1 && out->x <= 1;
     if (good && kind == VIEW_KEY) good = out->code >= 0 && out->code < 512;
@@ -100,7 +101,7 @@ void view_event_write(FILE *file, const struct view_event *e) {
     case NUMBER:
         fprintf(file, " %d", e->code);
         break;
-    case FRACTION:
+    case FACTOR:
         fprintf(file, " %.9g", (double)e->x);
         break;
     case TEXT:
