@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The numbers of a run as a table for people; report_json.c has them for programs. */
+#include "legend.h"
 #include "counters.h"
 #include "render.h"
 
@@ -171,5 +172,8 @@ void report_print(const struct render_report *r) {
     for (uint32_t i = 0; i < s->memory_kind_count; i++)
         printf("%s %s %.1f", i ? "," : "", s->memory_kinds[i].name, (double)s->memory_kinds[i].bytes / (1 << 20));
     putchar('\n');
+    char legend[1024];
+    legend_print(r->frame.debug, legend, sizeof legend);
+    if (legend[0]) printf("  %s: %s\n", fnl_value_name(FNL_ENUM_DEBUG_VIEW, r->frame.debug), legend);
     counters_print_table(s);
 }

@@ -2,6 +2,7 @@
 /* The panels of the window, the list of keys, and the same as text. */
 #include "view/view.h"
 
+#include "legend.h"
 #include "options.h"
 #include "view/ui.h"
 
@@ -69,6 +70,10 @@ void view_panels(struct view *v) {
     if (ui_window("Messages", NULL, wide - 348, 24 + high * 0.75f, 340, high * 0.25f - 32)) show_messages(v);
     ui_window_end();
     view_panel_wide(v);
+    if (view_has_legend(v)) {
+        if (ui_window("Legend", NULL, 356, high - 158, 270, 150)) view_panel_legend(v);
+        ui_window_end();
+    }
     if (v->shows_help) show_help(v);
 }
 
@@ -91,8 +96,12 @@ bool view_write_report(const struct view *v, const char *path) {
     view_report_timeline(v, file);
     view_report_graph(v, file);
     for (uint32_t i = 0; i < s->counter_count; i++) fprintf(file, "counter\t%s\t%llu\n", s->counters[i].key, (unsigned long long)s->counters[i].value);
+    fprintf(file, "device_bytes\t%llu\n", (unsigned long long)s->device_bytes);
     for (uint32_t i = 0; i < s->memory_kind_count; i++) fprintf(file, "memory\t%s\t%llu\n", s->memory_kinds[i].name, (unsigned long long)s->memory_kinds[i].bytes);
     view_compare_report(v, file);
+    char legend[1024];
+    legend_print(v->frame.debug, legend, sizeof legend);
+    if (legend[0]) fprintf(file, "legend\t%s\t%s\n", fnl_value_name(FNL_ENUM_DEBUG_VIEW, v->frame.debug), legend);
     if (v->pick.known)
         fprintf(file, "pixel\t%u\t%u\t%s\t%.9g\t%.9g\t%.9g\n", v->pick.x, v->pick.y, v->pick.hit ? "hit" : "empty", (double)v->pick.position.x,
                 (double)v->pick.position.y, (double)v->pick.position.z);

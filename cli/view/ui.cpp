@@ -203,6 +203,28 @@ void ui_back_image(uint32_t index, float x, float y, float width, float height) 
     ImGui::GetBackgroundDrawList()->AddImage(id_of(index), ImVec2(x, y), ImVec2(x + width, y + height));
 }
 
+static ImU32 color_of(const fnl_vec3 &c) { return ImGui::ColorConvertFloat4ToU32(ImVec4(c.x, c.y, c.z, 1)); }
+
+void ui_ramp(const fnl_vec3 *colors, uint32_t count, const char *low, const char *high) {
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x, height = 14 * ui.scale, step = width / static_cast<float>(count - 1);
+    for (uint32_t i = 0; i + 1 < count; i++) {
+        const ImU32 left = color_of(colors[i]), right = color_of(colors[i + 1]);
+        const float x = corner.x + step * static_cast<float>(i);
+        ImGui::GetWindowDrawList()->AddRectFilledMultiColor(ImVec2(x, corner.y), ImVec2(x + step, corner.y + height), left, right, right, left);
+    }
+    ImGui::Dummy(ImVec2(width, height));
+    ImGui::TextUnformatted(low);
+    ImGui::SameLine(std::fmax(0, width + ImGui::GetStyle().WindowPadding.x - ImGui::CalcTextSize(high).x));
+    ImGui::TextUnformatted(high);
+}
+void ui_swatch(const fnl_vec3 *color) {
+    const float side = ImGui::GetTextLineHeight();
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled(corner, ImVec2(corner.x + side, corner.y + side), color_of(*color));
+    ImGui::Dummy(ImVec2(side, side));
+}
+
 void ui_back_line(float x, float height) {
     const float half = std::fmax(1, std::floor(ui.scale));
     ImGui::GetBackgroundDrawList()->AddRectFilled(ImVec2(x - half, 0), ImVec2(x + half, height), IM_COL32(255, 255, 255, 220));

@@ -64,6 +64,9 @@ void ui_separator(void);
 void ui_same_line(void);
 void ui_item_width(float width); /* of the next widget, pixels at scale 1; negative: leaves that much to its right */
 void ui_image(uint32_t index, float width, float height);
+/** Colours from a low to a high value, with these under their ends; a square of one colour. */
+void ui_ramp(const fnl_vec3 *colors, uint32_t count, const char *low, const char *high);
+void ui_swatch(const fnl_vec3 *color);
 /** Behind all panels, in pixels of the window's picture. */
 void ui_back_image(uint32_t index, float x, float y, float width, float height);
 /** Also behind them: a line from top to bottom; words on a dark ground, which end at `x` (left_of) or begin there. */

@@ -296,6 +296,8 @@ void view_report_graph(const struct view *view, FILE *file);
 void view_graph_free(struct view_graph **graph);
 /** What the last frames did and when, to a file; false with a message. */
 bool view_save_trace(struct view *view, const char *path);
+bool view_has_legend(const struct view *view);
+void view_panel_legend(const struct view *view); /* of the debug view */
 /** What the panels say, as text; false when it could not be written. */
 bool view_write_report(const struct view *view, const char *path);
 /** The command line that renders what is shown. */

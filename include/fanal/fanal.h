@@ -12,6 +12,7 @@
 #include "fanal/gbuffer.h"
 #include "fanal/image.h"
 #include "fanal/instance.h"
+#include "fanal/legend.h"
 #include "fanal/light.h"
 #include "fanal/lights.h"
 #include "fanal/mesh.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/debug_views.h"
 
+#include "passes/debug/colors_shared.h"
 #include "render/decals.h"
 #include "render/orders/order.h"
 #include "render/shadows.h"
@@ -92,32 +93,50 @@ static fnl_result check_clusters(const struct call *call, const fnl_renderer *r,
     return unsupported(call, "this device has no primitive_ids, which the debug view clusters needs");
 }
 
+static const struct debug_legend_color directions[] = {{{1, 0.5f, 0.5f}, "+X"}, {{0, 0.5f, 0.5f}, "-X"},    {{0.5f, 1, 0.5f}, "+Y up"},
+                                                      {{0.5f, 0, 0.5f}, "-Y"}, {{0.5f, 0.5f, 1}, "+Z"}, {{0.5f, 0.5f, 0}, "-Z"}};
+static const struct debug_legend_color edges[] = {{DEBUG_EDGE_SKY(LEGEND_COLOR), "one surface and sky"},
+                                                  {DEBUG_EDGE_2(LEGEND_COLOR), "2 surfaces"},
+                                                  {DEBUG_EDGE_3(LEGEND_COLOR), "3 surfaces"},
+                                                  {DEBUG_EDGE_4(LEGEND_COLOR), "4 and more"}};
+static const struct debug_legend_color movements[] = {{{128.0f / 255, 128.0f / 255, 128.0f / 255}, "stands still"}, {{0, 0, 0}, "not seen in the last frame"}};
+static const struct debug_legend_color halos[] = {{DEBUG_METAL(LEGEND_COLOR), "metal"},
+                                                  {DEBUG_HALO_DARK(LEGEND_COLOR), "0.1 to 0.9 with a dark base colour"},
+                                                  {DEBUG_HALO_BRIGHT(LEGEND_COLOR), "0.1 to 0.9 with a bright one"}};
+static const struct debug_legend_color without_pages[] = {{DEBUG_SHADOW_RAYS(LEGEND_COLOR), "rays find the shadow"}};
+static const struct debug_legend_color texels[] = {{DEBUG_TEXEL_QUARTER(LEGEND_COLOR), "1/4 and less"},
+                                                   {DEBUG_TEXEL_PIXEL(LEGEND_COLOR), "1"},
+                                                   {DEBUG_TEXEL_WIDER(LEGEND_COLOR), "wider than 1"},
+                                                   {DEBUG_TEXEL_8(LEGEND_COLOR), "8 and more"}};
+static const struct debug_legend_color errors[] = {{DEBUG_SHADOW_EXTRA(LEGEND_COLOR), "light that should not be"},
+                                                   {DEBUG_SHADOW_MISSING(LEGEND_COLOR), "light is missing"}};
+
 static const struct debug_view views[] = {
-    {FNL_DEBUG_ALBEDO, .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_NORMAL, .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_DEPTH, .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_ROUGHNESS, .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_LIGHTS, .surfaces = true, .add = add_lights},
-    {FNL_DEBUG_CELLS, .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_OVERDRAW, .surfaces = true, .add = add_overdraw},
-    {FNL_DEBUG_TILE_NORMALS, .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_BACKFACES, .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_OVERSHADING, .surfaces = true, .add = add_overshading},
-    {FNL_DEBUG_LAYERS, .surfaces = true, .add = add_layers},
-    {FNL_DEBUG_DECALS, .surfaces = true, .add = add_decals},
-    {FNL_DEBUG_EDGES, .surfaces = true, .add = add_edges},
-    {FNL_DEBUG_MOTION, .add = add_motion},
-    {FNL_DEBUG_HALOS, .surfaces = true, .add = add_halos},
-    {FNL_DEBUG_CLUSTERS, .surfaces = true, .add = add_clusters, .check = check_clusters},
-    {FNL_DEBUG_SHADOW_PAGES, .surfaces = true, .add = add_shadows, .check = check_shadows},
-    {FNL_DEBUG_SHADOW_LEVELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
-    {FNL_DEBUG_SHADOW_TEXELS, .surfaces = true, .add = add_shadows, .check = check_shadows},
-    {FNL_DEBUG_SHADOW_ERRORS, .surfaces = true, .add = add_shadows, .check = check_shadows},
-    {FNL_DEBUG_PROBE_LOOKUP, .surfaces = true, .add = add_shadows, .check = check_probes},
-    {FNL_DEBUG_PROBE_LEVELS, .surfaces = true, .add = add_shadows, .check = check_probes},
-    {FNL_DEBUG_REFLECTIONS, .surfaces = true, .add = add_reflections},
-    {FNL_DEBUG_SHADOW_VARIANCE, .add = add_denoise, .check = check_denoise},
-    {FNL_DEBUG_SHADOW_HISTORY, .add = add_denoise, .check = check_denoise},
+    {FNL_DEBUG_ALBEDO, LEGEND_TEXT("base colour; black: nothing"), .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_NORMAL, LEGEND_COLORS("the direction of the normal; black: nothing", directions), .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_DEPTH, LEGEND_GREY("depth z in metres, as 1 / (1 + 0.05 z): 20 m is halfway", "far away", "0 m"), .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_ROUGHNESS, LEGEND_GREY("perceptual roughness", "0 mirror", "1 dull"), .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_LIGHTS, LEGEND_COUNTS("lights that the pixel visits, without directional ones; no colour: none"), .surfaces = true, .add = add_lights},
+    {FNL_DEBUG_CELLS, LEGEND_TEXT("tiles are coloured by the number of their lights, as in lights; slices and cells each in a hue; white: the grid"), .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_OVERDRAW, LEGEND_COUNTS("opaque fragments drawn at the pixel; black: none"), .surfaces = true, .add = add_overdraw},
+    {FNL_DEBUG_TILE_NORMALS, LEGEND_COLORS("the axis of the tile's normals; black: too many directions", directions), .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_BACKFACES, LEGEND_COUNTS("lights that the tile drops; no colour: none"), .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_OVERSHADING, LEGEND_COUNTS("fragment shader invocations for the pixel; black: none"), .surfaces = true, .add = add_overshading},
+    {FNL_DEBUG_LAYERS, LEGEND_COUNTS("blended surfaces at the pixel; no colour: none"), .surfaces = true, .add = add_layers},
+    {FNL_DEBUG_DECALS, LEGEND_COUNTS("decals that hold the surface; no colour: none"), .surfaces = true, .add = add_decals},
+    {FNL_DEBUG_EDGES, LEGEND_COLORS("what the samples of the pixel show; grey: one surface", edges), .surfaces = true, .add = add_edges},
+    {FNL_DEBUG_MOTION, LEGEND_COLORS("hue: the direction of the movement; the more colour, the faster", movements), .add = add_motion},
+    {FNL_DEBUG_HALOS, LEGEND_COLORS("metalness; grey: dielectrics", halos), .surfaces = true, .add = add_halos},
+    {FNL_DEBUG_CLUSTERS, LEGEND_TEXT("each cluster of triangles in a colour of its own; grey: none"), .surfaces = true, .add = add_clusters, .check = check_clusters},
+    {FNL_DEBUG_SHADOW_PAGES, LEGEND_COLORS("each page in a colour of its own, with its edges; grey: no light with a map", without_pages), .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_LEVELS, LEGEND_RAMP("level of the page, 0 is the finest; magenta: rays find the shadow", "7", "0", 1.0f / 8, 1), .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_TEXELS, LEGEND_COLORS("width of a texel of the map in pixels; magenta: rays find the shadow", texels), .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_ERRORS, LEGEND_COLORS("maps against rays, stronger where it is more of the pixel's light; grey: less than a fiftieth", errors), .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_PROBE_LOOKUP, LEGEND_TEXT("texels of the cube map, a hue for each face; grey: none"), .surfaces = true, .add = add_shadows, .check = check_probes},
+    {FNL_DEBUG_PROBE_LEVELS, LEGEND_RAMP("level of the cube map, 0 is the finest; grey: none", "7", "0", 1.0f / 8, 1), .surfaces = true, .add = add_shadows, .check = check_probes},
+    {FNL_DEBUG_REFLECTIONS, LEGEND_TEXT("each reflection probe in a hue, by its part of the light; grey: none"), .surfaces = true, .add = add_reflections},
+    {FNL_DEBUG_SHADOW_VARIANCE, LEGEND_RAMP("standard deviation of the part of the light that is seen", "0", "0.5 and more", 0, 1), .add = add_denoise, .check = check_denoise},
+    {FNL_DEBUG_SHADOW_HISTORY, LEGEND_RAMP("frames that the pixel has collected", "0", "32 and more", 0, 1), .add = add_denoise, .check = check_denoise},
 };
 
 /* ---- the view of a frame ---- */

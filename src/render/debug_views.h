@@ -6,10 +6,34 @@
 #ifndef FNL_RENDER_DEBUG_VIEWS_H
 #define FNL_RENDER_DEBUG_VIEWS_H
 
+#include "fanal/legend.h"
 #include "render/frame_state.h"
+
+/* What the colours mean; of a row's constants. */
+struct debug_legend_color {
+    float color[3];
+    const char *name;
+};
+struct debug_legend {
+    fnl_legend_kind kind;
+    const char *text;
+    uint32_t color_count;
+    const struct debug_legend_color *colors;
+    const char *low, *high; /* of a ramp */
+    float from, to;         /* the part of the ramp of passes/debug/colors_shared.h between them */
+    bool is_grey;           /* that brightness instead */
+};
+#define LEGEND_COLOR(r, g, b) {(float)(r), (float)(g), (float)(b)}
+#define LEGEND_TEXT(words) {.kind = FNL_LEGEND_TEXT, .text = words}
+#define LEGEND_COLORS(words, array) {.kind = FNL_LEGEND_COLORS, .text = words, .color_count = COUNT_OF(array), .colors = array}
+#define LEGEND_RAMP(words, lowest, highest, first, last) {.kind = FNL_LEGEND_RAMP, .text = words, .low = lowest, .high = highest, .from = first, .to = last}
+#define LEGEND_GREY(words, lowest, highest) {.kind = FNL_LEGEND_RAMP, .text = words, .low = lowest, .high = highest, .to = 1, .is_grey = true}
+/* Counts from 1 to 256, on a logarithmic scale. */
+#define LEGEND_COUNTS(words) LEGEND_RAMP(words, "1", "256 and more", 1.0f / DEBUG_COUNT_PARTS, 1)
 
 struct debug_view {
     fnl_debug_view view;
+    struct debug_legend legend;
     bool surfaces; /* looks at the nearest surface of each pixel: f->aov is there */
     /* Draws into f->color once the frame is lit; `swap`: red and blue change places. */
     void (*add)(struct frame_state *f, bool swap);

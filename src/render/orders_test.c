@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -26,6 +27,26 @@ static void test_orders_are_complete(void **state) {
     assert_false(shading_is(FNL_SHADING_AUTO, 0));
 }
 
+static bool is_color(const fnl_vec3 *c) { return c->x >= 0 && c->x <= 1 && c->y >= 0 && c->y <= 1 && c->z >= 0 && c->z <= 1; }
+
+/* A view of several orders has one legend; what its kind needs is there. */
+static void check_legend(fnl_debug_view view, const char *name) {
+    fnl_debug_legend legend;
+    assert_true(fnl_debug_legend_query(view, &legend));
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) {
+        const struct debug_view *row = view_with((fnl_shading)i, view);
+        if (row && row->legend.text != legend.text) fail_msg("%s has another legend with %s", name, fnl_value_name(FNL_ENUM_SHADING, i));
+    }
+    if (!legend.text || strlen(legend.text) < 8) fail_msg("the legend of %s says nothing", name);
+    for (uint32_t i = 0; i < legend.color_count; i++) {
+        if (!is_color(&legend.colors[i])) fail_msg("%s: colour %u is none", name, i);
+        if (legend.kind == FNL_LEGEND_COLORS && (!legend.names[i] || !legend.names[i][0])) fail_msg("%s: colour %u means nothing", name, i);
+    }
+    const bool is_ramp = legend.kind == FNL_LEGEND_RAMP;
+    assert_int_equal(is_ramp, legend.low && legend.high && legend.color_count == FNL_LEGEND_COLORS_MAX);
+    assert_int_equal(legend.kind == FNL_LEGEND_TEXT, legend.color_count == 0);
+}
+
 /* Each view is offered by some order, has a name and a line of help, and is drawn. */
 static void test_views_are_complete(void **state) {
     UNUSED(state);
@@ -38,11 +59,15 @@ static void test_views_are_complete(void **state) {
             if (row && (row->view != (fnl_debug_view)view || !row->add)) fail_msg("the row of the view %s is wrong", name);
         }
         if (!offered) fail_msg("no order has a row for the view %s", name);
+        check_legend((fnl_debug_view)view, name);
         if (!help || strlen(help) < 8) fail_msg("the view %s has no help", name);
         /* auto may become any order: it takes what all of them offer. */
         assert_int_equal(view_with(FNL_SHADING_AUTO, view) != NULL, offered == FNL_SHADING_AUTO);
     }
     assert_null(fnl_value_help(FNL_ENUM_DEBUG_VIEW, FNL_DEBUG_COUNT));
+    fnl_debug_legend legend;
+    assert_false(fnl_debug_legend_query(FNL_DEBUG_NONE, &legend));
+    assert_false(fnl_debug_legend_query(FNL_DEBUG_COUNT, &legend));
     assert_null(fnl_value_help(FNL_ENUM_SHADING, 0));
     assert_null(fnl_value_help(FNL_ENUM_COUNT, 0));
 }
@@ -154,6 +179,32 @@ static void test_views_page_lists_all_views(void **state) {
     free(page);
 }
 
+static void print_color(char *line, size_t capacity, const char *lead, const char *name, const fnl_vec3 *c) {
+    const size_t length = strlen(line);
+    snprintf(line + length, capacity - length, "%s%s (#%02x%02x%02x)", lead, name, (unsigned)lroundf(c->x * 255), (unsigned)lroundf(c->y * 255),
+             (unsigned)lroundf(c->z * 255));
+}
+
+/* The list of legends in debug-views.md, as the command prints them. */
+static void test_views_page_has_all_legends(void **state) {
+    UNUSED(state);
+    char *page = read_page(SOURCE_DIR "/docs/techniques/debug-views.md"), line[1024];
+    for (uint32_t view = FNL_DEBUG_NONE + 1; view < FNL_DEBUG_COUNT; view++) {
+        fnl_debug_legend l;
+        assert_true(fnl_debug_legend_query((fnl_debug_view)view, &l));
+        snprintf(line, sizeof line, "- `%s`: ", fnl_value_name(FNL_ENUM_DEBUG_VIEW, view));
+        if (l.kind == FNL_LEGEND_RAMP) {
+            print_color(line, sizeof line, "", l.low, &l.colors[0]);
+            print_color(line, sizeof line, " to ", l.high, &l.colors[l.color_count - 1]);
+        }
+        for (uint32_t i = 0; l.kind == FNL_LEGEND_COLORS && i < l.color_count; i++) print_color(line, sizeof line, i ? ", " : "", l.names[i], &l.colors[i]);
+        const size_t length = strlen(line);
+        snprintf(line + length, sizeof line - length, "%s%s\n", l.kind == FNL_LEGEND_TEXT ? "" : ": ", l.text);
+        if (!strstr(page, line)) fail_msg("debug-views.md should have: %s", line);
+    }
+    free(page);
+}
+
 /* Facts of choosing.md, what AUTO means, and values that no frame can have. */
 static void test_supported_triples(void **state) {
     UNUSED(state);
@@ -186,6 +237,7 @@ int main(void) {
         cmocka_unit_test(test_options_and_bits_follow_traits),
         cmocka_unit_test(test_choosing_page_says_what_orders_do),
         cmocka_unit_test(test_views_page_lists_all_views),
+        cmocka_unit_test(test_views_page_has_all_legends),
         cmocka_unit_test(test_supported_triples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -246,6 +246,7 @@ expect 0 '' render builtin:spheres $plain --lists clustered --frames 2 -q -o "$w
 cmp -s "$work/alone.png" "$work/timed.png" || fail '--frames 0 gave other bytes'
 expect 2 'frames 0 is a picture without numbers' render builtin:spheres $plain --frames 0 --stats "$work/none.json" -o "$work/none.png"
 absent "$work/none.json" "$work/none.png"
+expect 0 'lights: 1 \(#472877\) to 256 and more \(#fde725\): lights that' render builtin:onetile $plain --lists all --debug lights -o "$work/m.png"
 # memory KIND: what the last statistics say of it.
 memory() { sed -n "s/^ *\"$1\": \([0-9]*\),*$/\1/p" "$work/memory.json"; }
 expect 0 '' render builtin:onetile $plain --shadows off -o "$work/m.png" --stats "$work/memory.json"

@@ -30,6 +30,7 @@ capture a.png
 report off.tsv
 set debug=normal
 capture b.png
+report legend.tsv
 set debug=none
 setb debug=normal
 compare split
@@ -150,6 +151,12 @@ equal difference.png expected.png 'the picture of the difference is another one'
 awk '!/^method/' equal.tsv | grep -q compare || fail 'no report'
 [ -z "$(value equal.tsv method_b)" ] || fail "a copy has another method: $(value equal.tsv method_b)"
 
+# What the colours of a debug view mean; memory by kind is all of it.
+[ "$(value legend.tsv legend)" = normal ] && grep -q $'^legend.*+Y up (#80ff80)' legend.tsv || fail "no legend: $(grep legend legend.tsv)"
+grep -q '^legend' off.tsv && fail 'a legend of nothing'
+awk -F'\t' '$1 == "memory" { sum += $3; n++ } $1 == "device_bytes" { all = $2 } END { exit !(n == 8 && sum == all && all > 0) }' split.tsv ||
+    fail "memory by kind is not all: $(grep -E '^memory|^device' split.tsv)"
+
 # The panel.
 [ "$(value swapped.tsv method_a)" = debug=normal ] && [ "$(value swapped.tsv method_b)" = debug=none ] || fail "not swapped: $(grep method swapped.tsv)"
 [ -z "$(value copied.tsv method_a)" ] && [ "$(value copied.tsv differing_pixels)" = 0 ] || fail "not copied: $(grep method copied.tsv)"
@@ -198,7 +205,7 @@ shows() {
     wait $program 2>/dev/null
 }
 if command -v Xvfb >/dev/null; then
-    Xvfb -displayfd 3 -screen 0 400x300x24 -fbdir "$work" -nolisten tcp 3>number 2>xvfb &
+    Xvfb -noreset -displayfd 3 -screen 0 400x300x24 -fbdir "$work" -nolisten tcp 3>number 2>xvfb &
     display=$!
     for _ in $(seq 100); do [ -s number ] && break; sleep 0.1; done
     DISPLAY=:$(<number)

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Views for people of what the samples of a pixel refer to: the mean of a colour for each, or one for the pixel.
 #include "passes/dais/dais_pixel.glsl"
+#include "passes/debug/colors_shared.h"
 
 layout(constant_id = DAIS_SHOW_ID) const uint WHICH = DAIS_VIEW_ADDRESSES;
 
@@ -35,7 +36,7 @@ void main() {
             if (left != 0u) count++;
             left &= ~first_triangle(from, p, left);
         }
-        const vec3 colors[5] = vec3[](vec3(0.0), vec3(0.15), vec3(0.1, 0.7, 0.2), vec3(0.9, 0.8, 0.1), vec3(0.9, 0.15, 0.1));
+        const vec3 colors[5] = vec3[](vec3(0.0), DEBUG_DAIS_1(vec3), DEBUG_DAIS_2(vec3), DEBUG_DAIS_3(vec3), DEBUG_DAIS_4(vec3));
         color = colors[min(count, 4u)];
     } else {
         for (uint i = 0u; i < SAMPLES; i++) color += seen(p.references[i]) / float(SAMPLES);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Debug views at probed pixels. */
+#include "fanal/legend.h"
 #include "tests/shade_reference.h"
 #include "tests/render_test.h"
 
@@ -100,6 +101,13 @@ static void check_lightness(const fnl_image *image) {
 
 /* Ten boxes in the lower left corner: 0 and the powers of two, each with its number in ink that stands out. */
 static void check_legend(const fnl_image *image) {
+    fnl_debug_legend told; /* the ramp of the public legend goes from 1 to 256 in 32 steps: a power of two is 4 */
+    assert_true(fnl_debug_legend_query(FNL_DEBUG_LIGHTS, &told));
+    assert_int_equal(told.color_count, 33);
+    for (uint32_t box = 1; box < 10; box++) {
+        const fnl_vec3 color = told.colors[4 * (box - 1)];
+        assert_color(image, box * BOX, HEIGHT - 1, color.x, color.y, color.z);
+    }
     for (uint32_t box = 0; box < 10; box++) {
         uint32_t value = box ? 1u << (box - 1) : 0, digits[3] = {value / 100, value / 10 % 10, value % 10};
         vec3 color = heat(value);

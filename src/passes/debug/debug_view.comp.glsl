@@ -15,7 +15,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_debug_push push; };
 
 // Counts on a logarithmic scale: 1, 2, 4 … 256 and more.
-float count_level(uint count) { return count == 0u ? 0.0 : (log2(float(count)) + 1.0) / 9.0; }
+float count_level(uint count) { return count == 0u ? 0.0 : (log2(float(count)) + 1.0) / float(DEBUG_COUNT_PARTS); }
 
 // The legend in the lower left corner: ten boxes, 0 and powers of two.
 bool legend(ivec2 pixel, out vec3 color) {
@@ -36,7 +36,7 @@ bool legend(ivec2 pixel, out vec3 color) {
 
 // From a word of passes/shade/edges_shared.h: grey for one surface, a colour for several things.
 vec3 edge_color(uint word, float grey) {
-    const vec3 colors[5] = vec3[](vec3(0.0), vec3(0.15, 0.35, 1.0), vec3(0.1, 0.8, 0.2), vec3(1.0, 0.8, 0.1), vec3(1.0, 0.1, 0.1));
+    const vec3 colors[5] = vec3[](vec3(0.0), DEBUG_EDGE_SKY(vec3), DEBUG_EDGE_2(vec3), DEBUG_EDGE_3(vec3), DEBUG_EDGE_4(vec3));
     uint surfaces = 0u;
     bool edge = false;
     for (uint i = 0u; i < push.view.view.samples; i++) {
@@ -63,16 +63,17 @@ void main() {
     if (push.count_stride != 0u) counted = push.counts.at[(uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * push.count_stride];
     if (mode == GPU_DEBUG_OVERDRAW) color = heat(count_level(counted)) * float(counted != 0u);
     if (mode == GPU_DEBUG_OVERSHADING && counted != 0u)
-        color = heat((log2(float(counted) / float(GPU_OVERSHADING_UNIT)) + 1.0) / 9.0); // as count_level() has whole numbers
+        color = heat((log2(float(counted) / float(GPU_OVERSHADING_UNIT)) + 1.0) / float(DEBUG_COUNT_PARTS)); // as count_level() has whole numbers
     if (mode == GPU_DEBUG_LAYERS || mode == GPU_DEBUG_DECALS) color = counted == 0u ? vec3(grey) * 0.5 : mix(vec3(grey), heat(count_level(counted)), 0.8);
     if (mode == GPU_DEBUG_EDGES) color = push.count_stride != 0u ? edge_color(counted, grey) : vec3(grey * 0.5);
     if (mode == GPU_DEBUG_HALOS) {
         vec2 metal = texelFetch(textures[push.metal], pixel, 0).xy;
-        color = metal.x >= 0.9 ? mix(vec3(grey), vec3(0.1, 0.35, 0.95), 0.6) : vec3(grey * 0.5);
-        if (metal.x > 0.1 && metal.x < 0.9) color = mix(vec3(0.25, 0.0, 0.0), vec3(1.0, 0.15, 0.0), min(4.0 * metal.y, 1.0));
+        color = metal.x >= 0.9 ? mix(vec3(grey), DEBUG_METAL(vec3), 0.6) : vec3(grey * 0.5);
+        if (metal.x > 0.1 && metal.x < 0.9) color = mix(DEBUG_HALO_DARK(vec3), DEBUG_HALO_BRIGHT(vec3), min(4.0 * metal.y, 1.0));
     }
     if (mode == GPU_DEBUG_COARSE || mode == GPU_DEBUG_COARSE_REASON) {
-        const vec3 kinds[COARSE_KINDS] = vec3[](vec3(0.0), vec3(0.1, 0.8, 0.2), vec3(1.0, 0.15, 0.1), vec3(0.2, 0.4, 1.0), vec3(1.0, 0.8, 0.1));
+        const vec3 kinds[COARSE_KINDS] = vec3[](vec3(0.0), DEBUG_COARSE_SHARED(vec3), DEBUG_COARSE_DEPTH(vec3), DEBUG_COARSE_NORMAL(vec3),
+                                                DEBUG_COARSE_OTHER(vec3));
         bool is_shown = counted != COARSE_NOTHING && (mode == GPU_DEBUG_COARSE_REASON || counted == COARSE_SHARED);
         color = is_shown ? mix(vec3(grey), kinds[min(counted, COARSE_KINDS - 1u)], 0.5) : vec3(grey);
     }

@@ -3,13 +3,13 @@
 #ifndef DEBUG_LEGEND_GLSL
 #define DEBUG_LEGEND_GLSL
 
-// Viridis over 0..1, by linear pieces between nine of its colours: brighter is more, for all kinds of colour vision and in grey.
-// S. van der Walt and N. Smith, matplotlib 1.5, 2015 (CC0).
+#include "passes/debug/colors_shared.h"
+
+// Over 0..1, by linear pieces between the colours of the ramp.
 vec3 heat(float t) {
-    const vec3 stops[9] = vec3[](vec3(68, 1, 84), vec3(71, 45, 123), vec3(59, 82, 139), vec3(44, 114, 142), vec3(33, 144, 140),
-                                 vec3(39, 173, 129), vec3(93, 200, 99), vec3(170, 220, 50), vec3(253, 231, 37));
-    float x = clamp(t, 0.0, 1.0) * 8.0;
-    int i = min(int(x), 7);
+    const vec3 stops[DEBUG_RAMP_STOPS] = vec3[](DEBUG_RAMP(vec3));
+    float x = clamp(t, 0.0, 1.0) * float(DEBUG_RAMP_STOPS - 1);
+    int i = min(int(x), DEBUG_RAMP_STOPS - 2);
     return mix(stops[i], stops[i + 1], x - float(i)) / 255.0;
 }
 

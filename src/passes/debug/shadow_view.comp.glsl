@@ -77,8 +77,8 @@ vec3 level_color(uint level) { return heat(1.0 - float(level) / float(SHADOW_LEV
 
 vec3 texel_color(float texel) {
     float steps = log2(texel);
-    return steps <= 0.0 ? mix(vec3(0.1, 0.75, 0.2), vec3(0.1, 0.3, 0.9), min(-0.5 * steps, 1.0))
-                        : mix(vec3(0.95, 0.85, 0.1), vec3(0.95, 0.1, 0.05), min(steps / 3.0, 1.0));
+    return steps <= 0.0 ? mix(DEBUG_TEXEL_PIXEL(vec3), DEBUG_TEXEL_QUARTER(vec3), min(-0.5 * steps, 1.0))
+                        : mix(DEBUG_TEXEL_WIDER(vec3), DEBUG_TEXEL_8(vec3), min(steps / 3.0, 1.0));
 }
 
 // The legend of levels in the lower left corner.
@@ -168,8 +168,8 @@ void main() {
     }
     vec3 color = vec3(grey * 0.5);
     if (push.mode == GPU_DEBUG_SHADOW_ERRORS) {
-        if (t.extra > SHOWN * t.all) color = mix(color, vec3(1.0, 0.1, 0.05), 0.4 + 0.6 * t.extra / t.all);
-        if (t.missing > SHOWN * t.all && t.missing > t.extra) color = mix(vec3(grey * 0.5), vec3(0.1, 0.35, 1.0), 0.4 + 0.6 * t.missing / t.all);
+        if (t.extra > SHOWN * t.all) color = mix(color, DEBUG_SHADOW_EXTRA(vec3), 0.4 + 0.6 * t.extra / t.all);
+        if (t.missing > SHOWN * t.all && t.missing > t.extra) color = mix(vec3(grey * 0.5), DEBUG_SHADOW_MISSING(vec3), 0.4 + 0.6 * t.missing / t.all);
     } else if (push.mode == GPU_DEBUG_PROBE_LOOKUP || push.mode == GPU_DEBUG_PROBE_LEVELS) {
         gpu_probe probe;
         probe_lookup look;
@@ -177,7 +177,7 @@ void main() {
             color = mix(vec3(grey), push.mode == GPU_DEBUG_PROBE_LOOKUP ? lookup_color(probe, look) : heat(1.0 - look.lod / float(SHADOW_LEVELS)), 0.8);
     } else if (t.most > 0.0) {
         finding f = look_up(l, t.brightest, shadowed);
-        color = vec3(0.9, 0.1, 0.8);
+        color = DEBUG_SHADOW_RAYS(vec3);
         if (f.found && push.mode == GPU_DEBUG_SHADOW_PAGES) color = page_color(f, grey);
         if (f.found && push.mode == GPU_DEBUG_SHADOW_LEVELS) color = mix(vec3(grey), level_color(f.page.level), 0.8);
         if (f.found && push.mode == GPU_DEBUG_SHADOW_TEXELS) color = mix(vec3(grey), texel_color(f.texel), 0.8);

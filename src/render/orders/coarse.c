@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/orders/order.h"
 
+#include "passes/debug/colors_shared.h"
 #include "passes/shade/coarse.h"
 
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
@@ -27,9 +28,15 @@ static void add_view(struct frame_state *f, bool swap) {
     debug_views_add_counts(f, (struct debug_counts){f->coarse_words, 1}, swap);
 }
 
+static const struct debug_legend_color kinds_shared[] = {{DEBUG_COARSE_SHARED(LEGEND_COLOR), "shaded once"}};
+static const struct debug_legend_color kinds[] = {{DEBUG_COARSE_SHARED(LEGEND_COLOR), "shaded once"},
+                                                  {DEBUG_COARSE_DEPTH(LEGEND_COLOR), "depth or triangle"},
+                                                  {DEBUG_COARSE_NORMAL(LEGEND_COLOR), "normal"},
+                                                  {DEBUG_COARSE_OTHER(LEGEND_COLOR), "material"}};
+
 static const struct debug_view views[] = {
-    {FNL_DEBUG_COARSE, .surfaces = true, .add = add_view},
-    {FNL_DEBUG_COARSE_REASON, .surfaces = true, .add = add_view},
+    {FNL_DEBUG_COARSE, LEGEND_COLORS("grey: other blocks", kinds_shared), .surfaces = true, .add = add_view},
+    {FNL_DEBUG_COARSE_REASON, LEGEND_COLORS("what keeps a block from being shaded once", kinds), .surfaces = true, .add = add_view},
 };
 
 static const struct counter counters[] = {

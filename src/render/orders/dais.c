@@ -2,6 +2,7 @@
 #include "render/orders/order.h"
 
 #include "passes/dais/dais.h"
+#include "passes/debug/colors_shared.h"
 
 _Static_assert(FNL_DEBUG_DAIS_TRIANGLES - FNL_DEBUG_DAIS_ADDRESSES == DAIS_VIEW_TRIANGLES &&
                    FNL_DEBUG_DAIS_FAILURES - FNL_DEBUG_DAIS_ADDRESSES == DAIS_VIEW_FAILURES,
@@ -45,10 +46,16 @@ static void add_view(struct frame_state *f, bool swap) {
     dais_view_add(f->graph, &input, &f->dais, (uint32_t)(f->frame->debug - FNL_DEBUG_DAIS_ADDRESSES), f->color, swap);
 }
 
+static const struct debug_legend_color no_room[] = {{{1, 1, 1}, "no room"}};
+static const struct debug_legend_color triangles[] = {{DEBUG_DAIS_1(LEGEND_COLOR), "1"},
+                                                      {DEBUG_DAIS_2(LEGEND_COLOR), "2"},
+                                                      {DEBUG_DAIS_3(LEGEND_COLOR), "3"},
+                                                      {DEBUG_DAIS_4(LEGEND_COLOR), "4 and more"}};
+
 static const struct debug_view views[] = {
-    {FNL_DEBUG_DAIS_ADDRESSES, .add = add_view},
-    {FNL_DEBUG_DAIS_TRIANGLES, .add = add_view},
-    {FNL_DEBUG_DAIS_FAILURES, .add = add_view},
+    {FNL_DEBUG_DAIS_ADDRESSES, LEGEND_COLORS("each stored triangle in a colour of its own", no_room), .add = add_view},
+    {FNL_DEBUG_DAIS_TRIANGLES, LEGEND_COLORS("different triangles in the pixel", triangles), .add = add_view},
+    {FNL_DEBUG_DAIS_FAILURES, LEGEND_TEXT("red: a triangle that was stored again, because its bucket of the cache stayed locked"), .add = add_view},
 };
 
 /* Noted is what does not depend on the picture. */

@@ -163,11 +163,14 @@ static void add_forward(struct frame_state *f, bool swap) {
     gbuffer_view_field_add(f->graph, &f->gbuffer, GBUFFER_SEEN_FORWARD, f->color, swap);
 }
 
+#define FIELDS "each field of the target in a quarter of the picture, as lighting reads it"
+static const struct debug_legend_color forward[] = {{{1, 1, 1}, "shaded forward"}, {{0.25f, 0.25f, 0.25f}, "in the G-buffer"}};
+
 static const struct debug_view views[] = {
-    {FNL_DEBUG_GBUFFER_0, .add = add_target, .check = check_target},   {FNL_DEBUG_GBUFFER_1, .add = add_target, .check = check_target},
-    {FNL_DEBUG_GBUFFER_2, .add = add_target, .check = check_target},   {FNL_DEBUG_GBUFFER_3, .add = add_target, .check = check_target},
-    {FNL_DEBUG_GBUFFER_4, .add = add_target, .check = check_target},   {FNL_DEBUG_MATERIAL_ID, .add = add_material, .check = check_material},
-    {FNL_DEBUG_LIT_FORWARD, .add = add_forward, .check = check_view},
+    {FNL_DEBUG_GBUFFER_0, LEGEND_TEXT(FIELDS), .add = add_target, .check = check_target},   {FNL_DEBUG_GBUFFER_1, LEGEND_TEXT(FIELDS), .add = add_target, .check = check_target},
+    {FNL_DEBUG_GBUFFER_2, LEGEND_TEXT(FIELDS), .add = add_target, .check = check_target},   {FNL_DEBUG_GBUFFER_3, LEGEND_TEXT(FIELDS), .add = add_target, .check = check_target},
+    {FNL_DEBUG_GBUFFER_4, LEGEND_TEXT(FIELDS), .add = add_target, .check = check_target},   {FNL_DEBUG_MATERIAL_ID, LEGEND_TEXT("each material id in a colour of its own"), .add = add_material, .check = check_material},
+    {FNL_DEBUG_LIT_FORWARD, LEGEND_COLORS("whether the layout holds the material", forward), .add = add_forward, .check = check_view},
 };
 
 /* ---- numbers ---- */

@@ -64,9 +64,10 @@ static fnl_result check_pages(const struct call *call, const fnl_renderer *r, co
     return unsupported(call, "the debug view pages needs 1 sample per pixel, not %u", frame->msaa);
 }
 
+static const struct debug_legend_color stripes[] = {{{1, 0, 1}, "stripes: a finer page is wanted"}};
 static const struct debug_view virtual_views[] = {
-    {FNL_DEBUG_ATLAS, .add = add_atlas},
-    {FNL_DEBUG_PAGES, .add = add_atlas, .check = check_pages},
+    {FNL_DEBUG_ATLAS, LEGEND_TEXT("base colours in the atlas; hatched: empty"), .add = add_atlas},
+    {FNL_DEBUG_PAGES, LEGEND_COLORS("each page in a colour of its own, darker where it is coarser; grey: lit forward", stripes), .add = add_atlas, .check = check_pages},
 };
 
 static const struct counter virtual_counters[] = {
