@@ -183,6 +183,14 @@ static uint32_t border(const struct view *v, uint32_t width) {
     return (uint32_t)lroundf(fminf(fmaxf(v->compare.slider, 0), 1) * (float)width);
 }
 
+uint32_t view_compare_place(const struct view *v, uint32_t *x) {
+    const uint32_t at = border(v, v->width);
+    if (v->compare.mode != VIEW_COMPARE_SIDE || at == 0) return v->width;
+    if (*x < at) return at;
+    *x -= at;
+    return v->width - at;
+}
+
 /* A's frame for what stands in its part of the window: side by side it has its width. */
 static fnl_frame part_frame(const struct view *v, const fnl_frame *frame, uint32_t width, uint32_t part_width) {
     fnl_frame own = *frame;

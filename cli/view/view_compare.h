@@ -71,6 +71,8 @@ void view_panel_compare(struct view *view);
 fnl_result view_compare_draw(struct view *view, const fnl_frame *frame, const struct fnl_vulkan_target *target);
 /** What the window shows, for `frame` with its overlay; free it. */
 fnl_result view_compare_read(struct view *view, const fnl_frame *frame, fnl_image *out);
+/** The width of the picture that the window shows at column *x, which becomes that picture's own. */
+uint32_t view_compare_place(const struct view *view, uint32_t *x);
 void view_compare_note(struct view *view); /* after a frame */
 
 /** Whether the press belongs to the slider. */

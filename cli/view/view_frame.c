@@ -237,12 +237,14 @@ static void read_pick(struct view *v) {
     static const fnl_output outputs[3] = {FNL_OUTPUT_SURFACE, FNL_OUTPUT_NORMAL, FNL_OUTPUT_POSITION};
     frame.outputs = FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION;
     frame.msaa = 1;
+    uint32_t x = p->x;
+    frame.width = view_compare_place(v, &x);
     bool good = fnl_renderer_render(v->shown.renderer, &frame) == FNL_OK;
     for (uint32_t i = 0; i < 3 && good; i++) good = fnl_renderer_read(v->shown.renderer, outputs[i], &images[i]) == FNL_OK;
     p->asked = false;
-    p->known = good && p->x < frame.width && p->y < frame.height;
+    p->known = good && x < frame.width && p->y < frame.height;
     if (p->known) {
-        const size_t at = 4 * ((size_t)p->y * frame.width + p->x);
+        const size_t at = 4 * ((size_t)p->y * frame.width + x);
         const float *surface = (const float *)images[0].pixels + at, *normal = (const float *)images[1].pixels + at,
                     *position = (const float *)images[2].pixels + at;
         p->hit = position[3] > 0;

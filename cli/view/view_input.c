@@ -206,5 +206,6 @@ void view_advance(struct view *v, double seconds) {
         view_want(v, 2);
     }
     if (v->drag >= 0) v->moving = true;
-    if (v->frame.aa == FNL_ANTIALIASING_TAA && v->moving) view_want(v, 16);
+    const bool b_gathers = v->compare.mode != VIEW_COMPARE_OFF && v->compare.frame.aa == FNL_ANTIALIASING_TAA;
+    if ((v->frame.aa == FNL_ANTIALIASING_TAA || b_gathers) && v->moving) view_want(v, 16);
 }

@@ -55,6 +55,19 @@ capture dragged.png
 compare side
 frames 2
 capture side.png
+# The same pixel of both halves.
+key 341 down 2
+move 20 40
+button 0 down 2
+button 0 up 2
+frames 1
+report pick-a.tsv
+move 68 40
+button 0 down 2
+button 0 up 2
+key 341 up 0
+frames 1
+report pick-b.tsv
 compare difference
 frames 2
 capture difference.png
@@ -138,6 +151,10 @@ part side.png $((width / 2)) 0 $middle $height side-right.png
 equal side-left.png half-a.png 'the left half is not A'
 equal side-right.png half-b.png 'the right half is not B'
 
+# B is one column wider, so that the places are half a pixel apart.
+awk -F'\t' '$1 == "pixel" { n++; for (i = 5; i <= 7; i++) p[n, i] = $i } END { for (i = 5; i <= 7; i++) { d = p[1, i] - p[2, i]; if (d > 0.2 || d < -0.2) bad = 1 } exit n != 2 || bad }' \
+    pick-a.tsv pick-b.tsv || fail "not the same place: $(grep -h ^pixel pick-a.tsv pick-b.tsv)"
+
 # The difference: the numbers of `fanal compare`, and its picture.
 "$fanal" compare a.png b.png --json -o expected.png >numbers.json || fail 'fanal compare'
 number() { sed -n "s/.*\"$1\": \([-0-9.e]*\),*/\1/p" numbers.json | head -1; }
@@ -211,6 +228,35 @@ if command -v Xvfb >/dev/null; then
     DISPLAY=:$(<number)
     export DISPLAY
     unset WAYLAND_DISPLAY
+    # Every mode, at rest and while the camera moves, with validation.
+    cat >all-window.txt <<'EOF'
+key 258 down 0
+key 258 up 0
+frames 2
+slider 0
+frames 1
+slider 1
+frames 1
+slider 0.3
+button 0 down 0
+move 60 20
+frames 1
+move 70 25
+frames 2
+button 0 up 0
+frames 1
+compare side
+frames 2
+compare difference
+frames 2
+setb msaa=8
+setb shading=mobile
+frames 3
+compare off
+frames 2
+EOF
+    timeout 100 "$fanal" view builtin:onetile --validate --no-cache --device 0 --shading deferred --lists clustered --shadows off --size ${width}x$height \
+        --replay all-window.txt --compare debug=normal >out 2>&1 || fail 'the modes in a window'
     shows split split.png
     shows side side.png
     shows difference difference.png
