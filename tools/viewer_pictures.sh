@@ -20,4 +20,13 @@ frames 3
 capture viewer-debug.png
 END
 (cd "$work" && "$fanal" view builtin:hall --lights 256 --size 1280x720 --headless --replay events)
-for name in viewer viewer-debug; do convert "$work/$name.png" -colors 224 -define png:compression-level=9 "docs/images/$name.png"; done
+cat >"$work/events" <<END
+set lists=clustered
+setb lists=tiled
+setb debug=lights
+compare split
+frames 3
+capture viewer-compare.png
+END
+(cd "$work" && "$fanal" view builtin:interior --size 1280x720 --headless --replay events)
+for name in viewer viewer-debug viewer-compare; do convert "$work/$name.png" -colors 224 -define png:compression-level=9 "docs/images/$name.png"; done

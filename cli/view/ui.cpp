@@ -198,7 +198,6 @@ static ImTextureID id_of(uint32_t image) {
 }
 
 void ui_set_image(uint32_t index, const fnl_image *image, uint64_t version) { ui.images[index] = {image, version}; }
-void ui_image(uint32_t index, float width, float height) { ImGui::Image(id_of(index), ImVec2(width * ui.scale, height * ui.scale)); }
 void ui_back_image(uint32_t index, float x, float y, float width, float height) {
     ImGui::GetBackgroundDrawList()->AddImage(id_of(index), ImVec2(x, y), ImVec2(x + width, y + height));
 }

@@ -39,7 +39,7 @@ void ui_begin(uint32_t width, uint32_t height, double seconds); /* since the las
 /** All that was drawn; lives until the next ui_begin. */
 void ui_end(fnl_overlay *out);
 
-/** What ui_image and ui_back_image show under this number, 1 .. FNL_OVERLAY_IMAGES_MAX - 1; RGBA8, lives until another is set. NULL: white. */
+/** What ui_back_image shows under this number, 1 .. FNL_OVERLAY_IMAGES_MAX - 1; RGBA8, lives until another is set. NULL: white. */
 void ui_set_image(uint32_t index, const fnl_image *image, uint64_t version);
 
 /** Has the next frame scroll to a widget; NULL: no longer. */
@@ -63,7 +63,6 @@ void ui_colored(uint32_t rgba, const char *text); /* 0xrrggbbaa */
 void ui_separator(void);
 void ui_same_line(void);
 void ui_item_width(float width); /* of the next widget, pixels at scale 1; negative: leaves that much to its right */
-void ui_image(uint32_t index, float width, float height);
 /** Colours from a low to a high value, with these under their ends; a square of one colour. */
 void ui_ramp(const fnl_vec3 *colors, uint32_t count, const char *low, const char *high);
 void ui_swatch(const fnl_vec3 *color);
