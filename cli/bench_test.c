@@ -236,7 +236,7 @@ static void test_scenes_go_by_short_names(void **state) {
 /* ---- frames of an earlier run ---- */
 
 static void note_frame(struct lane *lane, double milliseconds) {
-    fnl_pass_time passes[] = {{"cull items", 1}, {"tiled fill", 3}, {"deferred", milliseconds}};
+    fnl_pass_time passes[] = {{.name = "cull items", .milliseconds = 1}, {.name = "tiled fill", .milliseconds = 3}, {.name = "deferred", .milliseconds = milliseconds}};
     const fnl_counter counter = {.key = "coarse.shared", .value = 5};
     fnl_frame_stats stats = {
         .passes = passes, .pass_count = 3, .triangles_total = 1000, .evaluations = 7, .counters = &counter, .counter_count = 1};

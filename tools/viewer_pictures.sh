@@ -29,4 +29,28 @@ frames 3
 capture viewer-compare.png
 END
 (cd "$work" && "$fanal" view builtin:interior --size 1280x720 --headless --replay events)
-for name in viewer viewer-debug viewer-compare; do convert "$work/$name.png" -colors 224 -define png:compression-level=9 "docs/images/$name.png"; done
+cat >"$work/events" <<END
+frames 3
+set lists=tiled
+frames 3
+set lists=clustered
+move 800 200
+button 0 down 0
+move 860 210
+frames 3
+button 0 up 0
+frames 3
+key 291 down 0
+key 291 up 0
+frames 2
+click pass deferred
+frames 1
+capture viewer-timeline.png
+key 292 down 0
+key 292 up 0
+frames 2
+click pass gbuffer
+capture viewer-graph.png
+END
+(cd "$work" && "$fanal" view builtin:lamps --size 1280x720 --headless --replay events)
+for picture in "$work"/*.png; do convert "$picture" -colors 224 -define png:compression-level=9 "docs/images/${picture##*/}"; done

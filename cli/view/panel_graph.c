@@ -18,7 +18,8 @@ struct view_graph {
     size_t capacity;
     json_t *plan;     /* NULL: none */
     char pass[256];   /* chosen; "": none */
-    int resource;     /* chosen; -1: none */
+    int resource;     /* chosen; -1: none, or it is not in this plan */
+    char resource_name[256];
     char filter[64];
     float column; /* width of a pass */
 };
@@ -55,6 +56,20 @@ static bool read_plan(const struct view *v, struct view_graph *g) {
     return fnl_renderer_print(v->shown.renderer, FNL_PRINT_PLAN_JSON, g->text, g->capacity) < g->capacity;
 }
 
+static int find_resource(const struct view_graph *g, const char *name) {
+    size_t i;
+    json_t *resource;
+    json_array_foreach(json_object_get(g->plan, "resources"), i, resource) if (name[0] && strcmp(text_of(resource, "name"), name) == 0) return (int)i;
+    return -1;
+}
+
+/* Of a pass or a resource; neither: both names are "". */
+static void choose(struct view_graph *g, const char *pass, const char *resource, int index) {
+    snprintf(g->pass, sizeof g->pass, "%s", pass);
+    snprintf(g->resource_name, sizeof g->resource_name, "%s", resource);
+    g->resource = index;
+}
+
 /* Asks for the plan of the last frame; parses it when it is another. */
 static struct view_graph *update(struct view *v) {
     if (!v->timeline.graph) {
@@ -69,7 +84,7 @@ static struct view_graph *update(struct view *v) {
     g->last = strdup(g->text);
     json_decref(g->plan);
     g->plan = json_loads(g->text, 0, NULL);
-    g->resource = -1; /* another one may have its number */
+    g->resource = find_resource(g, g->resource_name);
     return g;
 }
 
@@ -168,10 +183,7 @@ static void draw_passes(struct view_graph *g, const struct ui_canvas *canvas) {
         /* The heads stay in sight when the rows below are scrolled. */
         if (ui_canvas_rect(label, x, canvas->top, g->column - 1, HEAD - 2, color)) {
             hint_pass(pass, i);
-            if (ui_clicked()) {
-                snprintf(g->pass, sizeof g->pass, "%s", chosen ? "" : name);
-                g->resource = -1;
-            }
+            if (ui_clicked()) choose(g, chosen ? "" : name, "", -1);
         }
         if (g->column > 30) ui_canvas_text(x + 2, canvas->top + 1, g->column - 4, 0x000000ff, name);
     }
@@ -231,8 +243,8 @@ static void draw_resources(struct view_graph *g, const struct ui_canvas *canvas,
         if (ui_canvas_rect(label, x, y, width, ROW - 2, bright ? color : dimmed(color))) {
             hint_resource(r);
             if (ui_clicked() && canvas->mouse_y > canvas->top + HEAD) {
-                g->resource = g->resource == (int)rows[row] ? -1 : (int)rows[row];
-                g->pass[0] = 0;
+                const bool again = g->resource == (int)rows[row];
+                choose(g, "", again ? "" : text_of(r, "name"), again ? -1 : (int)rows[row]);
             }
         }
         draw_uses(g, canvas, rows[row], y, bright);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { AXIS = 16, LANE = 20, STRIP = 56, GUTTER = 72 /* with the names of lanes */ };
+enum { AXIS = 16, LANE = 20, STRIP = 56, GUTTER = 84 /* with the names of lanes */ };
 static const uint32_t AXIS_COLOR = 0x808080ff, SPIKE_COLOR = 0xff4030ff, TEXT_COLOR = 0x000000ff, CHOSEN_COLOR = 0xffffffff;
 
 /* What a pass is for, in the order of stacks. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * check_trace FILE [NAME…]: whether a trace of `fanal render --trace-file` or of `fanal view` is what it should be: nothing in a lane overlaps or goes
- * back, everything lies in the time of its frame or after its beginning, and the passes of a frame add up to what the frame says. Each NAME is the name of
- * some event. Prints the number of frames.
+ * back, everything lies in the time of its frame or after its beginning, passes begin when the frame is submitted, and add up to what the frame says. Each NAME
+ * is the name of some event. Prints the number of frames.
  */
 #include <jansson.h>
 #include <math.h>
@@ -24,7 +24,7 @@ int main(int argc, char **argv) {
         return 2;
     }
     const json_t *events = json_object_get(root, "traceEvents");
-    double ends[LANES] = {0}, frame_begin = 0, wanted = -1, sum = 0, counted = -1;
+    double ends[LANES] = {0}, frame_begin = 0, first_pass = -1, wanted = -1, sum = 0, counted = -1;
     int frames = 0, failures = json_array_size(events) == 0, counters = 0, spans[LANES] = {0};
     char seen[64] = {0};
     size_t i;
@@ -55,11 +55,16 @@ int main(int argc, char **argv) {
             wanted = json_number_value(json_object_get(json_object_get(event, "args"), "gpu_milliseconds"));
             sum = 0;
             frame_begin = begin;
+            first_pass = -1;
             frames++;
         } else if (ends[lane] > ends[1] + 2000 && lane > 3) {
             failures += fail(i, "ends after its frame");
         }
-        if (lane == 2 || lane == 3) sum += length * 1e-3;
+        if (lane == 2 || lane == 3) {
+            sum += length * 1e-3;
+            first_pass = first_pass < 0 || begin < first_pass ? begin : first_pass;
+        }
+        if (lane == 4 && strcmp(name, "submit") == 0 && first_pass >= 0 && fabs(begin - first_pass) > 1) failures += fail(i, "the passes do not begin at it");
     }
     if (wanted >= 0 && fabs(sum - wanted) > 1e-3) failures += fail(i, "the passes of the last frame do not add up");
     if (frames > 0 && (spans[2] == 0 || spans[4] < 9 * frames || spans[5] == 0 || counters < 3 * frames)) failures += fail(i, "a lane or the counters are empty");

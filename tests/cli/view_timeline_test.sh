@@ -7,7 +7,8 @@ fanal=$build/fanal
 "$fanal" view --help >/dev/null 2>&1 || { echo "SKIPPED: built without 'fanal view' (Debian: libglfw3-dev libimgui-dev)"; exit 77; }
 work=$(mktemp -d)
 failures=0
-trap 'rm -rf "$work"' EXIT
+display=
+trap '[ -z "$display" ] || kill $display; rm -rf "$work"' EXIT
 cd "$work" || exit 1
 fail() { echo "FAILED: $*" >&2; [ ! -s out ] || head -c 2000 out >&2; failures=$((failures + 1)); }
 # value FILE KEY [FIELD [WORD]]: from the first line of a report that begins with KEY, and has WORD as its second field.
@@ -70,6 +71,9 @@ set timers=off
 click graph
 frames 2
 report untimed.tsv
+set timers=on
+set lists=tiled
+set shading=deferred
 drop builtin:spheres
 settle
 report other.tsv
@@ -126,11 +130,13 @@ grep -q $'^use\tgbuffer\twrites\tdepth\tDEPTH_ATTACHMENT_OPTIMAL' chosen.tsv || 
 [ "$(lines graph.tsv use)" = 0 ] || fail 'a pass is chosen before the click'
 [ "$(value resource.tsv resource)" = depth ] && [ "$(lines resource.tsv use)" = 0 ] || fail "a click does not choose a resource: $(value resource.tsv resource)"
 [ "$(value filter.tsv shown)" -lt "$(value graph.tsv shown)" ] && [ "$(value filter.tsv shown)" -gt 0 ] || fail "the filter leaves $(value filter.tsv shown)"
+[ "$(value untimed.tsv resource)" = depth ] && [ "$(value other.tsv resource)" = depth ] || fail 'another plan loses the resource that was chosen'
 [ "$(value typed.tsv wide)" = graph ] || fail 'a key that is typed into a field closes the panel'
 [ "$(value forward.tsv wide)" = timeline ] && [ -n "$(value forward.tsv pass 3 forward)" ] || fail 'the timeline does not follow'
 [ "$(value closed.tsv wide)" = none ] || fail "the button does not close the panel: $(value closed.tsv wide)"
 [ "$(lines untimed.tsv pass)" = 0 ] && [ "$(value untimed.tsv graph)" -gt 5 ] || fail 'without timers there is no graph'
-[ "$(value other.tsv scene)" = builtin:spheres ] && [ "$(value other.tsv graph)" -gt 5 ] || fail 'another scene has no graph'
+[ "$(value other.tsv scene)" = builtin:spheres ] && [ "$(value other.tsv graph)" = "$(lines other.tsv pass)" ] && [ "$(value other.tsv graph)" != "$(value untimed.tsv graph)" ] ||
+    fail "the graph of another scene: $(grep ^graph other.tsv), before $(grep ^graph untimed.tsv)"
 
 # ---- what auto measured ----
 
@@ -152,10 +158,29 @@ awk -F'\t' '$1 == "candidate" { if (($4 > 0) != ($5 > 0)) bad = 1; if ($6 == "ch
     $1 == "lists" { used = $2 } END { exit bad || chosen > 1 || (chosen == 1 && (lists != used || best != least)) }' later.tsv ||
     fail "auto after 60 frames: $(grep ^candidate later.tsv)"
 
+# ---- nothing to see ----
+
+printf 'key 291 down 0\nkey 291 up 0\nframes 2\nkey 292 down 0\nkey 292 up 0\nframes 2\nreport empty.tsv\ntrace empty.trace\nsize 1 1\nframes 1\nsize 0 0\nframes 1\n' >empty.txt
+timeout 100 "$fanal" view --no-cache --validate --device 0 --headless --size 97x61 --scale 0.5 --light --replay empty.txt >out 2>&1 || fail 'without a scene'
+[ "$(value empty.tsv graph)" = "$(lines empty.tsv pass)" ] && "$build/tests/check_trace" empty.trace >/dev/null 2>out || fail 'without a scene'
+
 # ---- what cannot be written ----
 
 printf 'frames 1\ntrace no-folder/a.trace\n' >bad.txt
 timeout 60 "$fanal" view --no-cache --device 0 builtin:onetile --shadows off --headless --size 16x16 --replay bad.txt >out 2>&1 && fail 'a trace into no folder'
 grep -q 'no-folder/a.trace' out || fail 'no word of the trace that was not written'
+# ---- in a window ----
+
+if command -v Xvfb >/dev/null; then
+    Xvfb -displayfd 3 -screen 0 400x300x24 -nolisten tcp 3>number 2>xvfb &
+    display=$!
+    for _ in $(seq 100); do [ -s number ] && break; sleep 0.1; done
+    printf 'frames 2\nkey 291 down 0\nkey 291 up 0\nframes 2\nreport window.tsv\ntrace window.trace\n' >window.txt
+    DISPLAY=:$(<number) timeout 100 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --size 160x90 --scale 0.5 --replay window.txt >out 2>&1 || fail 'the window'
+    "$build/tests/check_trace" window.trace acquire render present 'wait for the frame' >/dev/null 2>out || fail 'the trace of a window'
+    [ "$(value window.tsv wide)" = timeline ] && [ -n "$(value window.tsv window 3 present)" ] || fail 'the timeline of a window'
+else
+    echo 'SKIPPED in part: no Xvfb (Debian: xvfb)'
+fi
 [ $failures = 0 ] && echo 'all checks of the timeline passed'
 exit $((failures > 0))
