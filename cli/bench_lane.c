@@ -39,7 +39,7 @@ static enum role role_of_part(const char *name) {
                                            "visibility", "texturing",     "dais",           "keep previous",  "update",
                                            NULL};
     static const char *const rest[] = {"meter",   "exposure", "mlaa",           "smaa",  "motion", "taa",
-                                       "tonemap", "resolve",  "clear",          "debug", "encode", "aov",
+                                       "tonemap", "resolve",  "clear",          "debug", "encode", "aov", "objects",
                                        "over",    "layers",   "copy to target", NULL};
     static const char *const read[] = {"read ", "to host", "counts to host", NULL};
     static const struct {

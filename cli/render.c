@@ -68,7 +68,7 @@ static void print_help(void) {
          WORLD_EYE_HELP
          "  --exposure EV|auto|none    EV100 (auto)\n"
          WORLD_SURROUNDINGS_HELP
-         "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion\n"
+         "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion,object\n"
          "  --supersample N            averages N frames with different sample positions: a reference for antialiasing\n"
          "\n"
          "Scene\n"

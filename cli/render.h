@@ -14,6 +14,7 @@ enum render_aov {
     RENDER_AOV_ID,
     RENDER_AOV_POSITION,
     RENDER_AOV_MOTION,
+    RENDER_AOV_OBJECT,
     RENDER_AOV_COUNT
 };
 

@@ -48,7 +48,7 @@ const char *render_format_name(int format) {
 const char *render_plan_name(int plan) { return plan == RENDER_PLAN_TEXT ? "text" : plan == RENDER_PLAN_JSON ? "json" : NULL; }
 
 const char *render_aov_name(int aov) {
-    static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position", "motion"};
+    static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position", "motion", "object"};
     return aov >= 0 && aov < RENDER_AOV_COUNT ? names[aov] : NULL;
 }
 
@@ -60,12 +60,15 @@ static uint32_t wanted_outputs(const struct render_options *o) {
     if (o->aovs & (1u << RENDER_AOV_DEPTH | 1u << RENDER_AOV_NORMAL)) outputs |= FNL_OUTPUT_NORMAL;
     if (o->aovs & (1u << RENDER_AOV_ID | 1u << RENDER_AOV_POSITION)) outputs |= FNL_OUTPUT_POSITION;
     if (o->aovs & 1u << RENDER_AOV_MOTION) outputs |= FNL_OUTPUT_MOTION;
+    if (o->aovs & 1u << RENDER_AOV_OBJECT) outputs |= FNL_OUTPUT_OBJECT;
     return outputs;
 }
 
+enum { PICTURES = 7 }; /* bits of fnl_output */
+
 /* Pictures read back so far, by bit number of fnl_output. */
 struct pictures {
-    fnl_image images[6];
+    fnl_image images[PICTURES];
 };
 
 static bool save_exr(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
@@ -89,7 +92,11 @@ static bool save_exr(const struct render_options *o, const fnl_host *host, const
                   {"position.Y", RENDER_AOV_POSITION, 4, 1},
                   {"position.Z", RENDER_AOV_POSITION, 4, 2},
                   {"motion.X", RENDER_AOV_MOTION, 5, 0},
-                  {"motion.Y", RENDER_AOV_MOTION, 5, 1}};
+                  {"motion.Y", RENDER_AOV_MOTION, 5, 1},
+                  {"object.instance", RENDER_AOV_OBJECT, 6, 0},
+                  {"object.primitive", RENDER_AOV_OBJECT, 6, 1},
+                  {"object.material", RENDER_AOV_OBJECT, 6, 2},
+                  {"object.triangle", RENDER_AOV_OBJECT, 6, 3}};
     fnl_exr_channel channels[sizeof layout / sizeof *layout];
     uint32_t count = 0;
     for (size_t i = 0; i < sizeof layout / sizeof *layout; i++)
@@ -142,7 +149,7 @@ static void remove_files(const struct render_options *o, uint32_t count, uint32_
 /* The pictures of one view, which stay where they are. */
 static struct pictures pictures_of(const struct pictures *all, uint32_t height, uint32_t view) {
     struct pictures own = *all;
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < PICTURES; i++) {
         fnl_image *image = &own.images[i];
         if (!image->pixels) continue;
         image->height = height;
@@ -156,7 +163,7 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
     struct pictures p = {0};
     uint32_t outputs = wanted_outputs(o);
     bool good = true;
-    for (int i = 0; i < 6 && good; i++)
+    for (int i = 0; i < PICTURES && good; i++)
         if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
@@ -168,7 +175,7 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
         good = render_is_stdout(path) ? save_stdout(o, host, &own) : save_file(o, host, path, &own);
     }
     if (!good && written > 0) remove_files(o, written - 1, view_count); /* all or nothing: the last one counted was not written */
-    for (int i = 0; i < 6; i++) fnl_image_free(host, &p.images[i]);
+    for (int i = 0; i < PICTURES; i++) fnl_image_free(host, &p.images[i]);
     return good;
 }
 

@@ -660,7 +660,7 @@ static void test_fields_of_frames(void **state) {
     FRAME(deferred.msaa_groups, 4, "deferred.msaa_groups is 4, must be 2 or 3");
     FRAME(deferred.msaa_tolerance, NAN, "deferred.msaa_tolerance is NaN, must be 0 .. 1");
     FRAME(jitter.y, -9, "jitter.y is -9, must be -8 .. 8 pixels");
-    FRAME(outputs, 64, "outputs is 64, must be 0 .. 63");
+    FRAME(outputs, 128, "outputs is 128, must be 0 .. 127");
     FRAME(deferred.class_blocks, 5, "deferred.class_blocks is 5, must be 0, 4 or 8");
     FRAME(light_lod, NAN, "light_lod is NaN, must be at least 0 pixels and finite");
     FRAME(texturing.atlas_size, 300, "texturing.atlas_size is 300, must be a multiple of 256");

@@ -145,7 +145,15 @@ typedef enum fnl_output {
      * was not shown, or there was no last frame. Where several renderers share a scene, the last frame of this one counts as none unless it
      * had motion vectors too (this output, FNL_DEBUG_MOTION or temporal antialiasing) or nothing has moved since. No MSAA.
      */
-    FNL_OUTPUT_MOTION = 32
+    FNL_OUTPUT_MOTION = 32,
+    /**
+     * RGBA32F, four whole numbers for the nearest surface: the index of its instance (as queries take it) + 1; the primitive of its mesh; the index of its
+     * material, -1 for glTF's default material; and a number that tells the triangles (lines, points) of the primitive apart, below their count: not their
+     * order in the mesh, but the same in all frames until the mesh changes; 0 on devices without fnl_device_info.primitive_ids. All 0 where there is
+     * nothing. Exact below 2^24. What is seen through a hole of a cutout is the surface behind it. Glass counts, and blended
+     * surfaces do where their alpha is at least 1/16. Indices are those of the scene when the frame was rendered. Of the sample at the pixel's centre.
+     */
+    FNL_OUTPUT_OBJECT = 64
 } fnl_output;
 
 /** Views that a frame may have. */

@@ -30,6 +30,8 @@ static void finish_view(struct frame_state *f) {
     shading_add(f);
     if (frame_shows_surfaces(frame))
         f->aov = aov_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
+    if (frame->outputs & FNL_OUTPUT_OBJECT)
+        f->objects = objects_add(f->graph, f->r->device, &f->scene->geometry, &f->draws, f->view_address, f->object_table, frame->width, frame->height);
     bool wants_color = f->target || (frame->outputs & FNL_OUTPUT_COLOR);
     if (frame->exposure == FNL_EXPOSURE_AUTO && (wants_color || frame->aa == FNL_ANTIALIASING_TAA))
         f->exposure = exposure_add(f->graph, f->radiance);
@@ -98,6 +100,14 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
 
 /* ---- the steps that are short ---- */
 
+static fnl_result name_objects(struct frame_state *f) {
+    const struct device_scene *d = f->r->device_scene;
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, d->item_count * sizeof(struct device_object));
+    if (!slice.data) return gpu_status(f->r->device);
+    f->object_table = slice.address;
+    return device_items_name(d, slice.data);
+}
+
 static fnl_result add_shared(struct frame_state *f, const struct device_scene_frame *scene) {
     const struct scene_environment *environment = &f->r->scene->environment;
     f->shared = (struct gpu_frame){.ambient_sky = f->r->scene->ambient_sky,
@@ -117,7 +127,8 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
     memcpy(slice.data, &f->shared, sizeof f->shared);
     if (scene->lights.environment.table.id) environment_put(f->graph, &scene->lights.environment, slice.data);
     f->shared_address = slice.address;
-    return decals_send(f);
+    TRY(decals_send(f));
+    return f->frame->outputs & FNL_OUTPUT_OBJECT ? name_objects(f) : FNL_OK;
 }
 
 /* `out` is the view's place among those of the frame. */

@@ -68,6 +68,8 @@ struct frame_state {
     struct frame_decals decals;
     struct gpu_reflection_set *reflections; /* NULL: there are none */
     struct aov_images aov;
+    VkDeviceAddress object_table; /* with FNL_OUTPUT_OBJECT */
+    graph_image objects;
     struct frame_temporal temporal;
     struct denoise denoise; /* places.id 0: nothing was denoised */
     graph_image color;

@@ -687,6 +687,26 @@ static void assert_equal_on(fnl_renderer *renderer, fnl_frame frame) {
     fnl_image_free(NULL, &other);
 }
 
+/* Without primitive_ids the output of objects has all but the triangles. */
+static void check_objects(void) {
+    fnl_frame frame = small_frame();
+    fnl_image own = expected(frame, FNL_OUTPUT_OBJECT), other;
+    frame.outputs = FNL_OUTPUT_OBJECT;
+    FNL(fnl_renderer_render(w.renderer, &frame));
+    FNL(fnl_renderer_read(w.renderer, FNL_OUTPUT_OBJECT, &other));
+    const float *a = own.pixels, *b = other.pixels;
+    uint32_t hits = 0, triangles = 0;
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        assert_memory_equal(&a[4 * i], &b[4 * i], 3 * sizeof(float));
+        assert_true(b[4 * i + 3] == 0);
+        hits += b[4 * i] > 0;
+        triangles += a[4 * i + 3] > 0;
+    }
+    assert_true(hits > 0 && triangles > 0);
+    fnl_image_free(NULL, &own);
+    fnl_image_free(NULL, &other);
+}
+
 static void test_optional_features_are_used_where_the_caller_says_so(void **state) {
     UNUSED(state);
     fnl_frame frame = small_frame();
@@ -696,6 +716,7 @@ static void test_optional_features_are_used_where_the_caller_says_so(void **stat
     assert_false(without.primitive_ids || without.mesh_shader || without.post_depth_coverage || without.minmax_samplers ||
                  without.clip_distances);
     assert_int_equal(fnl_renderer_render(w.renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    check_objects();
 
     fnl_device_params params = device_params();
     fnl_vulkan_import handles = w.handles;

@@ -5,7 +5,7 @@
 #include "render/shading.h"
 
 static const char *const output_names[OUTPUT_COUNT] = {"read color",  "read radiance", "read surface",
-                                                       "read normal", "read position", "read motion"};
+                                                       "read normal", "read position", "read motion", "read objects"};
 
 struct read_image_data {
     graph_image image;
@@ -22,7 +22,8 @@ static void execute_read_image(const struct graph_context *context, const void *
 /* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
 void frame_add_outputs(struct frame_state *f) {
     graph_image images[OUTPUT_COUNT] = {f->color,      f->radiance,     f->aov.albedo,
-                                        f->aov.normal, f->aov.position, f->temporal.motion};
+                                        f->aov.normal, f->aov.position, f->temporal.motion,
+                                        f->objects};
     if (f->frame->msaa > 1 && (f->frame->outputs & FNL_OUTPUT_RADIANCE)) {
         images[1] = frame_create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
         resolve_add(f->graph, f->radiance, images[1]);

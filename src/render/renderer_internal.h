@@ -51,7 +51,7 @@ enum {
     DAIS_POOL_LIMIT = 1 << 30, /* references have 31 bits */
     DAIS_NODE_START = 1 << 14
 };
-enum { OUTPUT_COUNT = 6 };           /* bits of fnl_output */
+enum { OUTPUT_COUNT = 7 };           /* bits of fnl_output */
 enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
 /** What belongs to one view of a renderer's frames, by its place in fnl_frame.views. */

@@ -448,7 +448,7 @@ static void test_misuse(void **state) {
     BAD(tonemap = FNL_TONEMAP_COUNT);
     BAD(exposure = (fnl_exposure)3);
     BAD(debug = FNL_DEBUG_COUNT);
-    BAD(outputs = 64);
+    BAD(outputs = 128);
     BAD(camera.position.x = NAN);
     BAD(camera.target = good.camera.position);
     BAD(camera.near_distance = 0);

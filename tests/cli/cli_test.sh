@@ -235,8 +235,8 @@ expect 2 'do not go with --views' render "$work/cameras.gltf" $plain --views all
 absent "$work/f0.png" "$work/f%d.png"
 
 # The main job, twice: equal bytes; every output at once; numbers that are there.
-expect 0 'light evaluations' render builtin:spheres $plain --lists clustered -o "$work/a.png" -o "$work/a.exr" --aov depth,normal,albedo,roughness,id,position --stats "$work/a.json" --frames 2
-expect 0 '' render builtin:spheres $plain -o "$work/b.png" -o "$work/b.exr" --aov depth,normal,albedo,roughness,id,position --quiet
+expect 0 'light evaluations' render builtin:spheres $plain --lists clustered -o "$work/a.png" -o "$work/a.exr" --aov depth,normal,albedo,roughness,id,position,object --stats "$work/a.json" --frames 2
+expect 0 '' render builtin:spheres $plain -o "$work/b.png" -o "$work/b.exr" --aov depth,normal,albedo,roughness,id,position,object --quiet
 cmp -s "$work/a.png" "$work/b.png" || fail 'two runs gave different PNG bytes'
 cmp -s "$work/a.exr" "$work/b.exr" || fail 'two runs gave different EXR bytes'
 # The picture alone: the same bytes, a line that says how long it took, no table.

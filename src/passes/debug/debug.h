@@ -14,6 +14,13 @@ struct aov_images {
 struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                           VkDeviceAddress view, uint32_t width, uint32_t height);
 
+/**
+ * RGBA32F image of FNL_OUTPUT_OBJECT: opaque, transmissive and blended surfaces. `table` is the address of a struct device_object for each item, three
+ * words. `draws` has the blended items. Cost: the geometry, and a texture for each fragment.
+ */
+graph_image objects_add(struct graph *graph, gpu_device *device, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                        VkDeviceAddress view, VkDeviceAddress table, uint32_t width, uint32_t height);
+
 /** Counts the fragments of all opaque items in `counters`, one uint per pixel, which the pass clears. */
 graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                           VkDeviceAddress view, uint32_t width, uint32_t height);

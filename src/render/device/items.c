@@ -294,3 +294,32 @@ fnl_result device_items_insert(struct device_scene *d, uint32_t node) {
     }
     return FNL_OK;
 }
+
+/* ---- what they show ---- */
+
+/* The index of each node among those that are there; NULL: no node is removed, or there is no memory. */
+static uint32_t *find_indices(const struct device_scene *d, size_t *size) {
+    const fnl_scene *scene = d->scene;
+    *size = MAX(scene->nodes.count, 1u) * sizeof(uint32_t);
+    uint32_t *indices = host_allocate(&d->host, *size), index = 0;
+    for (uint32_t n = 0; indices && n < scene->nodes.count; n++) {
+        indices[n] = index;
+        index += !scene->nodes.data[n].removed;
+    }
+    return indices;
+}
+
+fnl_result device_items_name(const struct device_scene *d, struct device_object *out) {
+    const fnl_scene *scene = d->scene;
+    size_t size = 0;
+    uint32_t *indices = NULL;
+    if (scene_entity_count(scene, FNL_ENTITY_INSTANCE) != scene->nodes.count && !(indices = find_indices(d, &size))) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < d->item_count; i++) {
+        const uint32_t n = d->item_nodes.data[i], own = d->nodes.data[n].first_primitive, first = scene->meshes.data[d->nodes.data[n].mesh].first_primitive,
+                       primitive = d->item_list.data[i].primitive - (own == SCENE_NONE ? first : own),
+                       material = scene->primitives.data[first + primitive].material;
+        out[i] = (struct device_object){(indices ? indices[n] : n) + 1, primitive, material == SCENE_NONE ? -1 : (int32_t)material};
+    }
+    if (indices) host_free(&d->host, indices, size);
+    return FNL_OK;
+}

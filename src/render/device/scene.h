@@ -445,6 +445,14 @@ fnl_result device_items_upload(struct device_scene *d);
 void device_items_remove(struct device_scene *d, uint32_t node);
 fnl_result device_items_insert(struct device_scene *d, uint32_t node);
 fnl_result device_items_send(struct device_scene *d);
+/** What an item shows, as the public interface names it (objects_add of passes/debug/debug.h). */
+struct device_object {
+    uint32_t instance;  /* index of the query functions + 1 */
+    uint32_t primitive; /* of the instance's mesh */
+    int32_t material;   /* -1: glTF's default one */
+};
+/** Those of all items, d->item_count of them. Costs a look at each item, and where nodes were removed at each node. */
+fnl_result device_items_name(const struct device_scene *d, struct device_object *out);
 /** The addresses of all arrays (geometry.c). */
 fnl_result device_table_send(struct device_scene *d);
 /** Object to world of one of a node's instances, at its present pose; and the device form of all of them. */
