@@ -79,6 +79,12 @@ bool decal_exists(const fnl_scene *scene, const struct scene_decal *decal) {
     return !node->removed && (wanted == 0 || node->generation == wanted);
 }
 
+/* What it is on or moves with, as the public interface says it: decals of files have only the node. */
+static fnl_instance_id instance_of(const fnl_scene *scene, const struct scene_decal *decal) {
+    if (decal->params.instance.generation || decal->node == SCENE_NONE || scene->nodes.data[decal->node].removed) return decal->params.instance;
+    return (fnl_instance_id){decal->node, scene->nodes.data[decal->node].generation};
+}
+
 bool decal_shows(const fnl_scene *scene, const struct scene_decal *decal) {
     return decal_exists(scene, decal) && (decal->node == SCENE_NONE || scene->nodes.data[decal->node].active);
 }
@@ -158,8 +164,8 @@ fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id id, const fnl_deca
     if (params->kind != decal->params.kind)
         return misuse(call, "kind is %s, must stay %s", fnl_value_name(FNL_ENUM_DECAL_KIND, params->kind),
                       fnl_value_name(FNL_ENUM_DECAL_KIND, decal->params.kind));
-    bool same = params->instance.index == decal->params.instance.index &&
-                params->instance.generation == decal->params.instance.generation;
+    const fnl_instance_id instance = instance_of(scene, decal);
+    bool same = params->instance.index == instance.index && params->instance.generation == instance.generation;
     if (!same && needs_instance(params->kind)) return misuse(call, "instance is another, must stay the same");
     decal->params = *params;
     decal->node = params->instance.generation ? params->instance.index : SCENE_NONE;
@@ -190,6 +196,8 @@ fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_dec
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
     TRY(check_index(CALL(&scene->host), "index", index, scene_entity_count(scene, FNL_ENTITY_DECAL), "decals"));
-    *out = scene->decals.data[scene_entity_slot(scene, FNL_ENTITY_DECAL, index)].params;
+    const struct scene_decal *decal = &scene->decals.data[scene_entity_slot(scene, FNL_ENTITY_DECAL, index)];
+    *out = decal->params;
+    out->instance = instance_of(scene, decal);
     return FNL_OK;
 }

@@ -142,6 +142,15 @@ static void test_extension(void **state) {
     assert_true(transform.m[0] == 2 && transform.m[5] == 4 && transform.m[10] == 0.5f && transform.m[14] == 3);
     assert_int_equal(scene->decals.data[1].params.slices, 6);
     assert_int_equal((uint8_t)~scene->nodes.data[1].refuses, 5);
+    /* The queried parameters say which node it moves with, and setting them leaves it there. */
+    fnl_decal_params queried;
+    fnl_entity_info info;
+    assert_int_equal(fnl_scene_query_decal(scene, 0, &queried), FNL_OK);
+    assert_true(queried.instance.generation && queried.instance.index == 0);
+    assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_DECAL, 0, &info), FNL_OK);
+    assert_int_equal(fnl_scene_set_decal(scene, info.id.decal, &queried), FNL_OK);
+    const mat4 kept = decal_transform(scene, &scene->decals.data[0]);
+    assert_memory_equal(&transform, &kept, sizeof kept);
     fnl_scene_destroy(&scene);
 }
 
