@@ -551,6 +551,34 @@ static void test_too_many_lights(void **state) {
     assert_int_equal(host_state.memory.live_bytes, 0);
 }
 
+/* Indices skip what was removed, whether little was or much, and come cheap where little was. */
+static void test_indices_skip_holes(void **state) {
+    UNUSED(state);
+    enum { COUNT = 20000 };
+    static fnl_light_id ids[COUNT];
+    const fnl_light_params light = fnl_light_params_default();
+    fnl_scene *scene = make_scene();
+    struct random_state random = {5};
+    uint32_t count = COUNT;
+    for (uint32_t i = 0; i < COUNT; i++) assert_int_equal(fnl_scene_add_light(scene, &light, &ids[i]), FNL_OK);
+    for (uint32_t step = 0; step < 6; step++) {
+        static const uint32_t wanted[] = {1, 2, 5, 40, 12000, 7000};
+        for (uint32_t k = 0; k < wanted[step]; k++) {
+            const uint32_t at = step == 0 ? 0 : step == 1 ? count - 1 : (uint32_t)(random_float(&random) * (float)count) % count;
+            assert_int_equal(fnl_scene_remove_light(scene, ids[at]), FNL_OK);
+            memmove(ids + at, ids + at + 1, (--count - at) * sizeof *ids);
+        }
+        const clock_t begun = clock();
+        for (uint32_t i = 0; i < count; i++) {
+            fnl_entity_info info;
+            assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_LIGHT, i, &info), FNL_OK);
+            assert_int_equal(info.id.light.index, ids[i].index);
+        }
+        if (step < 3) assert_true(clock() - begun < CLOCKS_PER_SEC / 10); /* 200 million steps otherwise */
+    }
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_many_lights_change_at_once),
@@ -563,6 +591,7 @@ int main(void) {
         cmocka_unit_test(test_without_memory_nothing_changes),
         cmocka_unit_test(test_scattering_is_all_or_nothing),
         cmocka_unit_test(test_too_many_lights),
+        cmocka_unit_test(test_indices_skip_holes),
     };
     return cmocka_run_group_tests_name("scene: changes", tests, NULL, NULL);
 }

@@ -31,8 +31,23 @@ uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind) {
     return slot_count(scene, kind) - holes;
 }
 
+/* With few holes: a slot is its index and the holes before it, which the search comes to from below. */
+static uint32_t slot_among(const uint32_t *holes, uint32_t count, uint32_t index) {
+    uint32_t slot = index, before, last;
+    do {
+        last = slot;
+        before = 0;
+        for (uint32_t i = 0; i < count; i++) before += holes[i] <= slot;
+        slot = index + before;
+    } while (slot != last);
+    return slot;
+}
+
 uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
-    if (scene_entity_count(scene, kind) == slot_count(scene, kind)) return index;
+    const uint32_t slots = slot_count(scene, kind), holes = slots - scene_entity_count(scene, kind);
+    if (holes == 0) return index;
+    if (kind == FNL_ENTITY_LIGHT && holes < slots / 8) return slot_among(scene->free_lights.data, holes, index);
+    if (kind == FNL_ENTITY_DECAL && holes < slots / 8) return slot_among(scene->free_decals.data, holes, index);
     uint32_t slot = 0;
     for (uint32_t left = index; left > 0 || is_hole(scene, kind, slot); slot++) left -= !is_hole(scene, kind, slot);
     return slot;
