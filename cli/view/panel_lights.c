@@ -7,12 +7,6 @@
 #include <float.h>
 #include <math.h>
 
-static void changed(struct view *v) {
-    fnl_scene_query_info(v->shown.scene, &v->shown.info);
-    v->shown.changed = true;
-    view_want(v, 2);
-}
-
 static void scatter(struct view *v) {
     static const uint32_t counts[] = {16, 64, 256, 1024, 4096};
     char label[16];
@@ -24,21 +18,20 @@ static void scatter(struct view *v) {
         fnl_scatter_params params = v->world.scatter;
         params.count = counts[i];
         params.seed = v->shown.info.light_count; /* others than before */
-        if (fnl_scene_scatter_light_shapes(v->shown.scene, &params) == FNL_OK) changed(v);
+        if (fnl_scene_scatter_light_shapes(v->shown.scene, &params) == FNL_OK) view_select_changed(v);
     }
 }
 
 /* In front of the camera, as bright as the scene is large. */
 static void add_light(struct view *v) {
     const fnl_camera *c = &v->camera.now;
-    fnl_light_params light = fnl_light_params_default();
-    fnl_light_id id;
+    struct view_edit edit = {.kind = VIEW_EDIT_LIGHT_THERE, .comes = true, .after.light = fnl_light_params_default()};
+    fnl_light_params *light = &edit.after.light;
     const fnl_vec3 to = {c->target.x - c->position.x, c->target.y - c->position.y, c->target.z - c->position.z};
-    light.position = (fnl_vec3){c->position.x + to.x * 0.6f, c->position.y + to.y * 0.6f, c->position.z + to.z * 0.6f};
-    light.intensity = fmaxf(1e-3f, 0.4f * (to.x * to.x + to.y * to.y + to.z * to.z));
-    if (fnl_scene_add_light(v->shown.scene, &light, &id) != FNL_OK) return;
-    v->light = fnl_scene_count(v->shown.scene, FNL_ENTITY_LIGHT) - 1;
-    changed(v);
+    light->position = (fnl_vec3){c->position.x + to.x * 0.6f, c->position.y + to.y * 0.6f, c->position.z + to.z * 0.6f};
+    light->intensity = fmaxf(1e-3f, 0.4f * (to.x * to.x + to.y * to.y + to.z * to.z));
+    uint32_t index;
+    if (view_edit_do(v, &edit) && view_find(v, FNL_ENTITY_LIGHT, edit.id, &index)) view_select_light(v, index);
 }
 
 static bool show_place(fnl_vec3 *place) {
@@ -53,17 +46,13 @@ static bool show_place(fnl_vec3 *place) {
     return moved | ui_number("z", &place->z, -FLT_MAX, FLT_MAX, "%.3f");
 }
 
-static void edit_light(struct view *v) {
+void view_show_light(struct view *v, uint32_t index) {
     fnl_light_params light;
     fnl_entity_info entity;
-    const uint32_t count = fnl_scene_count(v->shown.scene, FNL_ENTITY_LIGHT);
-    if (count == 0) return;
-    v->light = v->light < count ? v->light : count - 1;
-    ui_item_width(150);
-    ui_count("light", &v->light, 0, count - 1);
-    if (fnl_scene_query_light(v->shown.scene, v->light, &light) != FNL_OK ||
-        fnl_scene_query_entity(v->shown.scene, FNL_ENTITY_LIGHT, v->light, &entity) != FNL_OK)
+    if (fnl_scene_query_light(v->shown.scene, index, &light) != FNL_OK || fnl_scene_query_entity(v->shown.scene, FNL_ENTITY_LIGHT, index, &entity) != FNL_OK)
         return;
+    const fnl_light_params before = light;
+    const struct view_id id = {entity.id.light.index, entity.id.light.generation};
     ui_text("%s %s", fnl_value_name(FNL_ENUM_LIGHT_KIND, light.kind), entity.name ? entity.name : "");
     bool edited = false;
     ui_item_width(200);
@@ -72,15 +61,29 @@ static void edit_light(struct view *v) {
     edited |= ui_number(light.kind == FNL_LIGHT_DIRECTIONAL || light.kind == FNL_LIGHT_BOX ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
     if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= show_place(&light.position);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
-    if (edited && fnl_scene_set_light(v->shown.scene, entity.id.light, &light) == FNL_OK) changed(v);
+    struct view_edit edit = {.kind = VIEW_EDIT_LIGHT, .id = id, .before.light = before, .after.light = light};
+    if (edited) view_edit_do(v, &edit);
     ui_same_line();
-    if (ui_button("remove") && fnl_scene_remove_light(v->shown.scene, entity.id.light) == FNL_OK) changed(v);
+    edit.kind = VIEW_EDIT_LIGHT_THERE;
+    if (ui_button("remove")) view_edit_do(v, &edit);
+}
+
+static void choose_light(struct view *v) {
+    const uint32_t count = fnl_scene_count(v->shown.scene, FNL_ENTITY_LIGHT);
+    if (count == 0) return;
+    v->light = v->light < count ? v->light : count - 1;
+    ui_item_width(150);
+    if (ui_count("light", &v->light, 0, count - 1)) view_select_light(v, v->light);
+    view_show_light(v, v->light);
 }
 
 void view_panel_lights(struct view *v) {
     ui_text("%u lights", v->shown.info.light_count);
     ui_same_line();
     if (ui_button("add one")) add_light(v);
+    ui_same_line();
+    if (ui_checkbox("show lights", &v->select.shows_lights)) view_want(v, 2);
+    ui_tooltip("L");
     scatter(v);
-    edit_light(v);
+    choose_light(v);
 }

@@ -26,15 +26,20 @@ static void show_messages(struct view *v) {
 }
 
 static void show_help(struct view *v) {
-    if (ui_window("Keys", &v->shows_help, 420, 120, 420, 330)) {
+    if (ui_window("Keys", &v->shows_help, 420, 120, 420, 420)) {
         static const char *const rows[][2] = {{"left mouse", "orbit"},
                                               {"right mouse", "look around"},
                                               {"middle mouse, or Shift and left", "move sideways"},
                                               {"wheel", "closer, farther"},
                                               {"W A S D Q E", "fly; Shift: faster"},
-                                              {"Ctrl and left mouse", "what is at this pixel"},
+                                              {"Ctrl and left mouse", "pick what is there"},
                                               {"N", "orbit, fly, walk"},
                                               {"M", "the mouse looks around; Escape ends it"},
+                                              {"L", "icons of lights and decals"},
+                                              {"T or 1, R or 2", "move, turn what is picked"},
+                                              {"Delete", "remove a light or decal"},
+                                              {"Escape", "let go of it"},
+                                              {"Ctrl and Z, Ctrl and Y", "undo, redo"},
                                               {"F", "see the whole scene"},
                                               {"Space", "play, pause"},
                                               {"P", "save the picture"},
@@ -57,17 +62,18 @@ static void show_help(struct view *v) {
 
 void view_panels(struct view *v) {
     view_compare_back(v);
+    view_select_draw(v);
     if (v->hides_panels) return;
     const float high = (float)v->height / v->scale, wide = (float)v->width / v->scale;
     if (ui_window("Scene", NULL, 8, 8, 340, high * 0.42f)) view_panel_scene(v);
     ui_window_end();
     if (ui_window("Options", NULL, 8, 16 + high * 0.42f, 340, high * 0.58f - 24)) view_panel_options(v);
     ui_window_end();
-    if (ui_window("Frame", NULL, wide - 348, 8, 340, high * 0.55f)) view_panel_frame(v);
+    if (ui_window("Frame", NULL, wide - 348, 8, 340, high * 0.33f)) view_panel_frame(v);
     ui_window_end();
-    if (ui_window("Pixel", NULL, wide - 348, 16 + high * 0.55f, 340, high * 0.2f)) view_panel_pixel(v);
+    if (ui_window("Inspect", NULL, wide - 348, 16 + high * 0.33f, 340, high * 0.47f)) view_panel_inspect(v);
     ui_window_end();
-    if (ui_window("Messages", NULL, wide - 348, 24 + high * 0.75f, 340, high * 0.25f - 32)) show_messages(v);
+    if (ui_window("Messages", NULL, wide - 348, 24 + high * 0.8f, 340, high * 0.2f - 32)) show_messages(v);
     ui_window_end();
     view_panel_wide(v);
     if (view_has_legend(v)) {
@@ -105,6 +111,7 @@ bool view_write_report(const struct view *v, const char *path) {
     if (v->pick.known)
         fprintf(file, "pixel\t%u\t%u\t%s\t%.9g\t%.9g\t%.9g\n", v->pick.x, v->pick.y, v->pick.hit ? "hit" : "empty", (double)v->pick.position.x,
                 (double)v->pick.position.y, (double)v->pick.position.z);
+    view_select_report(v, file);
     const uint32_t count = v->messages.count, first = count > VIEW_MESSAGES ? count - VIEW_MESSAGES : 0;
     for (uint32_t i = first; i < count; i++) fprintf(file, "message\t%s\n", v->messages.lines[i % VIEW_MESSAGES].text);
     return fclose(file) == 0;
@@ -188,6 +195,6 @@ void view_print_command(const struct view *v, FILE *file) {
     fputs(" -o picture.png\n", file);
     const fnl_camera *c = &v->camera.now;
     if ((c->orthographic || c->shift.x != 0 || c->shift.y != 0) && camera_index(v) < 0) fputs("# with a camera that is neither orthographic nor shifted\n", file);
-    if (v->shown.changed) fputs("# without the lights that were changed in the window\n", file);
+    if (v->shown.changed) fputs("# without what was changed in the window\n", file);
     fflush(file);
 }

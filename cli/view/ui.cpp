@@ -286,6 +286,18 @@ void ui_end(fnl_overlay *out) {
     memcpy(out->images, ui.images, sizeof ui.images);
 }
 
+// ---- over the picture ----
+
+static ImU32 color_of(uint32_t color) { return IM_COL32(color >> 24, color >> 16 & 255, color >> 8 & 255, color & 255); }
+
+void ui_line(float x0, float y0, float x1, float y1, uint32_t color, float width) {
+    ImGui::GetBackgroundDrawList()->AddLine(ImVec2(x0, y0), ImVec2(x1, y1), color_of(color), width);
+}
+void ui_disc(float x, float y, float radius, uint32_t color) { ImGui::GetBackgroundDrawList()->AddCircleFilled(ImVec2(x, y), radius, color_of(color)); }
+void ui_triangle(float x0, float y0, float x1, float y1, float x2, float y2, uint32_t color) {
+    ImGui::GetBackgroundDrawList()->AddTriangleFilled(ImVec2(x0, y0), ImVec2(x1, y1), ImVec2(x2, y2), color_of(color));
+}
+
 // ---- widgets ----
 
 // A label without what is not shown of it.

@@ -47,6 +47,12 @@ void ui_seek(const char *label);
 /** A place inside of a widget that the last frame has shown, by its label; false: none is in sight. */
 bool ui_find(const char *label, float *x, float *y);
 
+/* ---- over the picture and below the panels, between the two; pixels, colours 0xrrggbbaa ---- */
+
+void ui_line(float x0, float y0, float x1, float y1, uint32_t color, float width);
+void ui_disc(float x, float y, float radius, uint32_t color);
+void ui_triangle(float x0, float y0, float x1, float y1, float x2, float y2, uint32_t color);
+
 /* ---- widgets, between the two ---- */
 
 /** A panel: at this place, from where it can be moved, when it is first shown and whenever the window gets another size. Always ui_window_end; false: folded. `open` NULL: it cannot be closed. */

@@ -334,7 +334,7 @@ int command_view(int argc, char **argv) {
     v->surroundings.params = fnl_environment_params_default();
     v->own_shadows = o.own_shadows;
     v->replays = o.replay != NULL;
-    v->drag = -1;
+    v->drag = v->select.gizmo.held = -1;
     v->part = 1;
     v->speed = 1;
     snprintf(v->save_path, sizeof v->save_path, "picture.png");
@@ -343,6 +343,7 @@ int command_view(int argc, char **argv) {
     v->timeline.zoom = 1;
     const bool good = view_compare_start(v, o.compare) && run(v, &o);
     fnl_swapchain_destroy(&v->swapchain);
+    view_select_free(v);
     view_scene_free(&v->shown);
     fnl_device_destroy(&v->device.device);
     view_window_destroy(&v->window);

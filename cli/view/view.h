@@ -5,6 +5,7 @@
 
 #include "trace_file.h"
 #include "view/view_compare.h"
+#include "view/view_select.h"
 #include "world.h"
 
 #include <pthread.h>
@@ -271,6 +272,7 @@ struct view {
         fnl_vec3 color, normal, position;
         float roughness, depth;
     } pick;
+    struct view_select select;
 };
 
 /** The panels of a frame (panels.c), between ui_begin and ui_end. */
@@ -278,9 +280,11 @@ void view_panels(struct view *view);
 /** Their contents, each in a file of its name. */
 void view_panel_scene(struct view *view);
 void view_panel_lights(struct view *view); /* a part of the scene's */
+void view_show_light(struct view *view, uint32_t index);
 void view_panel_options(struct view *view);
 void view_panel_frame(struct view *view);
-void view_panel_pixel(const struct view *view);
+void view_panel_inspect(struct view *view);
+void view_panel_pixel(const struct view *view); /* a part of it */
 /** The wide panel below, if it is open. */
 void view_panel_wide(struct view *view);
 void view_panel_timeline(struct view *view);

@@ -65,6 +65,7 @@ void view_show(struct view *v, struct view_scene *scene) {
         snprintf(v->surroundings.source, sizeof v->surroundings.source, "%s", v->surroundings.params.source);
     v->surroundings.params.source = NULL;
     if (scene->source) view_settings_note_scene(&v->settings, scene->source);
+    view_select_reset(v);
     if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
     v->good = v->frame;
     if (!v->compare.own_shadows) v->compare.frame.shadows = usual_shadows(v);
@@ -143,6 +144,7 @@ void view_set_time(struct view *v, double time) {
     if (!v->shown.scene || fnl_scene_query_animation(v->shown.scene, v->animation, &info) != FNL_OK) return;
     v->time = info.duration > 0 ? fmod(time, info.duration) : 0;
     fnl_scene_set_time(v->shown.scene, v->animation, v->time);
+    v->select.stamp++;
     view_want(v, 2);
 }
 
@@ -233,14 +235,16 @@ static bool draw_or_take_back(struct view *v, const fnl_overlay *overlay) {
 static void read_pick(struct view *v) {
     struct view_pick *p = &v->pick;
     fnl_frame frame = view_whole_frame(v);
-    fnl_image images[3] = {{0}};
-    static const fnl_output outputs[3] = {FNL_OUTPUT_SURFACE, FNL_OUTPUT_NORMAL, FNL_OUTPUT_POSITION};
-    frame.outputs = FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION;
+    enum { IMAGES = 4 };
+    fnl_image images[IMAGES] = {{0}};
+    static const fnl_output outputs[IMAGES] = {FNL_OUTPUT_SURFACE, FNL_OUTPUT_NORMAL, FNL_OUTPUT_POSITION, FNL_OUTPUT_OBJECT};
+    frame.outputs = FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION | FNL_OUTPUT_OBJECT;
     frame.msaa = 1;
+    frame.pin_choice = true;
     uint32_t x = p->x;
     frame.width = view_compare_place(v, &x);
     bool good = fnl_renderer_render(v->shown.renderer, &frame) == FNL_OK;
-    for (uint32_t i = 0; i < 3 && good; i++) good = fnl_renderer_read(v->shown.renderer, outputs[i], &images[i]) == FNL_OK;
+    for (uint32_t i = 0; i < IMAGES && good; i++) good = fnl_renderer_read(v->shown.renderer, outputs[i], &images[i]) == FNL_OK;
     p->asked = false;
     p->known = good && x < frame.width && p->y < frame.height;
     if (p->known) {
@@ -253,8 +257,9 @@ static void read_pick(struct view *v) {
         p->normal = (fnl_vec3){normal[0], normal[1], normal[2]};
         p->depth = normal[3];
         p->position = (fnl_vec3){position[0], position[1], position[2]};
+        view_select_object(v, (const float *)images[3].pixels + at);
     }
-    for (uint32_t i = 0; i < 3; i++) fnl_image_free(&v->host, &images[i]);
+    for (uint32_t i = 0; i < IMAGES; i++) fnl_image_free(&v->host, &images[i]);
     view_want(v, 2);
 }
 

@@ -18,6 +18,7 @@ static void capture_mouse(struct view *v, bool captured) {
 }
 
 static void press_key(struct view *v, int key) {
+    if (view_select_key(v, key)) return;
     switch (key) {
     case 'F':
         view_frame_all(v);
@@ -60,7 +61,7 @@ static void press_key(struct view *v, int key) {
 static void drag(struct view *v, float x, float y) {
     const float dx = x - v->mouse_x, dy = y - v->mouse_y, height = fmaxf((float)v->height, 1);
     const bool sideways = v->drag == 2 || (v->drag == 0 && v->modifiers & VIEW_SHIFT);
-    if ((v->drag < 0 && !v->captured) || !v->shown.scene) return;
+    if (view_gizmo_drag(v, x, y) || (v->drag < 0 && !v->captured) || !v->shown.scene) return;
     if (sideways)
         view_camera_pan(&v->camera, dx / height, dy / height);
     else if (v->drag == 0 && v->settings.navigation == VIEW_ORBIT)
@@ -73,16 +74,20 @@ static void drag(struct view *v, float x, float y) {
 static void press_button(struct view *v, const struct view_event *e) {
     if (view_compare_press(v, e)) return;
     if (!e->down) {
+        if (e->code == 0) view_gizmo_release(v, false);
         if (v->drag == e->code) v->drag = -1;
         return;
     }
+    v->select.edits.gesture++;
     if (ui_wants_mouse()) return;
     if (e->code == 0 && v->modifiers & VIEW_CONTROL) {
+        if (view_select_icon(v, v->mouse_x, v->mouse_y)) return;
         v->pick.asked = v->shown.scene && v->mouse_x >= 0 && v->mouse_y >= 0;
         v->pick.x = (uint32_t)fmaxf(v->mouse_x, 0);
         v->pick.y = (uint32_t)fmaxf(v->mouse_y, 0);
         return;
     }
+    if (e->code == 0 && view_gizmo_press(v, v->mouse_x, v->mouse_y)) return;
     v->drag = e->code;
 }
 
@@ -129,6 +134,7 @@ static bool handle(struct view *v, const struct view_event *e) {
     case VIEW_KEY:
         ui_key(e->code, e->down);
         v->keys[e->code] = e->down && !ui_wants_keys();
+        v->select.edits.gesture += e->down;
         if (v->keys[e->code]) press_key(v, e->code);
         return true;
     case VIEW_CHARACTER:
@@ -205,7 +211,7 @@ void view_advance(struct view *v, double seconds) {
         v->moving = true;
         view_want(v, 2);
     }
-    if (v->drag >= 0) v->moving = true;
+    if (v->drag >= 0 || v->select.gizmo.held >= 0) v->moving = true;
     const bool b_gathers = v->compare.mode != VIEW_COMPARE_OFF && v->compare.frame.aa == FNL_ANTIALIASING_TAA;
     if ((v->frame.aa == FNL_ANTIALIASING_TAA || b_gathers) && v->moving) view_want(v, 16);
 }
