@@ -53,4 +53,16 @@ click pass gbuffer
 capture viewer-graph.png
 END
 (cd "$work" && "$fanal" view builtin:lamps --size 1280x720 --headless --replay events)
+cat >"$work/events" <<END
+set lists=clustered
+key 76 down 0
+key 76 up 0
+move 527 465
+button 0 down 2
+button 0 up 2
+move 440 200
+frames 2
+capture viewer-pick.png
+END
+(cd "$work" && "$fanal" view builtin:spheres --shadows off --size 1280x720 --headless --replay events)
 for picture in "$work"/*.png; do convert "$picture" -colors 224 -define png:compression-level=9 "docs/images/${picture##*/}"; done

@@ -56,6 +56,7 @@ static void show_transform(struct view *v, const fnl_instance_info *instance) {
     }
     struct view_edit edit = {.kind = VIEW_EDIT_TRANSFORM, .id = v->select.id, .before.transform = instance->transform};
     bool edited = show_vector("place", &t->place, "%.3f");
+    ui_tooltip("Metres, relative to its parent");
     edited |= show_vector("turned", &t->degrees, "%.1f");
     ui_tooltip("Degrees about x, then y, then z");
     edited |= show_vector("scale", &t->scale, "%.3f");
@@ -212,6 +213,7 @@ static void show_decal(struct view *v, uint32_t index) {
     ui_text("%.4g x %.4g x %.4g m", (double)maths_length(maths_column(&world, 0)), (double)maths_length(maths_column(&world, 1)),
             (double)maths_length(maths_column(&world, 2)));
     bool edited = show_vector("place", &place, "%.3f");
+    ui_tooltip("Metres, relative to what it moves with");
     d->transform.m[12] = place.x, d->transform.m[13] = place.y, d->transform.m[14] = place.z;
     edited |= show_color("colour", d->color);
     edited |= show_factor("opacity", &d->color[3], 0, 1);

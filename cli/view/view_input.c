@@ -18,6 +18,10 @@ static void capture_mouse(struct view *v, bool captured) {
 }
 
 static void press_key(struct view *v, int key) {
+    if (key == KEY_ESCAPE && v->captured) {
+        capture_mouse(v, false);
+        return;
+    }
     if (view_select_key(v, key)) return;
     switch (key) {
     case 'F':
@@ -40,9 +44,6 @@ static void press_key(struct view *v, int key) {
         break;
     case 'M':
         capture_mouse(v, !v->captured);
-        break;
-    case KEY_ESCAPE:
-        capture_mouse(v, false);
         break;
     case KEY_F1:
         v->shows_help = !v->shows_help;

@@ -90,12 +90,12 @@ static inline bool maths_part(const fnl_mat4 *m, struct maths_parts *out) {
         if (!(fabsf(*scale[i]) > 0)) return false;
         axes[i] = maths_scale(maths_column(m, i), 1 / *scale[i]);
     }
-    out->turn.y = asinf(fmaxf(-1, fminf(1, -axes[0].z)));
+    out->turn.y = asinf(fmaxf(-1, fminf(1, 0 - axes[0].z))); /* 0 -: not -0 */
     out->turn.x = atan2f(axes[1].z, axes[2].z);
     out->turn.z = atan2f(axes[0].y, axes[0].x);
     if (fabsf(axes[0].z) > 0.99999f) { /* turned about y by a quarter: x and z are one */
         out->turn.x = 0;
-        out->turn.z = atan2f(-axes[1].x, axes[1].y);
+        out->turn.z = atan2f(0 - axes[1].x, axes[1].y);
     }
     const fnl_mat4 again = maths_compose(out);
     for (int i = 0; i < 12; i++) {

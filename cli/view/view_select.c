@@ -293,6 +293,29 @@ static void draw_reach(const struct view *v, const struct maths_eye *eye, const 
     }
 }
 
+/* The tip of a spot's cone or a wedge's pyramid, of about the same length on the screen wherever it is. */
+static void draw_cone(const struct view *v, const struct maths_eye *eye, const fnl_light_params *light) {
+    enum { SIDES = 12 };
+    const bool wedge = light->kind == FNL_LIGHT_WEDGE;
+    const float length = 120 * v->scale / maths_pixels(eye, fmaxf(maths_depth(eye, light->position), eye->camera.near_distance));
+    const fnl_vec3 up = light->up, side = maths_cross(light->direction, up);
+    fnl_vec3 beside[2], last = {0, 0, 0};
+    if (light->kind != FNL_LIGHT_SPOT && !wedge) return;
+    maths_beside(light->direction, beside);
+    for (int i = 0; i <= (wedge ? 4 : SIDES); i++) {
+        const float turn = 6.2831853f * (float)i / SIDES, wide = fminf(light->outer_cone_angle, 1.5f);
+        fnl_vec3 edge = maths_add(maths_add(maths_scale(light->direction, cosf(wide)), beside[0], sinf(wide) * cosf(turn)), beside[1], sinf(wide) * sinf(turn));
+        if (wedge) {
+            edge = maths_add(light->direction, side, tanf(light->wedge_angles[0]) * (i == 1 || i == 2 ? 1.0f : -1.0f));
+            edge = maths_unit(maths_add(edge, up, tanf(light->wedge_angles[1]) * (i == 2 || i == 3 ? 1.0f : -1.0f)));
+        }
+        const fnl_vec3 end = maths_add(light->position, edge, length);
+        if (i > 0) draw_line(v, eye, last, end, (uint32_t)PICKED_COLOR);
+        if (wedge || i % 3 == 0) draw_line(v, eye, light->position, end, (uint32_t)PICKED_COLOR);
+        last = end;
+    }
+}
+
 static void draw_frame(const struct view *v, const struct maths_eye *eye) {
     fnl_mat4 world, own;
     fnl_vec3 low = {-0.5f, -0.5f, -0.5f}, high = {0.5f, 0.5f, 0.5f};
@@ -303,6 +326,7 @@ static void draw_frame(const struct view *v, const struct maths_eye *eye) {
         fnl_vec2 at;
         if (!view_select_index(v, &index) || fnl_scene_query_light(v->shown.scene, index, &light) != FNL_OK || light.kind == FNL_LIGHT_DIRECTIONAL) return;
         draw_reach(v, eye, &light);
+        draw_cone(v, eye, &light);
         if (maths_project(eye, light.position, &at)) ui_disc(at.x, at.y, 6 * v->scale, (uint32_t)PICKED_COLOR);
         return;
     }
