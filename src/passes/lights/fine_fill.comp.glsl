@@ -13,7 +13,7 @@ void make_masks(uint to, uint first, uint count) {
         uint end = min(32u, count - w * 32u);
         if (thread == 0u) whole_bits = 0u;
         barrier();
-        for (uint b = thread; b < end; b += THREADS) stage(b, push.list.list.directional_count + push.ids.at[first + w * 32u + b]);
+        for (uint b = thread; b < end; b += THREADS) stage(b, push.ids.at[first + w * 32u + b]);
         barrier();
         test_staged(end);
         for (uint i = 0u; i < OWN; i++) {

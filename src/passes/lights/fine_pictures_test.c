@@ -19,6 +19,26 @@ static struct shot shoot(struct stage *stage, fnl_shading shading, fnl_light_lis
     return stage_shoot(stage, &frame);
 }
 
+/* More lights in a tile than the count keeps masks for, behind directional ones in the array of lights. */
+static void test_pictures_beside_suns(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres", 150);
+    const fnl_frame options = fnl_frame_default();
+    for (uint32_t i = 0; i < 3; i++) {
+        fnl_light_params sun = fnl_light_params_default();
+        fnl_light_id id;
+        sun.kind = FNL_LIGHT_DIRECTIONAL;
+        assert_int_equal(fnl_scene_add_light(stage.scene, &sun, &id), FNL_OK);
+    }
+    struct shot all = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL, 1, &options);
+    struct shot fine = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, &options);
+    assert_int_equal(count_differing(&all.radiance, &fine.radiance), 0);
+    assert_int_equal(fine.stats.evaluations_useful, all.stats.evaluations_useful);
+    shot_free(&all);
+    shot_free(&fine);
+    stage_close(&stage);
+}
+
 /* Pruned, in other ways and brute force are equal to the bit: each shape alone in two ways; mixed in all, then with samples and in a draw too. */
 static void test_pictures_FP_1(void **state) {
     UNUSED(state);
@@ -151,6 +171,7 @@ static void test_evaluations(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_pictures_beside_suns, harness_check),
         cmocka_unit_test_teardown(test_pictures_FP_1, harness_check),
         cmocka_unit_test_teardown(test_partly_covered_pixels_FP_1, harness_check),
         cmocka_unit_test_teardown(test_packed_pictures_FP_9_FP_10, harness_check),
