@@ -110,6 +110,7 @@ static fnl_environment_params surroundings;
 static fnl_probe_id probe_id;
 static fnl_camera camera;
 static fnl_frame_stats stats;
+static fnl_pixel_info pixel_info;
 static fnl_scene_info info;
 static fnl_entity_info entity_info;
 static fnl_instance_info instance_info;
@@ -209,6 +210,8 @@ static fnl_loaded loaded;
     X(fnl_renderer_destroy, SILENT(fnl_renderer_destroy(NULL)))                                                             \
     X(fnl_renderer_print, GIVES("renderer", 0, fnl_renderer_print(NULL, FNL_PRINT_PLAN, NULL, 0));                          \
       SILENT(fnl_renderer_print(w.renderer, FNL_PRINT_TRAFFIC, NULL, 0)))                                                   \
+    X(fnl_renderer_query_pixel, NULLED("renderer", fnl_renderer_query_pixel(NULL, &pixel_info));                            \
+      NULLED("out", fnl_renderer_query_pixel(w.renderer, NULL)))                                                            \
     X(fnl_renderer_query_stats, NULLED("renderer", fnl_renderer_query_stats(NULL, &stats));                                 \
       NULLED("out", fnl_renderer_query_stats(w.renderer, NULL)))                                                            \
     X(fnl_renderer_read, NULLED("renderer", fnl_renderer_read(NULL, FNL_OUTPUT_COLOR, &difference_image));                  \
@@ -679,6 +682,14 @@ static void test_fields_of_frames(void **state) {
     frame.ev = NAN;
     SAYS("fnl_renderer_render", "ev is NaN, must be -64 .. 64 EV100", fnl_renderer_render(w.renderer, &frame));
     frame = small_frame();
+    frame.pixel = (fnl_pixel_query){true, 16, 0, 0};
+    SAYS("fnl_renderer_render", "pixel.x is 16, must be 0 .. 15", fnl_renderer_render(w.renderer, &frame));
+    frame.pixel = (fnl_pixel_query){true, 0, 9, 0};
+    SAYS("fnl_renderer_render", "pixel.y is 9, must be 0 .. 8", fnl_renderer_render(w.renderer, &frame));
+    frame.pixel = (fnl_pixel_query){true, 0, 0, 1};
+    SAYS("fnl_renderer_warm", "pixel.view is 1, must be 0 .. 0", fnl_renderer_warm(w.renderer, &frame, NULL, false, NULL));
+    frame = small_frame();
+    SAYS("fnl_renderer_query_pixel", "no frame has been rendered", fnl_renderer_query_pixel(w.renderer, &pixel_info));
 #define PRINTS(what, text, capacity) (fnl_renderer_print(w.renderer, what, text, capacity) ? FNL_OK : FNL_ERROR_INVALID)
     SAYS("fnl_renderer_print", "what is 3, must be a value of fnl_print, 0 .. 2", PRINTS(FNL_PRINT_COUNT, NULL, 0));
     SAYS("fnl_renderer_print", "what is -1, must be a value of fnl_print, 0 .. 2", PRINTS((fnl_print)-1, NULL, 0));

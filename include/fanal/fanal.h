@@ -19,6 +19,7 @@
 #include "fanal/probe.h"
 #include "fanal/options.h"
 #include "fanal/overlay.h"
+#include "fanal/pixel.h"
 #include "fanal/renderer.h"
 #include "fanal/scene.h"
 #include "fanal/scene_ids.h"

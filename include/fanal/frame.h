@@ -5,6 +5,7 @@
 
 #include "fanal/gbuffer.h"
 #include "fanal/overlay.h"
+#include "fanal/pixel.h"
 #include "fanal/scene.h"
 #include "fanal/shading.h"
 #include "fanal/shading_options.h"
@@ -270,6 +271,8 @@ typedef struct fnl_frame {
     /** What is drawn over the picture, in frames of one view: over FNL_OUTPUT_COLOR, or over the image of fnl_renderer_render_to, whose pixels it then
         counts in. Read only during the call. Default NULL: nothing. */
     const fnl_overlay *overlay;
+    /** A pixel whose surface, lights and shadows are told: fnl_renderer_query_pixel(). Default none. */
+    fnl_pixel_query pixel;
 
     /* Light lists, by the kinds that heed them (fanal/lights.h). */
     fnl_list_options list;

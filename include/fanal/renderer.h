@@ -5,6 +5,7 @@
 
 #include "fanal/device.h"
 #include "fanal/image.h"
+#include "fanal/pixel.h"
 #include "fanal/stats.h"
 
 #ifdef __cplusplus
@@ -43,6 +44,8 @@ FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, 
 
 /** Waits for the last frame and describes it. */
 FNL_API fnl_result fnl_renderer_query_stats(fnl_renderer *renderer, fnl_frame_stats *out);
+/** Waits for the last frame and tells what it did at the pixel that it was asked for (fnl_frame.pixel). */
+FNL_API fnl_result fnl_renderer_query_pixel(fnl_renderer *renderer, fnl_pixel_info *out);
 /** What fnl_renderer_print() writes about the last frame. */
 typedef enum fnl_print {
     FNL_PRINT_PLAN = 0,  /**< the compiled frame graph */

@@ -7,8 +7,8 @@
 
 /* What hides a sample is known for the samples of the frame's own pixels alone. */
 bool frame_culls_hidden(const fnl_frame *frame) {
-    return frame->occlusion == FNL_OCCLUSION_ON && frame_is(frame, SHADING_FULL_RASTER) &&
-           (frame->msaa == 1 || (!frame_shows_surfaces(frame) && !(frame->outputs & FNL_OUTPUT_OBJECT)));
+    const bool whole = frame_shows_surfaces(frame) || frame->outputs & FNL_OUTPUT_OBJECT || frame->pixel.asked;
+    return frame->occlusion == FNL_OCCLUSION_ON && frame_is(frame, SHADING_FULL_RASTER) && (frame->msaa == 1 || !whole);
 }
 
 /*

@@ -4,6 +4,7 @@
 #include "passes/post/post.h"
 #include "render/decals.h"
 #include "render/frame_steps.h"
+#include "render/inspect.h"
 #include "render/multiview.h"
 #include "render/reflections.h"
 #include "render/shading.h"
@@ -38,6 +39,7 @@ static void finish_view(struct frame_state *f) {
     temporal_add(f);
     if (wants_color) frame_add_picture(f);
     if (f->target) frame_add_target(f);
+    inspect_declare(f);
     frame_add_outputs(f);
     reflections_take_face(f);
     frame_add_counts(f);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What a frame may ask for. */
 #include "render/debug_views.h"
+#include "render/inspect.h"
 #include "render/options.h"
 #include "render/overlay.h"
 #include "render/shading.h"
@@ -62,6 +63,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     TRY(overlay_check(call, frame));
     TRY(options_check(call, frame));
     TRY(check_views(call, frame));
+    TRY(inspect_check(call, frame));
     TRY(lists_check(call, &frame->clusters));
     TRY(check_gbuffer(call, frame));
     TRY(check_geometry(call, r, frame));

@@ -2,6 +2,7 @@
 #include "base/check.h"
 #include "fanal/vulkan.h"
 #include "passes/aa/taa.h"
+#include "render/inspect.h"
 #include "render/overlay.h"
 #include "render/shading.h"
 #include "render/shadows.h"
@@ -56,8 +57,8 @@ void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
                              .eye = camera->position,
                              .forward = vec3_normalize(vec3_sub(camera->target, camera->position)),
                              .scene_size = box_is_empty(&d->bounds) ? 1 : vec3_distance(d->bounds.low, d->bounds.high)};
-    /* Counting slows a frame down, and without its textures it is faster than it will be. */
-    r->measures = !frame->pin_choice && !frame->count_lights && d->images_coming == 0;
+    /* Counting and asking for a pixel slow a frame down, and without its textures it is faster than it will be. */
+    r->measures = !frame->pin_choice && !frame->count_lights && !frame->pixel.asked && d->images_coming == 0;
     struct gpu_pipeline_stats pipelines = gpu_pipeline_stats(r->device);
     struct chooser_background background = {pipelines.asked, pipelines.done};
     struct choice choice = chooser_pick(&r->chooser, &at, r->measures, background);
@@ -163,6 +164,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     probes_finish(r);
     reflections_finish(r);
     overlay_finish(r);
+    inspect_finish(r);
     lists_shared_finish(&r->lists, r->device);
     virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
@@ -207,6 +209,7 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
         TRY(keep_buffer(r, &view->counters, "light counters", 4 * light_counter_count(frame)));
         TRY(keep_buffer(r, &view->draws, "draws", MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)));
     }
+    TRY(inspect_prepare(r, frame));
     return frame->count_lights ? keep_buckets(r) : FNL_OK;
 }
 

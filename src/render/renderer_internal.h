@@ -138,6 +138,12 @@ struct fnl_renderer {
         struct gpu_image image;
         uint64_t version;
     } overlays[FNL_OVERLAY_IMAGES_MAX];
+    struct renderer_pixel {
+        struct gpu_buffer answer;       /* struct inspected */
+        ARRAY(uint32_t) suns;           /* the scene's when it was asked for */
+        uint32_t next_generation;       /* as well: lights of later ones came after */
+        ARRAY(fnl_pixel_light) lights;  /* handed out */
+    } pixel;
     uint32_t decal_capacity;  /* of what holds decals */
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */

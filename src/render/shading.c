@@ -153,7 +153,9 @@ static uint32_t blend_draw_count(const struct frame_state *f) {
 
 /* ---- the frame ---- */
 
-bool shading_shows_volumes(const fnl_frame *frame) { return frame->debug == FNL_DEBUG_LIGHTS && frame_is(frame, SHADING_VOLUMES); }
+bool shading_shows_volumes(const fnl_frame *frame) {
+    return (frame->debug == FNL_DEBUG_LIGHTS || frame->pixel.asked) && frame_is(frame, SHADING_VOLUMES);
+}
 
 bool shading_shows_sky(const struct frame_state *f) {
     return f->scene->lights.environment.cube.id && (f->r->scene->environment.background || f->r->captures_for);

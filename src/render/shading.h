@@ -36,7 +36,7 @@ bool shading_is(fnl_shading shading, uint32_t traits);
 /** The same of the order of a frame with its options, which may add traits or take them away. Not auto. */
 bool frame_is(const fnl_frame *frame, uint32_t traits);
 
-/** Whether the debug view of lights shows counts of this very frame's volumes. */
+/** Whether the debug view of lights, or the pixel that is asked for, shows counts of this very frame's volumes. */
 bool shading_shows_volumes(const fnl_frame *frame);
 /** Whether the environment is seen behind everything. */
 bool shading_shows_sky(const struct frame_state *f);

@@ -2,6 +2,7 @@
 /** Pipelines ahead of the frames that need them. */
 #include "base/check.h"
 #include "fanal/vulkan.h"
+#include "passes/debug/inspect.h"
 #include "render/multiview.h"
 #include "render/overlay.h"
 
@@ -11,14 +12,15 @@ struct last_frame {
     struct lists_shared lists;
     uint32_t blend_capacity;
     bool meshes;
-    struct gpu_buffer outputs[OUTPUT_COUNT];
+    struct gpu_buffer outputs[OUTPUT_COUNT], answer;
 };
 
 static void put_aside(const fnl_renderer *r, struct last_frame *out) {
     *out = (struct last_frame){.view = r->views.data[0],
                                .lists = r->lists,
                                .blend_capacity = r->blend_capacity,
-                               .meshes = r->meshes};
+                               .meshes = r->meshes,
+                               .answer = r->pixel.answer};
     memcpy(out->outputs, r->outputs, sizeof out->outputs);
 }
 
@@ -27,6 +29,7 @@ static void put_back(fnl_renderer *r, const struct last_frame *last) {
     r->lists = last->lists;
     r->blend_capacity = last->blend_capacity;
     r->meshes = last->meshes;
+    r->pixel.answer = last->answer;
     memcpy(r->outputs, last->outputs, sizeof r->outputs);
 }
 
@@ -35,6 +38,7 @@ static void stand_in(fnl_renderer *r, const fnl_frame *frame) {
     struct renderer_view *view = &r->views.data[0];
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         r->outputs[i] = (struct gpu_buffer){.size = renderer_picture_size(frame, i)};
+    r->pixel.answer = (struct gpu_buffer){.size = sizeof(struct inspected)};
     view->counters = (struct gpu_buffer){.size = (uint64_t)frame->width * frame->height * 8 + 4};
     view->draws = (struct gpu_buffer){.size = MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)};
     lists_init(&view->lists, &r->host);
@@ -82,7 +86,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     TRY(frame_check(call, r, &frame));
     fnl_frame whole = frame;
     if (frame.view_count) frame.camera = frame.views[0];
-    frame.view_count = 0;
+    frame.view_count = frame.pixel.view = 0; /* the view that is declared */
     frame.pin_choice = true; /* nothing is measured */
     const struct choice asked = r->asked;
     const bool measures = r->measures;

@@ -4,7 +4,7 @@
 // Debug views of shadow maps: the page that is looked up for the light that gives most to a pixel, and where maps and rays disagree.
 #include "common.glsl"
 #include "view.glsl"
-#include "lights/illuminate.glsl"
+#include "passes/debug/shadow_lookup.glsl"
 #include "passes/debug/shadow_view_shared.h"
 #include "passes/debug/legend.glsl"
 
@@ -12,52 +12,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_shadow_view_push push; };
 
 const float SHOWN = 0.02; // part of a pixel's light that has to be wrong
-
-// What a look-up finds.
-struct finding {
-    bool found;
-    uint row;
-    shadow_page page;
-    float texel; // over the width of a pixel
-    vec2 inside; // texels from the page's least corner, without its border
-};
-
-// The page of a row that holds a point, from page.level on.
-bool look_up_row(shadowed_point p, gpu_shape shape, inout finding f) {
-    vec4 clip = shadow_face_clip(shape, f.page.face, p.position - shape.position);
-    vec2 ndc = clip.xy / clip.w;
-    uint place;
-    if (!shadow_find_from(p.maps, f.row, ndc, f.page, place)) return false;
-    f.texel = shadow_across(shape, clip.w, p.pixel) / shadow_width(f.page.level);
-    f.inside = shadow_page_texel(f.page, ndc) - float(SHADOW_BORDER);
-    return true;
-}
-
-// The page from which map_visibility() and sun_map_visibility() answer.
-finding look_up(light_list_block l, uint light, shadowed_point p) {
-    finding f;
-    f.found = false;
-    gpu_shape shape = l.list.lights.at[light].shape;
-    if (!LIST_MAPS || !shadow_has_map(shape)) return f;
-    if (light < l.list.directional_count) {
-        f.page.face = 0u;
-        int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
-        for (; !f.found && shadow_sun_find(p.maps, light, p.position, grid, f.row); grid++) {
-            f.page.level = p.maps.biases.at[f.row];
-            f.found = look_up_row(p, p.maps.shapes.at[f.row], f);
-        }
-        return f;
-    }
-    f.row = light + p.maps.first_row;
-    uint bias = p.maps.biases.at[f.row];
-    if (bias == SHADOW_TRACED) return f;
-    vec3 ray = p.position - shape.position;
-    f.page.face = shadow_face_of(shape.kind, ray);
-    float along = shadow_face_clip(shape, f.page.face, ray).w;
-    f.page.level = min(shadow_level_for(shadow_across(shape, along, p.pixel)) + bias, SHADOW_LEVELS - 1u);
-    f.found = look_up_row(p, shape, f);
-    return f;
-}
 
 uint mixed(uint x) { // PCG: M. O'Neill, 2014
     x = x * 747796405u + 2891336453u;

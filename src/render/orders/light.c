@@ -149,7 +149,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
     f->blended = blend;
     note_light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
-    if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS)
+    if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS || frame->pixel.asked)
         f->lights = f->blend_lights; /* the view would look for pixels where there are texels */
 }
 

@@ -1,0 +1,58 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// The nearest surface of a few pixels, with all that shading needs to know of it. With INSPECT_LAYERS its layers.
+#include "common.glsl"
+#include "view.glsl"
+#include "lights/iterate.glsl"
+#ifdef INSPECT_LAYERS
+#define MATERIAL_LAYERS true
+#endif
+#include "material.glsl"
+#include "decals_raster.glsl"
+#include "passes/geometry/geometry_shared.h"
+#include "passes/debug/inspect.glsl"
+
+layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+
+#ifdef INSPECT_LAYERS
+layout(location = 0) out vec4 out_coat;         // normal, strength
+layout(location = 1) out vec4 out_sheen;        // colour, roughness
+layout(location = 2) out vec4 out_tangent;      // and anisotropy
+layout(location = 3) out vec4 out_film;         // strength, index of refraction, thickness; roughness of the coat
+layout(location = 4) out vec4 out_transmission; // of diffuse light: colour, part
+#else
+layout(location = 0) out vec4 out_position;   // item + 1
+layout(location = 1) out vec4 out_normal;     // view depth
+layout(location = 2) out vec4 out_base_color; // roughness
+layout(location = 3) out vec4 out_f0;         // f90
+layout(location = 4) out vec4 out_emissive;   // metallic
+layout(location = 5) out vec4 out_rest;       // occlusion, flags
+#endif
+
+void main() {
+    material_array materials = push.scene.scene.materials;
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
+    decals_on_surface(s, push.view, push.scene);
+    if (hole) discard;
+    uint flags = materials.at[in_ids.x].flags;
+#ifdef INSPECT_LAYERS
+    out_coat = out_sheen = out_tangent = out_film = out_transmission = vec4(0.0);
+    if (s.layered) {
+        out_coat = vec4(s.layers.clearcoat_normal, s.layers.clearcoat);
+        out_sheen = vec4(s.layers.sheen_color, s.layers.sheen_roughness);
+        out_tangent = vec4(s.layers.tangent, s.layers.anisotropy);
+        out_film = vec4(s.layers.film, s.layers.film_ior, s.layers.film_thickness, s.layers.clearcoat_roughness);
+        out_transmission = vec4(s.layers.diffuse_transmission_color, s.layers.diffuse_transmission);
+    }
+#else
+    out_position = vec4(s.position, float(in_ids.y + 1u));
+    out_normal = vec4(s.normal, view_depth_of(push.view, gl_FragCoord.z));
+    out_base_color = vec4(s.base_color, s.roughness);
+    out_f0 = vec4(s.dielectric_f0, s.dielectric_f90);
+    out_emissive = vec4(s.emissive, s.metallic);
+    uint told = ((flags & GPU_MATERIAL_LAYERED) != 0u ? INSPECT_LAYERED : 0u) | ((flags & GPU_MATERIAL_UNLIT) != 0u ? INSPECT_UNLIT : 0u);
+    out_rest = vec4(s.occlusion, float(told), 0.0, 0.0);
+#endif
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// The page of a shadow map that is looked up for a light at a point.
+#ifndef SHADOW_LOOKUP_GLSL
+#define SHADOW_LOOKUP_GLSL
+
+#include "lights/illuminate.glsl"
+
+// What a look-up finds.
+struct finding {
+    bool found;
+    uint row;
+    shadow_page page;
+    uint place;  // in the atlas
+    float texel; // over the width of a pixel
+    vec2 inside; // texels from the page's least corner, without its border
+};
+
+// The page of a row that holds a point, from page.level on.
+bool look_up_row(shadowed_point p, gpu_shape shape, inout finding f) {
+    vec4 clip = shadow_face_clip(shape, f.page.face, p.position - shape.position);
+    vec2 ndc = clip.xy / clip.w;
+    if (!shadow_find_from(p.maps, f.row, ndc, f.page, f.place)) return false;
+    f.texel = shadow_across(shape, clip.w, p.pixel) / shadow_width(f.page.level);
+    f.inside = shadow_page_texel(f.page, ndc) - float(SHADOW_BORDER);
+    return true;
+}
+
+// The page from which map_visibility() and sun_map_visibility() answer.
+finding look_up(light_list_block l, uint light, shadowed_point p) {
+    finding f;
+    f.found = false;
+    gpu_shape shape = l.list.lights.at[light].shape;
+    if (!LIST_MAPS || !shadow_has_map(shape)) return f;
+    if (light < l.list.directional_count) {
+        f.page.face = 0u;
+        int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
+        for (; !f.found && shadow_sun_find(p.maps, light, p.position, grid, f.row); grid++) {
+            f.page.level = p.maps.biases.at[f.row];
+            f.found = look_up_row(p, p.maps.shapes.at[f.row], f);
+        }
+        return f;
+    }
+    f.row = light + p.maps.first_row;
+    uint bias = p.maps.biases.at[f.row];
+    if (bias == SHADOW_TRACED) return f;
+    vec3 ray = p.position - shape.position;
+    f.page.face = shadow_face_of(shape.kind, ray);
+    float along = shadow_face_clip(shape, f.page.face, ray).w;
+    f.page.level = min(shadow_level_for(shadow_across(shape, along, p.pixel)) + bias, SHADOW_LEVELS - 1u);
+    f.found = look_up_row(p, shape, f);
+    return f;
+}
+
+#endif
