@@ -8,6 +8,7 @@
 #include "counters.h"
 #include "options.h"
 #include "output.h"
+#include "pixel.h"
 #include "views.h"
 
 #include <errno.h>
@@ -87,6 +88,7 @@ static void print_help(void) {
          "  --choose-seconds S         with --frames 2 or more: how long auto may measure before the first one (20)\n"
          "  --stats FILE|-             writes the statistics as JSON; for a sequence, a line per picture. 'fanal render\n"
          "                             --counters' lists the counters that can be among them\n"
+         "  --pixel X,Y[,VIEW]         prints the surface, the light list and each light at a pixel\n"
          "  --plan[=json]              prints the frame graph, as text or for programs\n"
          "  --trace-file FILE          writes when each pass and each part of the CPU's work began and ended, for the last 240 of the\n"
          "                             timed frames or pictures: Chrome's trace format, which Perfetto shows\n"
@@ -154,6 +156,7 @@ enum {
     O_STATS,
     O_PLAN,
     O_TRACE_FILE,
+    O_PIXEL,
     O_CAMERA_PATH,
     O_START_FRAME,
     O_FORMAT,
@@ -199,6 +202,8 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_VIEWS:
         o->views = value;
         return true;
+    case O_PIXEL:
+        return pixel_parse("pixel", value, &o->frame.pixel);
     case O_TRAFFIC:
         o->traffic = true;
         return true;
@@ -287,6 +292,7 @@ static const struct option own_options[] = {
     {"stats", required_argument, NULL, O_STATS},
     {"plan", optional_argument, NULL, O_PLAN},
     {"trace-file", required_argument, NULL, O_TRACE_FILE},
+    {"pixel", required_argument, NULL, O_PIXEL},
     {"camera-path", required_argument, NULL, O_CAMERA_PATH},
     {"start-frame", required_argument, NULL, O_START_FRAME},
     {"format", required_argument, NULL, O_FORMAT},
@@ -343,8 +349,8 @@ static bool check_options(struct render_options *o) {
         if (o->views && !is_stdout && !render_is_sequence(o->outputs[i]))
             problem = "each output of --views has one %d, or as %02d, for the view's number";
     }
-    if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file)
-        problem = "no output was asked for: give -o FILE, --stats FILE, --plan, --traffic or --trace-file FILE";
+    if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file && !o->frame.pixel.asked)
+        problem = "no output was asked for: give -o FILE, --stats FILE, --pixel X,Y, --plan, --traffic or --trace-file FILE";
     if (o->has_format && !has_stdout) problem = "--format is for -o -: files have it in their names";
     if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
     if (world_problem(&o->world)) problem = world_problem(&o->world);
@@ -363,6 +369,9 @@ static bool check_options(struct render_options *o) {
         problem = "--frames 0 is a picture without numbers: not with --stats or --trace-file, nor for a sequence";
     if (o->trace_file && render_is_stdout(o->trace_file)) problem = "--trace-file writes a file, not to stdout";
     if (o->trace_file && o->supersample > 1) problem = "--trace-file and --supersample exclude one another: pictures of several frames are not timed";
+    if (o->frame.pixel.asked && (o->frame.pixel.x >= o->frame.width || o->frame.pixel.y >= o->frame.height))
+        problem = "--pixel is outside of the picture: X and Y are less than its --size";
+    if (o->frame.pixel.asked && sequence) problem = "--pixel is for single pictures, not for sequences";
     if (o->has_frame_time && !sequence) problem = "--frame-time is for sequences: -o NAME-%04d.png";
     if (o->start_frame > 0 && !sequence) problem = "--start-frame is for sequences: -o NAME-%04d.png";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal render --help'\n", problem);

@@ -79,6 +79,9 @@ struct render_report {
     double time;           /* of the animation, seconds */
     uint32_t picture;      /* of a sequence; UINT32_MAX: none */
     fnl_frame_stats stats; /* of the last, counted frame; its passes are not used */
+    const fnl_scene *pixel_scene;
+    fnl_pixel_info pixel;          /* that was asked for, if one was */
+    fnl_pixel_light pixel_lights[FNL_PIXEL_LIGHTS];
     uint32_t frame_count;
     struct report_series passes, sections;
     double *cpu_times, *gpu_times; /* frame_count */

@@ -4,6 +4,7 @@
 #include "arguments.h"
 #include "counters.h"
 #include "output.h"
+#include "pixel.h"
 #include "progress.h"
 #include "stream.h"
 #include "supersample.h"
@@ -188,6 +189,7 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
     fnl_frame_stats stats = {.choosing = true};
     fnl_frame trial = *frame;
     trial.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
+    trial.pixel.asked = false;
     uint32_t count = 0;
     for (; o->frame_count > 1 && stats.choosing && trace_now() < start + o->choose_seconds; count++) {
         progress_show("choosing", count, 60);
@@ -242,6 +244,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts + (counts && frame.msaa > 1);
     fnl_frame timed = frame;
     if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
+    if (counts) timed.pixel.asked = false;
     for (uint32_t i = 0; i < o->frame_count + warm_up; i++) {
         progress_show("rendering", i, total);
         const double called = trace_now();
@@ -293,6 +296,15 @@ static bool save_stats(const struct render_options *o, const struct render_repor
     return good;
 }
 
+/* Of the last frame; the lights are copied, as the renderer keeps them only until the next call. */
+static bool query_pixel(fnl_renderer *renderer, const fnl_scene *scene, struct render_report *report) {
+    if (fnl_renderer_query_pixel(renderer, &report->pixel) != FNL_OK) return false;
+    if (report->pixel.light_count) memcpy(report->pixel_lights, report->pixel.lights, report->pixel.light_count * sizeof *report->pixel_lights);
+    report->pixel.lights = report->pixel_lights;
+    report->pixel_scene = scene;
+    return true;
+}
+
 int render_run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
@@ -330,6 +342,7 @@ int render_run(const struct render_options *o) {
         good = supersample_render(&mean, renderer, &frame, o->supersample);
     }
     report.frame = frame;
+    if (good && frame.pixel.asked) good = query_pixel(renderer, scene, &report);
     if (good && o->validate && fnl_device_validation_count(device)) {
         fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",
                 (unsigned long long)fnl_device_validation_count(device));
@@ -341,6 +354,7 @@ int render_run(const struct render_options *o) {
     bool table = good && !o->quiet && !o->plan && !o->traffic && !sequence;
     if (table && o->frame_count == 0) report_print_picture(&report, progress_seconds());
     if (table && o->frame_count > 0) report_print(&report);
+    if (good && !o->quiet && frame.pixel.asked) pixel_print(scene, &report.pixel);
     good = good && output_flush(); /* before anything is written: all or nothing */
     if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean, view_count);
     supersample_free(&mean);

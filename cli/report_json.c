@@ -4,6 +4,7 @@
  * where it was not counted. Those of single techniques come from their rows (counters.h).
  */
 #include "counters.h"
+#include "pixel.h"
 #include "program.h"
 #include "render.h"
 #include "report_settings.h"
@@ -146,6 +147,7 @@ char *report_text(const struct render_report *r, bool line) {
     json_object_set_new(json, "memory",
                         json_pack("{s:o,s:o,s:o}", "device_bytes", integer(s->device_bytes), "peak_bytes", integer(s->device_peak_bytes), "kinds", kinds));
     json_object_set_new(json, "images", make_images(r));
+    json_object_set_new(json, "pixel", pixel_json(r->pixel_scene, &r->pixel));
     counters_set_groups(json, s);
     char *text = json_dumps(json, (line ? JSON_COMPACT : JSON_INDENT(2)) | JSON_REAL_PRECISION(DIGITS));
     json_decref(json);

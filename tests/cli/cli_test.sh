@@ -39,6 +39,11 @@ expect 2 "--aa is 'x', must be one of none, mlaa, smaa, taa" render builtin:sphe
 expect 2 'supersample is no --aa taa' render builtin:spheres --supersample 4 --aa taa -o "$work/a.png"
 expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%s.png"
 expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%d-%d.png"
+expect 2 "pixel: '3' is not a pixel" render builtin:spheres --pixel 3
+expect 2 "pixel: '3,-4' is not a pixel" render builtin:spheres --pixel 3,-4
+expect 2 'pixel is outside of the picture' render builtin:onetile $plain --pixel 64,0
+expect 2 'pixel.view is 1, must be 0 .. 0' render builtin:onetile $plain --pixel 3,4,1 --frames 0
+expect 2 'pixel is for single pictures' render builtin:spheres --pixel 3,4 -o "$work/a-%d.png"
 expect 2 'frame-time is for sequences' render builtin:spheres --frame-time 0.1 -o "$work/a.png"
 expect 2 "--tonemap is 'x'" render builtin:spheres --tonemap x -o "$work/a.png"
 expect 2 "exposure: 'bright'" render builtin:spheres --exposure bright -o "$work/a.png"

@@ -87,7 +87,7 @@ spheres="builtin:spheres --lists clustered"
 
     # The numbers: by the schema, and each property of it in one of these.
     run 0 '' builtin:spheres -q --shading dais --set dais.mode=list --stats dais.json # auto lists
-    run 0 '' builtin:spheres -q --lists backface --shading coarse --transparency linked --stats coarse.json --frames 2 --trace-file still.trace
+    run 0 '' builtin:spheres -q --lists backface --shading coarse --transparency linked --shadows maps --pixel 16,10 --stats coarse.json --frames 2 --trace-file still.trace
     run 2 'no-folder/a.trace' $spheres -q -o left.png --stats left.json --trace-file no-folder/a.trace
     [ ! -e left.png ] && [ ! -e left.json ] || fail 'a trace that cannot be written leaves other files behind'
     run 0 '' $spheres -q --shading visibility --set visibility.sort=class --stats visibility.json
