@@ -57,6 +57,74 @@ static void show_candidates(const fnl_frame_stats *s) {
     ui_table_end();
 }
 
+/* ---- what lists and shadow maps hold, and what they are worth ---- */
+
+/* Lights that a pixel visits, and those of them that reach its surface: no list could have fewer. */
+struct visits {
+    double mean, useful, ratio; /* of the two; 1 where nothing is lit */
+};
+static struct visits visits_of(const fnl_frame_stats *s) {
+    const double useful = s->evaluations ? s->mean_per_pixel * (double)s->evaluations_useful / (double)s->evaluations : 0;
+    return (struct visits){s->mean_per_pixel, useful, s->evaluations_useful ? (double)s->evaluations / (double)s->evaluations_useful : 1};
+}
+
+static uint64_t count_of(const fnl_frame_stats *s, const char *key) {
+    const fnl_counter *counter = fnl_counter_find(s, key);
+    return counter ? counter->value : 0;
+}
+
+/* Of 128 x 128 texels of 4 bytes, as many as fit into a square atlas. */
+static uint64_t atlas_cells(const struct view *v) {
+    const uint64_t side = (uint64_t)sqrt(16.0 * v->frame.shadow.memory);
+    return side * side;
+}
+
+static void show_visits(const fnl_frame_stats *s) {
+    const struct visits visits = visits_of(s);
+    if (!s->evaluations_counted) {
+        ui_note("The option count-lights counts the lights that pixels visit.");
+        return;
+    }
+    ui_text("a pixel visits %.2f lights, %u at most", visits.mean, s->max_per_pixel);
+    ui_text("%.2f reach it: %.2f times the least", visits.useful, visits.ratio);
+    ui_tooltip("Lights visited over lights that reach the surface. 1: the list holds nothing else");
+    if (s->unserved_points) ui_text("%llu points without a list of their own", (unsigned long long)s->unserved_points);
+}
+
+static void show_residency(const struct view *v) {
+    const fnl_frame_stats *s = &v->stats;
+    char text[96];
+    if (s->list_bytes) {
+        snprintf(text, sizeof text, "lists %.1f of %.1f KB", (double)s->list_used_bytes / 1e3, (double)s->list_bytes / 1e3);
+        ui_bar((float)fmin((double)s->list_used_bytes / (double)s->list_bytes, 1), text);
+        ui_tooltip("What this frame's lights fill of the memory of the lists");
+    }
+    if (s->overflow_cells) ui_warning("%u of %u cells did not fit", s->overflow_cells, s->cells);
+    if (!fnl_counter_find(s, "shadows.pages")) return;
+    snprintf(text, sizeof text, "shadow atlas %llu of %llu squares", (unsigned long long)count_of(s, "shadows.cells"), (unsigned long long)atlas_cells(v));
+    ui_bar((float)fmin((double)count_of(s, "shadows.cells") / fmax((double)atlas_cells(v), 1), 1), text);
+    ui_tooltip("Squares of 128 x 128 texels that pages of shadow maps fill");
+    ui_text("%llu shadow pages, %llu wanted", (unsigned long long)count_of(s, "shadows.pages"), (unsigned long long)count_of(s, "shadows.wanted"));
+    ui_text("  %llu drawn in this frame, %llu evicted", (unsigned long long)count_of(s, "shadows.drawn"), (unsigned long long)count_of(s, "shadows.evicted"));
+    const uint64_t coarsened = count_of(s, "shadows.coarsened"), traced = count_of(s, "shadows.traced");
+    if (coarsened || traced) ui_text("  %llu lights have coarser ones, %llu none", (unsigned long long)coarsened, (unsigned long long)traced);
+}
+
+void view_report_frame(const struct view *v, FILE *file) {
+    const fnl_frame_stats *s = &v->stats;
+    const struct visits visits = visits_of(s);
+    if (s->evaluations_counted)
+        fprintf(file, "visits-per-pixel\t%.9g\nuseful-per-pixel\t%.9g\nvisits-ratio\t%.9g\nunserved-points\t%llu\n", visits.mean, visits.useful, visits.ratio,
+                (unsigned long long)s->unserved_points);
+    fprintf(file, "list-bytes\t%llu\t%llu\noverflow-cells\t%u\t%u\n", (unsigned long long)s->list_used_bytes, (unsigned long long)s->list_bytes,
+            s->overflow_cells, s->cells);
+    if (fnl_counter_find(s, "shadows.pages"))
+        fprintf(file, "shadow-atlas\t%llu\t%llu\nshadow-pages\t%llu\t%llu\n", (unsigned long long)count_of(s, "shadows.cells"),
+                (unsigned long long)atlas_cells(v), (unsigned long long)count_of(s, "shadows.pages"), (unsigned long long)count_of(s, "shadows.wanted"));
+}
+
+/* ---- the panel ---- */
+
 void view_panel_frame(struct view *v) {
     const fnl_frame_stats *s = &v->stats;
     double most = 1e-3;
@@ -77,6 +145,8 @@ void view_panel_frame(struct view *v) {
     ui_text("%.1f MB on the device, %u draws, %llu of %llu objects", (double)s->device_bytes / 1e6, s->draws, (unsigned long long)s->items_visible,
             (unsigned long long)s->items);
     ui_text("%u of %u lights in view, %llu list entries", s->lights_in_view, s->lights_total, (unsigned long long)s->list_entries);
+    show_visits(s);
+    show_residency(v);
     if (ui_header("passes", true)) show_passes(v, most);
     if (ui_header("memory", false)) show_memory(s);
     if (!ui_header("counters", false) || !ui_table("counters", 2, 0.62f)) return;

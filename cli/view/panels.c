@@ -69,11 +69,11 @@ void view_panels(struct view *v) {
     ui_window_end();
     if (ui_window("Options", NULL, 8, 16 + high * 0.42f, 340, high * 0.58f - 24)) view_panel_options(v);
     ui_window_end();
-    if (ui_window("Frame", NULL, wide - 348, 8, 340, high * 0.33f)) view_panel_frame(v);
+    if (ui_window("Frame", NULL, wide - 348, 8, 340, high * 0.38f)) view_panel_frame(v);
     ui_window_end();
-    if (ui_window("Inspect", NULL, wide - 348, 16 + high * 0.33f, 340, high * 0.47f)) view_panel_inspect(v);
+    if (ui_window("Inspect", NULL, wide - 348, 16 + high * 0.38f, 340, high * 0.45f)) view_panel_inspect(v);
     ui_window_end();
-    if (ui_window("Messages", NULL, wide - 348, 24 + high * 0.8f, 340, high * 0.2f - 32)) show_messages(v);
+    if (ui_window("Messages", NULL, wide - 348, 24 + high * 0.83f, 340, high * 0.17f - 32)) show_messages(v);
     ui_window_end();
     view_panel_wide(v);
     if (view_has_legend(v)) {
@@ -108,9 +108,8 @@ bool view_write_report(const struct view *v, const char *path) {
     char legend[1024];
     legend_print(v->frame.debug, legend, sizeof legend);
     if (legend[0]) fprintf(file, "legend\t%s\t%s\n", fnl_value_name(FNL_ENUM_DEBUG_VIEW, v->frame.debug), legend);
-    if (v->pick.known)
-        fprintf(file, "pixel\t%u\t%u\t%s\t%.9g\t%.9g\t%.9g\n", v->pick.x, v->pick.y, v->pick.hit ? "hit" : "empty", (double)v->pick.position.x,
-                (double)v->pick.position.y, (double)v->pick.position.z);
+    view_report_frame(v, file);
+    view_report_pixel(v, file);
     view_select_report(v, file);
     const uint32_t count = v->messages.count, first = count > VIEW_MESSAGES ? count - VIEW_MESSAGES : 0;
     for (uint32_t i = first; i < count; i++) fprintf(file, "message\t%s\n", v->messages.lines[i % VIEW_MESSAGES].text);

@@ -267,10 +267,11 @@ struct view {
     uint32_t light; /* that is edited */
     struct view_timeline timeline;
     struct view_pick {
-        bool asked, known, hit;
-        uint32_t x, y;
-        fnl_vec3 color, normal, position;
-        float roughness, depth;
+        bool clicked;      /* what object is there is still to be found out */
+        bool asked, known; /* the next frame tells; one did */
+        uint32_t x, y; /* of the window's picture */
+        fnl_pixel_info info;
+        fnl_pixel_light lights[FNL_PIXEL_LIGHTS];
     } pick;
     struct view_select select;
 };
@@ -302,6 +303,12 @@ void view_graph_free(struct view_graph **graph);
 bool view_save_trace(struct view *view, const char *path);
 bool view_has_legend(const struct view *view);
 void view_panel_legend(const struct view *view); /* of the debug view */
+/** Asks the frame for the pixel that was clicked on; and keeps its answer, before any other call on the renderer. */
+void view_pixel_ask(const struct view *view, fnl_frame *frame);
+void view_pixel_take(struct view *view, const fnl_frame *frame);
+/** Their lines of the report. */
+void view_report_frame(const struct view *view, FILE *file);
+void view_report_pixel(const struct view *view, FILE *file);
 /** What the panels say, as text; false when it could not be written. */
 bool view_write_report(const struct view *view, const char *path);
 /** The command line that renders what is shown. */

@@ -55,7 +55,7 @@ void view_show(struct view *v, struct view_scene *scene) {
     v->camera.size = size > 1e-3f && size < 1e6f ? size : 1;
     v->animation = 0;
     v->time = v->world.time;
-    v->pick.known = false;
+    v->pick.known = v->pick.asked = v->pick.clicked = false;
     v->variant[0] = 0;
     v->surroundings.changed = false;
     v->surroundings.none = !scene->info.has_environment;
@@ -191,12 +191,19 @@ static void begin_call(struct view *v) {
     v->timeline.called = trace_now();
 }
 
+/* What the frame says of the pixel that was clicked, before any other call on its renderer. */
+static fnl_result drawn(struct view *v, const fnl_frame *frame, fnl_result result) {
+    if (result == FNL_OK && !v->compare.is_shown) view_pixel_take(v, frame);
+    return result;
+}
+
 static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried) {
     fnl_frame frame = view_whole_frame(v);
     frame.overlay = overlay;
     if (!v->swapchain) {
         begin_call(v);
-        return view_compare_draw(v, &frame, NULL);
+        view_pixel_ask(v, &frame);
+        return drawn(v, &frame, view_compare_draw(v, &frame, NULL));
     }
     fnl_vulkan_target target;
     trace_mark(v->timeline.history, "acquire");
@@ -212,7 +219,8 @@ static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried)
     frame.width = (uint32_t)fmaxf(1, (float)target.width * v->part);
     frame.height = (uint32_t)fmaxf(1, (float)target.height * v->part);
     begin_call(v);
-    result = view_compare_draw(v, &frame, &target);
+    view_pixel_ask(v, &frame);
+    result = drawn(v, &frame, view_compare_draw(v, &frame, &target));
     trace_mark(v->timeline.history, "present");
     if (result == FNL_OK) result = fnl_swapchain_present(v->swapchain);
     return result == FNL_ERROR_DEVICE && !retried ? FNL_OK : result; /* the next one finds out whether the surface is lost */
@@ -232,34 +240,20 @@ static bool draw_or_take_back(struct view *v, const fnl_overlay *overlay) {
     return result == FNL_OK;
 }
 
-static void read_pick(struct view *v) {
+static void pick_object(struct view *v) {
     struct view_pick *p = &v->pick;
     fnl_frame frame = view_whole_frame(v);
-    enum { IMAGES = 4 };
-    fnl_image images[IMAGES] = {{0}};
-    static const fnl_output outputs[IMAGES] = {FNL_OUTPUT_SURFACE, FNL_OUTPUT_NORMAL, FNL_OUTPUT_POSITION, FNL_OUTPUT_OBJECT};
-    frame.outputs = FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION | FNL_OUTPUT_OBJECT;
-    frame.msaa = 1;
-    frame.pin_choice = true;
+    fnl_image image = {0};
     uint32_t x = p->x;
     frame.width = view_compare_place(v, &x);
-    bool good = fnl_renderer_render(v->shown.renderer, &frame) == FNL_OK;
-    for (uint32_t i = 0; i < IMAGES && good; i++) good = fnl_renderer_read(v->shown.renderer, outputs[i], &images[i]) == FNL_OK;
-    p->asked = false;
-    p->known = good && x < frame.width && p->y < frame.height;
-    if (p->known) {
-        const size_t at = 4 * ((size_t)p->y * frame.width + x);
-        const float *surface = (const float *)images[0].pixels + at, *normal = (const float *)images[1].pixels + at,
-                    *position = (const float *)images[2].pixels + at;
-        p->hit = position[3] > 0;
-        p->color = (fnl_vec3){surface[0], surface[1], surface[2]};
-        p->roughness = surface[3];
-        p->normal = (fnl_vec3){normal[0], normal[1], normal[2]};
-        p->depth = normal[3];
-        p->position = (fnl_vec3){position[0], position[1], position[2]};
-        view_select_object(v, (const float *)images[3].pixels + at);
-    }
-    for (uint32_t i = 0; i < IMAGES; i++) fnl_image_free(&v->host, &images[i]);
+    frame.outputs = FNL_OUTPUT_OBJECT;
+    frame.msaa = 1;
+    frame.pin_choice = true;
+    p->clicked = false;
+    if (x < frame.width && p->y < frame.height && fnl_renderer_render(v->shown.renderer, &frame) == FNL_OK &&
+        fnl_renderer_read(v->shown.renderer, FNL_OUTPUT_OBJECT, &image) == FNL_OK)
+        view_select_object(v, (const float *)image.pixels + 4 * ((size_t)p->y * frame.width + x));
+    fnl_image_free(&v->host, &image);
     view_want(v, 2);
 }
 
@@ -300,7 +294,7 @@ bool view_draw_frame(struct view *v, double seconds) {
     ui_begin(v->width, v->height, seconds);
     view_panels(v);
     ui_end(&overlay);
-    if (v->pick.asked) read_pick(v);
+    if (v->pick.clicked) pick_object(v);
     const bool good = draw_or_take_back(v, &overlay);
     if (good && !v->compare.is_shown) note_stats(v);
     pthread_mutex_unlock(&v->device.mutex);

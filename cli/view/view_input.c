@@ -83,7 +83,7 @@ static void press_button(struct view *v, const struct view_event *e) {
     if (ui_wants_mouse()) return;
     if (e->code == 0 && v->modifiers & VIEW_CONTROL) {
         if (view_select_icon(v, v->mouse_x, v->mouse_y)) return;
-        v->pick.asked = v->shown.scene && v->mouse_x >= 0 && v->mouse_y >= 0;
+        v->pick.asked = v->pick.clicked = v->shown.scene && v->mouse_x >= 0 && v->mouse_y >= 0;
         v->pick.x = (uint32_t)fmaxf(v->mouse_x, 0);
         v->pick.y = (uint32_t)fmaxf(v->mouse_y, 0);
         return;
