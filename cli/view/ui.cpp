@@ -422,7 +422,6 @@ void ui_table_end(void) { ImGui::EndTable(); }
 
 static ImVec2 canvas_origin;
 
-static ImU32 color_of(uint32_t rgba) { return IM_COL32(rgba >> 24, rgba >> 16 & 255, rgba >> 8 & 255, rgba & 255); }
 static ImVec2 canvas_place(float x, float y) { return ImVec2(canvas_origin.x + x * ui.scale, canvas_origin.y + y * ui.scale); }
 
 void ui_canvas_begin(const char *name, float width, float height, float shown, ui_canvas *out) {
