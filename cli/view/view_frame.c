@@ -74,7 +74,7 @@ void view_show(struct view *v, struct view_scene *scene) {
     snprintf(title, sizeof title, "%.200s%sFanal", scene->source ? scene->source : "", scene->source ? " - " : "");
     if (v->window) view_window_set_title(v->window, title);
     v->arriving = scene->source ? 2 : 0;
-    v->part = fminf(v->part, 0.375f); /* something soon, then finer */
+    if (v->swapchain) v->part = fminf(v->part, 0.375f); /* something soon, then finer */
     v->moving = true;
     view_want(v, v->swapchain ? 1 : 2);
 }
