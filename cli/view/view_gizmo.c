@@ -29,7 +29,7 @@ static bool can_turn(const struct view *v) {
 
 static bool find_handles(const struct view *v, struct handles *h) {
     if (!v->shown.scene || v->width == 0 || v->height == 0 || (v->select.turns && !can_turn(v)) || !view_select_center(v, &h->center)) return false;
-    h->eye = maths_eye(&v->camera.now, v->width, v->height);
+    h->eye = view_select_eye(v);
     h->pixels = fminf(90 * v->scale, 0.2f * fminf(h->eye.width, h->eye.height));
     h->metres = h->pixels / maths_pixels(&h->eye, maths_depth(&h->eye, h->center));
     return maths_project(&h->eye, h->center, &h->at);
@@ -191,7 +191,7 @@ bool view_gizmo_drag(struct view *v, float x, float y) {
     if (g->held < 0) return false;
     v->moving = true;
     if (v->width == 0 || v->height == 0) return true;
-    h.eye = maths_eye(&v->camera.now, v->width, v->height);
+    h.eye = view_select_eye(v);
     const fnl_vec3 axis = maths_axis(g->held);
     const float squared = g->per_unit.x * g->per_unit.x + g->per_unit.y * g->per_unit.y;
     float by;

@@ -133,6 +133,11 @@ bool view_select_center(const struct view *v, fnl_vec3 *out) {
     return true;
 }
 
+struct maths_eye view_select_eye(const struct view *v) {
+    uint32_t first = 0;
+    return maths_eye(&v->camera.now, view_compare_place(v, &first), v->height);
+}
+
 /* ---- icons ---- */
 
 static bool gather(struct view *v) {
@@ -202,7 +207,7 @@ static void find_icons(struct view *v, const struct maths_eye *eye) {
 }
 
 bool view_select_icon(struct view *v, float x, float y) {
-    const struct maths_eye eye = maths_eye(&v->camera.now, v->width, v->height);
+    const struct maths_eye eye = view_select_eye(v);
     struct view_icons *icons = &v->select.icons;
     float nearest = 8 * v->scale;
     const struct view_icon *best = NULL;
@@ -337,7 +342,7 @@ static void draw_frame(const struct view *v, const struct maths_eye *eye) {
 
 void view_select_draw(struct view *v) {
     if (!v->shown.scene || v->width == 0 || v->height == 0) return;
-    const struct maths_eye eye = maths_eye(&v->camera.now, v->width, v->height);
+    const struct maths_eye eye = view_select_eye(v);
     if (v->select.shows_lights) draw_icons(v, &eye);
     if (v->select.kind == VIEW_PICKED_NOTHING) return;
     draw_frame(v, &eye);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 struct view;
+struct maths_eye;
 
 enum view_picked { VIEW_PICKED_NOTHING, VIEW_PICKED_OBJECT, VIEW_PICKED_LIGHT, VIEW_PICKED_DECAL };
 
@@ -121,6 +122,8 @@ void view_select_report(const struct view *view, FILE *file);
 
 /** An object's or decal's matrix to the world, and that which calls set; false: it has none. */
 bool view_select_matrices(const struct view *view, fnl_mat4 *world, fnl_mat4 *own);
+/** How the picture shows the world (view_maths.h): of two side by side the left one, which alone has icons and handles. */
+struct maths_eye view_select_eye(const struct view *view);
 /** The middle of what is picked. */
 bool view_select_center(const struct view *view, fnl_vec3 *out);
 

@@ -128,6 +128,13 @@ picked 'Escape' nothing.tsv nothing '' ''
 replay parallel scene.gltf --camera 1 --size 200x120 --no-panels
 for axis in '1 0.5' '2 1' '3 1.5'; do is 'parallel' parallel.tsv picked_position $axis; done
 
+# Of two pictures side by side the left one has icons and handles; objects are picked from either.
+{ echo compare side; key $L; pick 100 45; echo report left.tsv; drag 112 45 127 45; echo report left-moved.tsv; pick 310 62; echo report right-board.tsv; } >side.txt
+replay side scene.gltf --camera 1 --size 400x120 --no-panels
+picked 'in the left picture' left.tsv light 0 lamp
+is 'in the left picture' left-moved.tsv picked_position 1 0.5
+picked 'in the right picture' right-board.tsv object 0 board
+
 # ---- more lights than icons ----
 
 { key $L; echo report many.tsv; } >many.txt
