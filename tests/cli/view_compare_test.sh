@@ -68,6 +68,9 @@ button 0 up 2
 key 341 up 0
 frames 1
 report pick-b.tsv
+# Escape lets go of what was picked.
+key 256 down 0
+key 256 up 0
 compare difference
 frames 2
 capture difference.png
