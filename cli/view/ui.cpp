@@ -185,13 +185,13 @@ bool ui_wants_keys(void) { return ImGui::GetIO().WantTextInput; }
 // ---- images: an ImTextureID is the number of one; it is a pointer in older versions of Dear ImGui and an integer in newer ones ----
 
 static uint32_t image_of(ImTextureID id) {
-    uintptr_t number = 0;
+    uint64_t number = 0;
     static_assert(sizeof id <= sizeof number, "texture ids");
     memcpy(&number, &id, sizeof id);
     return static_cast<uint32_t>(number);
 }
 static ImTextureID id_of(uint32_t image) {
-    const uintptr_t number = image;
+    const uint64_t number = image;
     ImTextureID id;
     memcpy(&id, &number, sizeof id);
     return id;

@@ -54,9 +54,7 @@ void view_compare_begin(struct view *v, enum view_compare_mode mode) {
     struct view_compare *c = &v->compare;
     if (!c->begun) view_compare_copy(v);
     c->mode = mode;
-    if (mode != VIEW_COMPARE_DIFFERENCE) forget_difference(v);
-    if (mode == VIEW_COMPARE_OFF) view_compare_leave(v);
-    view_want(v, 2);
+    view_want(v, 2); /* view_compare_update drops what is needed no longer: panels may have drawn it into this frame */
 }
 
 bool view_compare_set_mode(struct view *v, const char *name) {
@@ -346,6 +344,8 @@ void view_compare_update(struct view *v) {
     struct view_compare *c = &v->compare;
     fnl_image pictures[2] = {{0}};
     c->is_shown = false;
+    if (c->mode == VIEW_COMPARE_OFF) view_compare_leave(v);
+    if (c->mode != VIEW_COMPARE_DIFFERENCE) forget_difference(v);
     if (c->mode != VIEW_COMPARE_DIFFERENCE || v->moving || v->part < 1 || v->width == 0 || v->height == 0 || !is_ready(v)) return;
     fnl_frame frame = view_whole_frame(v);
     fnl_result result = FNL_OK;

@@ -189,6 +189,22 @@ part spheres.png 0 0 $middle $height spheres-left.png
 part off.png 0 0 $middle $height off-left.png
 equal spheres-left.png off-left.png 'off is not A'
 
+# ---- modes that change all the time, scenes and sizes that come and go ----
+
+awk 'BEGIN { srand(11); split("off split side difference", m, " "); for (i = 0; i < 300; i++) { r = rand();
+    if (r < 0.35) print "move", int(rand() * 200) - 20, int(rand() * 120) - 20
+    else if (r < 0.4) print "wheel", 0, int(rand() * 5) - 2
+    else if (r < 0.55) print "button", int(rand() * 4), rand() < 0.5 ? "down" : "up", int(rand() * 8)
+    else if (r < 0.7) print "compare", m[1 + int(rand() * 4)]
+    else if (r < 0.76) print "slider", rand()
+    else if (r < 0.82) print rand() < 0.5 ? "set" : "setb", "msaa=" 2 ^ int(rand() * 4)
+    else if (r < 0.88) print rand() < 0.5 ? "setb debug=lights" : "setb debug=none"
+    else if (r < 0.93) print "setb shading=" (rand() < 0.3 ? "mobile" : rand() < 0.5 ? "forward" : "deferred")
+    else if (r < 0.95) print "drop", rand() < 0.5 ? "builtin:onetile" : "builtin:pole"
+    else print "size", int(rand() * 60), int(rand() * 40) } print "size 64 36\nset msaa=1\nsettle\nreport soak.tsv" }' >soak.txt
+replay soak builtin:onetile --size 64x36 || fail '300 random events'
+[ -n "$(value soak.tsv compare)" ] || fail 'no report after random events'
+
 # ---- what is refused ----
 
 refused() {
