@@ -103,6 +103,7 @@ static fnl_material_params material;
 static fnl_mesh_params mesh;
 static fnl_mesh_info mesh_info;
 static fnl_pose pose;
+static const fnl_animation_time moment = {0, 0, 1};
 static fnl_light_params light;
 static fnl_decal_params decal;
 static fnl_probe_params probe;
@@ -262,6 +263,10 @@ static fnl_loaded loaded;
       SILENT(fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, "x.gltf", &in_memory, &loaded));                         \
       SILENT(fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, "x.gltf", &in_memory, NULL)))                            \
     X(fnl_scene_message, GIVES("scene", NULL, fnl_scene_message(NULL, 0)))                                                  \
+    X(fnl_scene_save, NULLED("scene", fnl_scene_save(NULL, "x.glb", NULL)); NULLED("path", fnl_scene_save(w.scene, NULL, NULL)); \
+      w.tried++; /* params: NULL are defaults, as above */) \
+    X(fnl_scene_set_times, NULLED("scene", fnl_scene_set_times(NULL, &moment, 1)); NULLED("times", fnl_scene_set_times(w.scene, NULL, 1))) \
+    X(fnl_scene_source, GIVES("scene", NULL, fnl_scene_source(NULL, 0)))                                                    \
     X(fnl_scene_query_animation, NULLED("scene", fnl_scene_query_animation(NULL, 0, &animation_info));                      \
       NULLED("out", fnl_scene_query_animation(w.scene, 0, NULL)))                                                           \
     X(fnl_scene_query_camera, NULLED("scene", fnl_scene_query_camera(NULL, 0, &camera));                                    \
@@ -566,6 +571,12 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_scene_query_environment", "the scene has no environment", fnl_scene_query_environment(w.scene, &environment));
     SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
     SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));
+    SAYS("fnl_scene_set_times", "count is 0, must be 1 .. 1024", fnl_scene_set_times(w.scene, &moment, 0));
+    SAYS("fnl_scene_set_times", "seconds is inf, must be finite", fnl_scene_set_times(w.scene, &(fnl_animation_time){0, (double)INFINITY, 1}, 1));
+    SAYS("fnl_scene_set_times", "weight is -1, must be 0 .. 1e+06", fnl_scene_set_times(w.scene, &(fnl_animation_time){0, 0, -1}, 1));
+    SAYS("fnl_scene_set_times", "element 1: animation is 3, but there are no animations",
+         fnl_scene_set_times(w.scene, (const fnl_animation_time[]){{0, 0, 1}, {3, 0, 1}}, 2));
+    SAYS("fnl_scene_set_times", "all weights are 0, one must be above", fnl_scene_set_times(w.scene, &(fnl_animation_time){0, 0, 0}, 1));
     SAYS("fnl_scene_set_time", "animation is 1, but there are no animations", fnl_scene_set_time(w.scene, 1, 0));
     SAYS("fnl_scene_select_variant", "variant is 0, but there are no variants", fnl_scene_select_variant(w.scene, 0));
     SAYS("fnl_scene_grow_metal", "texels is 65, must be 0 .. 64", fnl_scene_grow_metal(w.scene, 65));

@@ -122,6 +122,37 @@ typedef struct fnl_loaded {
 FNL_API fnl_result fnl_scene_load_into(fnl_scene *scene, fnl_instance_id parent, const char *source, const fnl_load_params *params,
                                        fnl_loaded *out);
 
+/**
+ * A file that the scene was read from, by number: its path as it was opened, first the loaded file, then those that it refers to (also ones that are
+ * not there), those of files loaded into the scene, and the environment's picture. A path may stand there more than once. NULL if there is no such
+ * number. It lives until the scene is changed or destroyed. What a resolver supplied has no path.
+ */
+FNL_API const char *fnl_scene_source(const fnl_scene *scene, uint32_t index);
+
+/* ---- saving ---- */
+
+/** How a scene is saved. */
+typedef struct fnl_save_params {
+    uint32_t max_size; /**< bytes that the file may have; default UINT32_MAX, which is the most that the format allows */
+} fnl_save_params;
+
+FNL_API fnl_save_params fnl_save_params_default(void);
+/**
+ * Writes the scene as a binary glTF 2.0 file (.glb), complete or not at all. `params` NULL: defaults.
+ *
+ * A scene of fnl_scene_load keeps all that its file says, extensions and extras that Fanal does not know included. What other calls have changed since is
+ * patched in: transforms, visibility, morph weights, materials, meshes, lights and surroundings; what they added is added. Buffers and images become part
+ * of the file. What an animation of the file sets stays as the file has it, as does the choice of a variant. The file itself and what it refers to are not
+ * read again; the picture of an environment is. A scene of another origin is written whole.
+ *
+ * glTF has no words for some of it. Light shapes and shadows go into extras, ambient light, background and environment into the extension
+ * FNL_surroundings, which fnl_scene_load reads. What is left out is logged as a warning: probes, hulls, new light profiles, decals (those of the file
+ * stay), an environment that came as fnl_image, shifts of cameras, cutoff and anisotropy.
+ *
+ * FNL_ERROR_UNSUPPORTED: it does not fit into max_size.
+ */
+FNL_API fnl_result fnl_scene_save(const fnl_scene *scene, const char *path, const fnl_save_params *params);
+
 /* ---- surroundings ---- */
 
 /** Ambient light, cd/m^2: `sky` from +Y, `ground` from -Y, blended by the y component of the normal. Default 0. */
@@ -140,6 +171,21 @@ FNL_API fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy);
  * FNL_ERROR_MEMORY can only come from decals that are baked into an animated material.
  */
 FNL_API fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double seconds);
+
+/** An animation that is blended with others. */
+typedef struct fnl_animation_time {
+    uint32_t animation;
+    double seconds;
+    float weight; /**< 0 .. 1e6: how much it counts, in proportion to the weights of the others; 0: not at all */
+} fnl_animation_time;
+
+/**
+ * Poses the scene by `count` (1 .. 1024) animations at once, one of which has a weight above 0. Each property is the mean of what the animations that set
+ * it say, by their weights; what only one of them sets is that one's, whatever its weight. Rotations are averaged as quaternions on the side of the
+ * heaviest one. Visibility, and what all of them set in steps, is the heaviest one's. With one animation it is fnl_scene_set_time, to the bit. An
+ * animation may stand there more than once, as at two times. An error of an argument changes nothing.
+ */
+FNL_API fnl_result fnl_scene_set_times(fnl_scene *scene, const fnl_animation_time *times, uint32_t count);
 
 #ifdef __cplusplus
 }

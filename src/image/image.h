@@ -46,4 +46,7 @@ fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, cons
 fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool force_rgba8,
                         fnl_image *out);
 
+/** An RGBA8 or RGBA16 picture as a PNG file in memory; free() it. `name` is for messages. */
+fnl_result image_png_encode(const fnl_host *host, const char *name, const fnl_image *image, char **out, size_t *out_size);
+
 #endif

@@ -143,3 +143,14 @@ fnl_result image_png_write(struct file_writer *writer, const fnl_image *image) {
     log_error(host, "%s: cannot be written: %s", writer->path, spng_strerror(error));
     return error == SPNG_EMEM ? FNL_ERROR_MEMORY : FNL_ERROR_FILE;
 }
+
+fnl_result image_png_encode(const fnl_host *host, const char *name, const fnl_image *image, char **out, size_t *out_size) {
+    *out = NULL;
+    struct file_writer writer = {.stream = open_memstream(out, out_size), .path = (char *)name, .host = *host};
+    fnl_result result = writer.stream ? image_png_write(&writer, image) : FNL_ERROR_MEMORY;
+    if (writer.stream && fclose(writer.stream) != 0 && result == FNL_OK) result = FNL_ERROR_MEMORY;
+    if (result == FNL_OK) return FNL_OK;
+    free(*out);
+    *out = NULL;
+    return result;
+}

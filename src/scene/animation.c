@@ -85,6 +85,8 @@ static void apply_property(fnl_scene *scene, const struct scene_channel *channel
     animation_set_property(scene, channel, values);
 }
 
+/* ---- one animation ---- */
+
 fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds) {
     if (animation >= scene->animations.count) return FNL_OK;
     const struct scene_animation *what = &scene->animations.data[animation];
@@ -122,20 +124,207 @@ void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out) {
         out[i] = mat4_mul(scene->nodes.data[what->joints[i]].world, what->inverse_bind[i]);
 }
 
+/* ---- several at once ---- */
+
+/* A channel at a time, and which of the blended animations it is of. */
+struct blended {
+    const struct scene_channel *channel;
+    float seconds, weight;
+    uint32_t animation, order;
+};
+
+static int compare_numbers(uint64_t a, uint64_t b) { return a < b ? -1 : a > b; }
+
+/* By what is set: a node's path, or a property. */
+static int compare_targets(const struct scene_channel *a, const struct scene_channel *b) {
+    int order = compare_numbers(a->path, b->path);
+    if (order == 0) order = compare_numbers(a->node, b->node);
+    if (order == 0) order = compare_numbers((uintptr_t)a->property, (uintptr_t)b->property);
+    return order == 0 && a->property ? compare_numbers(a->object, b->object) : order;
+}
+
+static int compare_blended(const void *left, const void *right) {
+    const struct blended *a = left, *b = right;
+    const int order = compare_targets(a->channel, b->channel);
+    return order ? order : compare_numbers(a->order, b->order);
+}
+
+/* The heaviest: of equal ones that of the first animation, and of its channels the last, as where it is played alone. */
+static const struct blended *heaviest(const struct blended *group, uint32_t count) {
+    const struct blended *best = group;
+    for (uint32_t i = 1; i < count; i++)
+        if (group[i].weight > best->weight || group[i].animation == best->animation) best = &group[i];
+    return best;
+}
+
+static bool is_stepped(const struct blended *group, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (group[i].channel->interpolation != SCENE_INTERPOLATION_STEP) return false;
+    return true;
+}
+
+/* What one component is by the animations that set it; false: none does. A later channel of an animation stands in for an earlier one. */
+static bool blend_component(const struct blended *group, uint32_t count, uint32_t component, float *out) {
+    float sum = 0, total = 0, value = 0;
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct scene_channel *c = group[i].channel;
+        bool replaced = component < c->first_weight || component >= c->first_weight + c->width;
+        for (uint32_t k = i + 1; k < count && group[k].animation == group[i].animation && !replaced; k++)
+            replaced = component >= group[k].channel->first_weight && component < group[k].channel->first_weight + group[k].channel->width;
+        if (replaced) continue;
+        const struct key_span span = find_span(c, group[i].seconds);
+        value = interpolate(c, &span, component - c->first_weight);
+        sum += group[i].weight * value;
+        total += group[i].weight;
+        used++;
+    }
+    if (used > 0) *out = used == 1 ? value : sum / total;
+    return used > 0;
+}
+
+/* The sum of all as they lie on the side of the heaviest, made a unit again; of one alone it is that. */
+static quat blend_rotation(const struct blended *group, uint32_t count) {
+    const struct blended *most = heaviest(group, count);
+    struct key_span span = find_span(most->channel, most->seconds);
+    const quat main = interpolate_rotation(most->channel, &span);
+    quat sum = {0, 0, 0, 0};
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (i + 1 < count && group[i + 1].animation == group[i].animation) continue;
+        span = find_span(group[i].channel, group[i].seconds);
+        const quat q = interpolate_rotation(group[i].channel, &span);
+        const float w = q.x * main.x + q.y * main.y + q.z * main.z + q.w * main.w < 0 ? -group[i].weight : group[i].weight;
+        sum = (quat){sum.x + w * q.x, sum.y + w * q.y, sum.z + w * q.z, sum.w + w * q.w};
+        used++;
+    }
+    const float square = sum.x * sum.x + sum.y * sum.y + sum.z * sum.z + sum.w * sum.w;
+    return used > 1 && square > 0 ? quat_normalize(sum) : main;
+}
+
+static void blend_vector(const struct blended *group, uint32_t count, vec3 *out) {
+    float v[3];
+    for (uint32_t i = 0; i < 3; i++)
+        if (!blend_component(group, count, i, &v[i])) return;
+    *out = vec3_make(v[0], v[1], v[2]);
+}
+
+static void blend_node(fnl_scene *scene, const struct blended *group, uint32_t count) {
+    struct scene_node *node = &scene->nodes.data[group->channel->node];
+    const enum scene_animation_path path = group->channel->path;
+    if (path == SCENE_PATH_WEIGHTS) {
+        float *weights = own_weights(scene, node);
+        for (uint32_t i = 0; weights && i < scene->meshes.data[node->mesh].morph_target_count; i++) (void)blend_component(group, count, i, &weights[i]);
+        return;
+    }
+    if (node->has_matrix) return;
+    if (path == SCENE_PATH_TRANSLATION) blend_vector(group, count, &node->translation);
+    if (path == SCENE_PATH_SCALE) blend_vector(group, count, &node->scale);
+    if (path == SCENE_PATH_ROTATION) node->rotation = blend_rotation(group, count);
+    node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
+}
+
+/* All that set one thing. */
+static void blend_group(fnl_scene *scene, const struct blended *group, uint32_t count) {
+    const struct scene_channel *first = group->channel;
+    if (first->path != SCENE_PATH_PROPERTY && (first->node >= scene->nodes.count || scene->nodes.data[first->node].removed)) return;
+    struct blended only = *heaviest(group, count);
+    if (first->path == SCENE_PATH_VISIBLE) {
+        const struct key_span span = find_span(only.channel, only.seconds);
+        scene_show_node(scene, first->node, interpolate(only.channel, &span, 0) != 0);
+        return;
+    }
+    if (first->path != SCENE_PATH_WEIGHTS && is_stepped(group, count)) {
+        group = &only;
+        count = 1;
+    }
+    if (first->path != SCENE_PATH_PROPERTY) {
+        blend_node(scene, group, count);
+        return;
+    }
+    float values[4] = {0};
+    for (uint32_t i = 0; i < MIN(first->width, COUNT_OF(values)); i++) (void)blend_component(group, count, i, &values[i]);
+    animation_set_property(scene, first, values);
+}
+
+static fnl_result blend(fnl_scene *scene, const fnl_animation_time *times, uint32_t count) {
+    uint32_t total = 0, used = 0;
+    for (uint32_t i = 0; i < count; i++) total += times[i].weight > 0 ? scene->animations.data[times[i].animation].channel_count : 0;
+    const size_t size = MAX(total, 1u) * sizeof(struct blended);
+    struct blended *all = host_allocate(&scene->host, size);
+    if (!all) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct scene_animation *animation = &scene->animations.data[times[i].animation];
+        for (uint32_t k = 0; k < animation->channel_count && times[i].weight > 0; k++)
+            if (animation->channels[k].key_count) {
+                all[used] = (struct blended){&animation->channels[k], (float)times[i].seconds, times[i].weight, i, used};
+                used++;
+            }
+    }
+    qsort(all, used, sizeof *all, compare_blended);
+    for (uint32_t first = 0, next; first < used; first = next) {
+        for (next = first + 1; next < used && compare_targets(all[first].channel, all[next].channel) == 0;) next++;
+        blend_group(scene, all + first, next - first);
+    }
+    host_free(&scene->host, all, size);
+    fnl_result result = FNL_OK;
+    for (uint32_t i = 0; i < count && result == FNL_OK; i++)
+        if (times[i].weight > 0) result = animation_finish_properties(scene, &scene->animations.data[times[i].animation]);
+    return result;
+}
+
+/* ---- the calls ---- */
+
+static bool sets_weights(const fnl_scene *scene, uint32_t animation) {
+    const struct scene_animation *what = &scene->animations.data[animation];
+    for (uint32_t i = 0; i < what->channel_count; i++)
+        if (what->channels[i].path == SCENE_PATH_WEIGHTS) return true;
+    return false;
+}
+
+static fnl_result set_times(fnl_scene *scene, const fnl_animation_time *times, uint32_t count) {
+    uint32_t weighty = 0, only = 0;
+    if (scene->animations.count == 0) return FNL_OK;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!(times[i].weight > 0)) continue;
+        weighty++;
+        only = i;
+    }
+    const fnl_result result = weighty == 1 ? animation_apply(scene, times[only].animation, times[only].seconds) : blend(scene, times, count);
+    scene_update_transforms(scene);
+    /* Morph weights move no node, but renderers follow them by the same counter. */
+    bool weights = false;
+    for (uint32_t i = 0; i < count; i++) weights = weights || (times[i].weight > 0 && sets_weights(scene, times[i].animation));
+    scene->transform_version += weights;
+    return result;
+}
+
+static fnl_result check_animation(const struct call *call, const fnl_scene *scene, uint32_t animation) {
+    return scene->animations.count || animation ? check_index(call, "animation", animation, scene->animations.count, "animations") : FNL_OK;
+}
+
 fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double seconds) {
     TRY(check_handle(__func__, "scene", scene));
     if (!isfinite(seconds)) return misuse(CALL(&scene->host), "seconds is %g, must be finite", seconds);
-    if (scene->animations.count || animation)
-        TRY(check_index(CALL(&scene->host), "animation", animation, scene->animations.count, "animations"));
-    const fnl_result result = animation_apply(scene, animation, seconds);
-    scene_update_transforms(scene);
-    /* Morph weights move no node, but renderers follow them by the same counter. */
-    for (uint32_t i = 0; animation < scene->animations.count && i < scene->animations.data[animation].channel_count; i++)
-        if (scene->animations.data[animation].channels[i].path == SCENE_PATH_WEIGHTS) {
-            scene->transform_version++;
-            break;
-        }
-    return result;
+    TRY(check_animation(CALL(&scene->host), scene, animation));
+    const fnl_animation_time time = {animation, seconds, 1};
+    return set_times(scene, &time, 1);
+}
+
+fnl_result fnl_scene_set_times(fnl_scene *scene, const fnl_animation_time *times, uint32_t count) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "times", times));
+    TRY(check_count(CALL(&scene->host), "count", count, 1, 1024));
+    float sum = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct call *call = CALL_ELEMENT(&scene->host, i, count);
+        if (!isfinite(times[i].seconds)) return misuse(call, "seconds is %g, must be finite", times[i].seconds);
+        TRY(check_animation(call, scene, times[i].animation));
+        TRY(check_range(call, "weight", (double)times[i].weight, 0, 1e6, ""));
+        sum += times[i].weight;
+    }
+    if (!(sum > 0)) return misuse(CALL(&scene->host), "all weights are 0, one must be above");
+    return set_times(scene, times, count);
 }
 
 /* ---- poses that a program makes ---- */

@@ -167,7 +167,7 @@ static void load_parts(struct gltf *g) {
     static void (*const parts[])(struct gltf *) = {
         check_asset,      gltf_load_extensions, gltf_load_buffers,     gltf_load_accessors, gltf_load_compressed, gltf_load_images,
         gltf_load_materials, gltf_load_variants, gltf_load_meshes,     gltf_load_cameras,   gltf_load_nodes,      gltf_load_levels, gltf_load_scenes,
-        gltf_load_skins,  gltf_place,           gltf_load_decals,      gltf_load_animations, gltf_load_environment, gltf_load_xmp,
+        gltf_load_skins,  gltf_place,           gltf_load_decals,      gltf_load_animations, gltf_load_environment, gltf_load_surroundings, gltf_load_xmp,
         gltf_load_material_levels,
     };
     static const char *const counted[] = {"buffers", "images", "meshes", "animations"}; /* whose loaders call gltf_step */
@@ -182,9 +182,17 @@ static void load_parts(struct gltf *g) {
     }
 }
 
-/** Loads into an existing scene whose memory or files hold `bytes`. */
+/** What fnl_scene_save needs to write the file again. */
+static void keep_document(struct gltf *g, const unsigned char *bytes, size_t size) {
+    struct scene_document *document = &g->scene->document;
+    *document = (struct scene_document){bytes, size, g->params.lenient, gltf_keep(g, g->buffer_count, sizeof *document->buffers), g->buffer_count};
+    for (uint32_t i = 0; i < g->buffer_count && document->buffers; i++)
+        if (g->buffers[i].valid && g->buffers[i].data) document->buffers[i] = (struct scene_buffer){g->buffers[i].data, g->buffers[i].size};
+}
+
+/** Loads into an existing scene whose memory or files hold `bytes`. `out_root`, unless NULL, gets the document. */
 static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t size, const char *folder,
-                            const fnl_load_params *params) {
+                            const fnl_load_params *params, json_t **out_root) {
     struct gltf g = {.scene = scene, .host = &scene->host, .name = scene->source, .folder = folder};
     g.params = params ? *params : fnl_load_params_default();
     g.memory_left = g.params.max_memory;
@@ -194,6 +202,8 @@ static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t
     g.is_glb = size >= 4 && read_u32(bytes) == GLB_MAGIC;
     if (!g.is_glb || parse_glb(&g, bytes, size, &json, &json_size)) parse_json(&g, json ? json : "", json_size);
     if (g.result == FNL_OK) load_parts(&g);
+    if (g.result == FNL_OK) keep_document(&g, bytes, size);
+    if (g.result == FNL_OK && out_root) *out_root = json_incref(g.root);
     json_decref(g.root);
     array_free(g.host, &g.vertex_map);
     array_free(g.host, &g.primitive_joints);
@@ -212,9 +222,11 @@ fnl_result gltf_load(const fnl_host *host, const char *path, const fnl_load_para
         log_error(&scene->host, "%.64s…: the path is too long", path);
         result = FNL_ERROR_FILE;
     }
+    const struct scene_source source = {NULL, scene->source, file.data, file.size};
+    if (result == FNL_OK && !array_push(&scene->host, &scene->sources, source)) result = FNL_ERROR_MEMORY;
     if (result == FNL_OK && !array_push(&scene->host, &scene->files, file)) result = FNL_ERROR_MEMORY;
     if (result != FNL_OK) file_free(&scene->host, &file);
-    if (result == FNL_OK) result = load_into(scene, file.data, file.size, folder, params);
+    if (result == FNL_OK) result = load_into(scene, file.data, file.size, folder, params, NULL);
     if (result != FNL_OK) {
         fnl_scene_destroy(&scene);
         return result;
@@ -230,11 +242,46 @@ fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size
     TRY(scene_create(host, name, &scene));
     /* Images point into the bytes for as long as the scene lives, so it keeps a copy. */
     const unsigned char *copy = arena_copy(&scene->arena, bytes, size);
-    fnl_result result = copy ? load_into(scene, copy, size, NULL, params) : FNL_ERROR_MEMORY;
+    fnl_result result = copy ? load_into(scene, copy, size, NULL, params, NULL) : FNL_ERROR_MEMORY;
     if (result != FNL_OK) {
         fnl_scene_destroy(&scene);
         return result;
     }
     *out = scene;
     return FNL_OK;
+}
+
+/* ---- once more, for fnl_scene_save ---- */
+
+struct again {
+    const fnl_scene *scene;
+    uint32_t next; /* the sources are asked for in the order in which they were found */
+};
+
+static fnl_result give_again(void *user, const char *uri, fnl_resource *out) {
+    struct again *again = user;
+    const uint32_t count = again->scene->sources.count;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t at = (again->next + i) % count;
+        const struct scene_source *source = &again->scene->sources.data[at];
+        if (!source->uri || strcmp(source->uri, uri) != 0) continue;
+        again->next = at + 1;
+        out->data = source->data;
+        out->size = (size_t)source->size;
+        return source->data ? FNL_OK : FNL_ERROR_FILE;
+    }
+    return FNL_ERROR_FILE;
+}
+
+fnl_result gltf_load_again(const fnl_host *host, const fnl_scene *scene, fnl_scene **out, json_t **out_root) {
+    struct again again = {scene, 0};
+    fnl_load_params params = fnl_load_params_default();
+    params.lenient = scene->document.lenient;
+    params.max_memory = UINT64_MAX;
+    params.resolve = give_again;
+    params.user = &again;
+    TRY(scene_create(host, scene->source, out));
+    const fnl_result result = load_into(*out, scene->document.bytes, scene->document.size, NULL, &params, out_root);
+    if (result != FNL_OK) fnl_scene_destroy(out);
+    return result;
 }

@@ -178,6 +178,9 @@ struct gltf {
     bool *hidden;          /* by node: KHR_node_visibility hides it and what is below */
 };
 
+/** Loads the file of a scene again, out of what the scene has kept of it; `out_root` gets its JSON. */
+fnl_result gltf_load_again(const fnl_host *host, const fnl_scene *scene, fnl_scene **out, json_t **out_root);
+
 /** One step is done: tells the host, which may cancel the load (gltf.c). */
 void gltf_step(struct gltf *g);
 
@@ -349,9 +352,12 @@ void gltf_load_decals(struct gltf *g);     /* FNL_decal of the shown nodes (gltf
 void gltf_load_animations(struct gltf *g); /* gltf_animation.c */
 /** What a pointer of KHR_animation_pointer names (gltf_animation_pointer.c). False (warned): it cannot be animated. */
 bool gltf_find_target(struct gltf *g, const char *pointer, const struct at *at, struct gltf_target *target);
+/** The properties that a pointer can name, one after the other: false beyond the last. `pointer` has '#' for an index. */
+bool gltf_query_property(uint32_t index, const char **pointer, uint32_t *width, const struct scene_property **out);
 /** The first node that shows a mesh with its weights, or scene light, or scene camera; the others follow by gltf.users. */
 uint32_t gltf_first_user(struct gltf *g, enum gltf_target_kind kind, uint32_t index);
 void gltf_load_environment(struct gltf *g); /* EXT_lights_image_based (gltf_environment.c) */
+void gltf_load_surroundings(struct gltf *g); /* FNL_surroundings (gltf_surroundings.c) */
 /** MSFT_lod (gltf_lod.c): of nodes; and, when all else is there, of the materials that nodes show. */
 void gltf_load_levels(struct gltf *g);
 void gltf_load_material_levels(struct gltf *g);

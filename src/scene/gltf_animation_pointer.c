@@ -180,6 +180,16 @@ bool gltf_find_target(struct gltf *g, const char *pointer, const struct at *at, 
     return row->path != SCENE_PATH_WEIGHTS || find_weights(g, row, at, target);
 }
 
+bool gltf_query_property(uint32_t index, const char **pointer, uint32_t *width, const struct scene_property **out) {
+    uint32_t row = 0;
+    for (uint32_t seen = 0; row < COUNT_OF(rows) && (rows[row].kind != PROPERTY_ROW || seen++ < index); row++) {}
+    if (row == COUNT_OF(rows)) return false;
+    *pointer = rows[row].pattern;
+    *width = rows[row].width;
+    *out = &rows[row].property;
+    return true;
+}
+
 /* ---- what shows a part of the file ---- */
 
 /** The index in the document of the mesh, light or camera that something in the scene shows; SCENE_NONE: none. */

@@ -43,6 +43,7 @@ static const struct known_extension known_extensions[] = {
     {"KHR_texture_basisu", FULL, true, {"/textures/#"}},
     {"MSFT_texture_dds", FULL, true, {"/textures/#"}},
     {"FNL_decal", FULL, true, {"/nodes/#"}},
+    {"FNL_surroundings", FULL, true, {"/scenes/#"}},
     {"KHR_materials_anisotropy", FULL, true, {"/materials/#"}},
     {"KHR_materials_clearcoat", FULL, true, {"/materials/#"}},
     {"KHR_materials_diffuse_transmission", FULL, true, {"/materials/#"}},

@@ -136,7 +136,7 @@ static void load_mesh(struct gltf *g, json_t *object, const struct at *at) {
         struct gltf_primitive_joints joints = {.source = i};
         if (!primitive || !load_primitive(g, primitive, AT_INDEX(primitives_at, i), &primitives[kept], &joints)) continue;
         if (!array_push(g->host, &g->primitive_joints, joints)) gltf_fail_memory(g);
-        kept++;
+        primitives[kept++].source = i;
     }
     const char *name = gltf_name(g, object, at);
     uint32_t index = SCENE_NONE;

@@ -141,10 +141,20 @@ static bool find_loaded(const fnl_scene *scene, const struct file_identity *want
     return false;
 }
 
-static bool read_file(struct gltf *g, const struct at *at, const char *relative, bool needed, const unsigned char **data,
+/** Remembers what a URI stood for, or would have. */
+static void note_source(struct gltf *g, const char *uri, const char *path, const unsigned char *data, uint64_t size) {
+    const struct scene_source source = {arena_string(&g->scene->arena, uri), path ? arena_string(&g->scene->arena, path) : NULL, data, size};
+    if (!source.uri || (path && !source.path) || !array_push(g->host, &g->scene->sources, source)) gltf_fail_memory(g);
+}
+
+static bool read_file(struct gltf *g, const struct at *at, const char *uri, const char *relative, bool needed, const unsigned char **data,
                       uint64_t *size) {
     char real[PATH_SIZE];
-    if (!find_file(g, at, relative, needed, real)) return false;
+    if (!find_file(g, at, relative, needed, real)) {
+        char path[PATH_SIZE];
+        if (snprintf(path, sizeof path, "%s%s", g->folder, relative) < PATH_SIZE) note_source(g, uri, path, NULL, 0);
+        return false;
+    }
     struct gltf_quiet_host quiet;
     gltf_quiet_host_init(&quiet, g->host);
     struct file_view file;
@@ -160,6 +170,7 @@ static bool read_file(struct gltf *g, const struct at *at, const char *relative,
     }
     if (result != FNL_OK) {
         complain(g, at, needed, FNL_ERROR_FILE, "%s", quiet.line);
+        note_source(g, uri, real, NULL, 0);
         return false;
     }
     if (!known && !array_push(g->host, &g->scene->files, file)) {
@@ -169,7 +180,8 @@ static bool read_file(struct gltf *g, const struct at *at, const char *relative,
     }
     *data = file.data;
     *size = file.size;
-    return true;
+    note_source(g, uri, real, file.data, file.size);
+    return g->result != FNL_ERROR_MEMORY;
 }
 
 /* ---- the caller's resolver ---- */
@@ -187,7 +199,8 @@ static bool resolve(struct gltf *g, const struct at *at, const char *uri, bool n
         g->scene->resources.data[g->scene->resources.count++] = resource;
         *data = resource.data;
         *size = resource.data ? resource.size : 0;
-        return true;
+        note_source(g, uri, NULL, *data, *size);
+        return g->result != FNL_ERROR_MEMORY;
     }
     if (result == FNL_ERROR_MEMORY)
         gltf_fail(g, result, at, "the resolver has no memory for '%.100s'", uri);
@@ -224,5 +237,5 @@ bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool ne
                     "'%.100s' is another file, but this glTF is loaded from memory without a resolver", uri);
         return false;
     }
-    return read_file(g, at, path, needed, data, size);
+    return read_file(g, at, uri, path, needed, data, size);
 }

@@ -46,6 +46,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
         if (resource->release) resource->release(resource->user, resource->data, resource->size);
     }
     array_free(&host, &scene->resources);
+    array_free(&host, &scene->sources);
     array_free(&host, &scene->images);
     array_free(&host, &scene->samplers);
     array_free(&host, &scene->materials);

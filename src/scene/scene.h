@@ -149,6 +149,7 @@ struct scene_primitive {
     uint32_t morph_target_count;
     struct box bounds; /* of the base vertices grown by all morph targets */
     uint32_t version, shape_version; /* count the changes of all arrays; of positions and indices among them */
+    uint32_t source; /* its number in the mesh of its file, of whose primitives some may have been left out */
     struct arena memory; /* holds the arrays that fnl_scene_set_mesh has replaced; empty: the scene's does */
 };
 
@@ -324,12 +325,34 @@ struct scene_extension {
     bool required;
 };
 
+/** What a scene was read from. */
+struct scene_source {
+    const char *uri;  /* as it stands in the file; NULL: the file itself */
+    const char *path; /* NULL: a resolver gave it */
+    const unsigned char *data; /* NULL: it is missing */
+    uint64_t size;
+};
+
+/** The file of fnl_scene_load as it is stored; what it refers to is in fnl_scene.sources. For fnl_scene_save. */
+struct scene_document {
+    const unsigned char *bytes; /* NULL: the scene came from no file */
+    size_t size;
+    bool lenient;
+    struct scene_buffer {
+        const unsigned char *data; /* NULL: missing */
+        uint64_t size;
+    } *buffers;
+    uint32_t buffer_count;
+};
+
 struct fnl_scene {
     fnl_host host;
     struct arena arena;
     char *source;                  /* path or builtin:… for messages */
     ARRAY(struct file_view) files; /* kept while images point into them */
     ARRAY(fnl_resource) resources; /* from a resolver; so too */
+    ARRAY(struct scene_source) sources;
+    struct scene_document document;
 
     ARRAY(struct scene_image) images;
     ARRAY(struct scene_sampler) samplers;

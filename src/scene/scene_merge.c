@@ -16,7 +16,7 @@ static uint32_t moved(uint32_t index, uint32_t offset) { return index == SCENE_N
 /* All that can fail. */
 static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     uint64_t nodes = (uint64_t)into->nodes.count + from->nodes.count + 1; /* the root is one more */
-    bool room = ROOM(files) && ROOM(resources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
+    bool room = ROOM(files) && ROOM(resources) && ROOM(sources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
                 ROOM(variants) && ROOM(profiles) && ROOM(levels) && into->profile_floats + from->profile_floats < SCENE_PROFILE_FLOATS_MAX && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
@@ -213,6 +213,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
                                into->probes.count,     into->variants.count};
     APPEND(files);
     APPEND(resources);
+    APPEND(sources);
     append_materials(into, from, &at);
     append_meshes(into, from, &at);
     append_nodes(into, from, &at, root);
