@@ -89,6 +89,7 @@ static void print_help(void) {
          "  --stats FILE|-             writes the statistics as JSON; for a sequence, a line per picture. 'fanal render\n"
          "                             --counters' lists the counters that can be among them\n"
          "  --pixel X,Y[,VIEW]         prints the surface, the light list and each light at a pixel\n"
+         "  --save-scene FILE.glb      writes the scene with what the options above added; without an output nothing is rendered\n"
          "  --plan[=json]              prints the frame graph, as text or for programs\n"
          "  --trace-file FILE          writes when each pass and each part of the CPU's work began and ended, for the last 240 of the\n"
          "                             timed frames or pictures: Chrome's trace format, which Perfetto shows\n"
@@ -160,6 +161,7 @@ enum {
     O_CAMERA_PATH,
     O_START_FRAME,
     O_FORMAT,
+    O_SAVE_SCENE,
 };
 
 /* Options of the frame by their keys, and whose use may be worth a warning. */
@@ -258,6 +260,9 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_integer("start-frame", value, 0, 999999, &integer)) return false;
         o->start_frame = (uint32_t)integer;
         return true;
+    case O_SAVE_SCENE:
+        o->save_scene = value;
+        return render_has_extension(value, "glb") || argument_bad("save-scene", value, "a file that ends in .glb");
     case O_FORMAT:
         if (!argument_name("format", value, render_format_name, &index)) return false;
         o->format = (enum render_format)index;
@@ -296,6 +301,7 @@ static const struct option own_options[] = {
     {"camera-path", required_argument, NULL, O_CAMERA_PATH},
     {"start-frame", required_argument, NULL, O_START_FRAME},
     {"format", required_argument, NULL, O_FORMAT},
+    {"save-scene", required_argument, NULL, O_SAVE_SCENE},
     WORLD_OPTIONS,
 };
 enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
@@ -313,11 +319,12 @@ static bool is_same_file(const char *a, const char *b) {
 }
 
 static bool check_files(const struct render_options *o) {
-    const char *files[RENDER_MAX_OUTPUTS + 3];
+    const char *files[RENDER_MAX_OUTPUTS + 4];
     int count = 0;
     for (; count < o->output_count; count++) files[count] = o->outputs[count];
     if (o->stats) files[count++] = o->stats;
     if (o->trace_file) files[count++] = o->trace_file;
+    if (o->save_scene) files[count++] = o->save_scene;
     int written = count;
     files[count++] = o->world.scene;
     for (int i = 0; i < written; i++)
@@ -349,8 +356,8 @@ static bool check_options(struct render_options *o) {
         if (o->views && !is_stdout && !render_is_sequence(o->outputs[i]))
             problem = "each output of --views has one %d, or as %02d, for the view's number";
     }
-    if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file && !o->frame.pixel.asked)
-        problem = "no output was asked for: give -o FILE, --stats FILE, --pixel X,Y, --plan, --traffic or --trace-file FILE";
+    if (render_shows_nothing(o) && !o->save_scene)
+        problem = "no output was asked for: give -o FILE, --stats FILE, --pixel X,Y, --plan, --traffic, --trace-file FILE or --save-scene FILE";
     if (o->has_format && !has_stdout) problem = "--format is for -o -: files have it in their names";
     if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
     if (world_problem(&o->world)) problem = world_problem(&o->world);

@@ -22,7 +22,7 @@ enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
 
 struct render_options {
     struct world_options world;
-    const char *outputs[RENDER_MAX_OUTPUTS], *views, *camera_path, *device, *stats, *trace_file;
+    const char *outputs[RENDER_MAX_OUTPUTS], *views, *camera_path, *device, *stats, *trace_file, *save_scene;
     int output_count;
     const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
     int given_count;
@@ -56,6 +56,8 @@ bool render_is_sequence(const char *path);
 void render_number_path(const char *pattern, uint32_t index, char *out, size_t capacity);
 /** Whether the run is one: by names of outputs, by a camera's path, or as only sequences go to stdout in this format. */
 bool render_makes_sequence(const struct render_options *options);
+/** Whether nothing is to be rendered. */
+bool render_shows_nothing(const struct render_options *options);
 /** Loads, renders, writes; returns the exit status. */
 int render_run(const struct render_options *options);
 

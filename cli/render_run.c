@@ -288,6 +288,14 @@ static bool takes_stdout(const struct render_options *o) {
     return takes;
 }
 
+bool render_shows_nothing(const struct render_options *o) { return o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file && !o->frame.pixel.asked; }
+
+/* Without a device, where nothing is rendered. */
+static bool load_and_save(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
+    return world_load(&o->world, host, o->frame.width, o->frame.height, o->quiet, scene, camera) &&
+           (!o->save_scene || fnl_scene_save(*scene, o->save_scene, NULL) == FNL_OK);
+}
+
 static bool save_stats(const struct render_options *o, const struct render_report *report) {
     char *text = report_text(report, false);
     if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
@@ -318,10 +326,16 @@ int render_run(const struct render_options *o) {
     if (takes_stdout(o) && !stream_open()) return 2;
     progress_begin(o->quiet, PROGRESS_SECONDS);
     progress_show("loading the scene", 0, 0);
+    if (render_shows_nothing(o)) {
+        const bool saved = load_and_save(o, &host, &scene, &frame.camera);
+        progress_end();
+        fnl_scene_destroy(&scene);
+        return saved ? 0 : 2;
+    }
     bool sequence = render_makes_sequence(o);
     fnl_camera cameras[FNL_VIEWS_MAX];
     uint32_t view_count = 0;
-    bool good = world_load(&o->world, &host, o->frame.width, o->frame.height, o->quiet, &scene, &frame.camera) &&
+    bool good = load_and_save(o, &host, &scene, &frame.camera) &&
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;

@@ -48,7 +48,7 @@ struct sequence {
     fnl_frame_stats stats;
     struct trace_history *trace;
     struct bench_path path;
-    uint32_t animation, end;
+    uint32_t end;
     double time; /* of the animation */
 };
 
@@ -61,7 +61,7 @@ static bool pose(struct sequence *s, uint32_t index) {
     s->time = o->world.time + (file_time ? point->time : index * o->frame_time);
     s->frame.camera = point->camera;
     if (o->world.fov > 0) s->frame.camera.vertical_fov = o->world.fov;
-    return fnl_scene_set_time(s->scene, s->animation, s->time) == FNL_OK;
+    return world_set_time(&o->world, s->scene, s->time);
 }
 
 static bool render(struct sequence *s, struct supersample *mean) {
@@ -124,8 +124,7 @@ bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_s
     s.frame.pin_choice = true;
     char *text = NULL;
     size_t length;
-    if (!world_find_animation(scene, o->world.animation, &s.animation) ||
-        !bench_path_create(&s.path, o->camera_path, scene, &frame->camera, o->frame_count,
+    if (!bench_path_create(&s.path, o->camera_path, scene, &frame->camera, o->frame_count,
                            (float)frame->width / (float)frame->height))
         return false;
     s.end = o->has_frames || !o->camera_path ? o->frame_count : s.path.count;

@@ -136,27 +136,54 @@ const char *world_problem(const struct world_options *o) {
     return NULL;
 }
 
-bool world_find_animation(const fnl_scene *scene, const char *name, uint32_t *out) {
-    fnl_scene_info info;
-    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
-    *out = 0;
-    if (!name) return true;
+static bool find_animation(const fnl_scene *scene, uint32_t count, const char *name, uint32_t *out) {
     char *end;
     unsigned long index = strtoul(name, &end, 10);
-    if (*name && !*end && index < info.animation_count) {
+    if (*name && !*end && index < count) {
         *out = (uint32_t)index;
         return true;
     }
-    for (uint32_t i = 0; i < info.animation_count; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         fnl_animation_info animation;
-        if (fnl_scene_query_animation(scene, i, &animation) == FNL_OK && animation.name &&
-            strcmp(animation.name, name) == 0) {
+        if (fnl_scene_query_animation(scene, i, &animation) == FNL_OK && animation.name && strcmp(animation.name, name) == 0) {
             *out = i;
             return true;
         }
     }
-    fprintf(stderr, "fanal: error: --animation: the scene has no animation '%s' (it has %u)\n", name, info.animation_count);
     return false;
+}
+
+/* "NAME|INDEX:WEIGHT" with commas between. */
+static bool find_animations(const fnl_scene *scene, uint32_t animation_count, const char *text, double time, fnl_animation_time out[WORLD_ANIMATIONS], uint32_t *count) {
+    char *copy = strdup(text), *rest = copy;
+    bool good = copy != NULL;
+    *count = 0;
+    for (char *part; good && (part = strsep(&rest, ","));) {
+        char *colon = strrchr(part, ':'), *end = part;
+        fnl_animation_time *t = &out[*count];
+        if (colon) *colon = 0;
+        t->seconds = time;
+        t->weight = colon ? strtof(colon + 1, &end) : 0;
+        good = *count < WORLD_ANIMATIONS && colon && end > colon + 1 && !*end && t->weight >= 0 && t->weight <= 1e6f && find_animation(scene, animation_count, part, &t->animation);
+        ++*count;
+    }
+    float sum = 0;
+    for (uint32_t i = 0; i < *count && good; i++) sum += out[i].weight;
+    free(copy);
+    return good && sum > 0;
+}
+
+bool world_set_time(const struct world_options *o, fnl_scene *scene, double time) {
+    fnl_animation_time times[WORLD_ANIMATIONS + 1] = {{0, time, 1}};
+    fnl_scene_info info;
+    uint32_t count = 1;
+    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
+    if (o->animation && !find_animation(scene, info.animation_count, o->animation, &times[0].animation) &&
+        !find_animations(scene, info.animation_count, o->animation, time, times, &count)) {
+        fprintf(stderr, "fanal: error: --animation: the scene has no animation '%s' (it has %u), nor is it a list as 0:0.3,1:0.7\n", o->animation, info.animation_count);
+        return false;
+    }
+    return fnl_scene_set_times(scene, times, count) == FNL_OK;
 }
 
 static bool choose_camera(const struct world_options *o, const fnl_scene *scene, float aspect, fnl_camera *out) {
@@ -230,12 +257,10 @@ static bool add_probes(const struct world_options *o, fnl_scene *scene) {
 
 bool world_load(const struct world_options *o, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
                 fnl_camera *camera) {
-    uint32_t animation;
     fnl_load_params loading = o->loading;
     if (!loading.progress) loading.progress = show_loading;
     if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK || !loading_select_variant(*scene, o->variant, NULL)) return false;
-    if (!world_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
-        return false;
+    if (!world_set_time(o, *scene, o->time)) return false;
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
     if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;

@@ -5,7 +5,7 @@
 
 #include "loading.h"
 
-enum { WORLD_PROBES = 32 };
+enum { WORLD_PROBES = 32, WORLD_ANIMATIONS = 16 };
 
 struct world_options {
     const char *scene, *camera, *animation, *variant;
@@ -105,7 +105,7 @@ enum {
     "visible (1)\n"                                                                                                         \
     "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"         \
     "  --time SECONDS             time of the animation (0)\n"                                                              \
-    "  --animation NAME|INDEX     which animation (0)\n"                                                                  \
+    "  --animation NAME|INDEX     which animation (0); or several with their weights: 0:0.3,run:0.7\n"                                                                  \
     "  --probe X,Y,Z,HX,HY,HZ[,SOFTNESS]    adds a probe: the middle of a room and half its size, metres; may be repeated\n" \
     "  --probe auto               adds one whose box is the scene's bounds\n"                                              \
     "  --probe-reflections        the probes of --probe, else those of the scene, are reflection probes\n" LOADING_VARIANT_HELP LOADING_HELP
@@ -118,7 +118,8 @@ bool world_parse(int option, const char *value, struct world_options *out);
 /** What of them does not go together; NULL: all does. */
 const char *world_problem(const struct world_options *options);
 
-bool world_find_animation(const fnl_scene *scene, const char *name, uint32_t *out);
+/** Poses the scene at a time of --animation, which may be several. False with a message. */
+bool world_set_time(const struct world_options *options, fnl_scene *scene, double time);
 /** Loads, poses and lights the scene, and chooses the camera for a picture of this size. False with a message. `quiet`: nothing else is printed. */
 bool world_load(const struct world_options *options, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
                 fnl_camera *camera);
