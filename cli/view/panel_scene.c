@@ -170,6 +170,7 @@ void view_panel_scene(struct view *v) {
     show_cameras(v);
     show_navigation(v);
     show_animation(v);
+    view_panel_blend(v);
     show_variants(v);
     show_exposure(v);
     ui_item_width(-60);
@@ -177,6 +178,7 @@ void view_panel_scene(struct view *v) {
     ui_same_line();
     if (ui_button("save")) view_save_picture(v, v->save_path);
     ui_tooltip("Saves the picture at the window's size, as 'fanal render' would make it: .png or .exr (P)");
+    view_panel_files(v);
     if (ui_button("copy the command")) view_copy_command(v);
     ui_tooltip("Which 'fanal render' makes this picture: into the clipboard, and to the terminal");
     ui_same_line();

@@ -43,6 +43,8 @@ static void show_help(struct view *v) {
                                               {"F", "see the whole scene"},
                                               {"Space", "play, pause"},
                                               {"P", "save the picture"},
+                                              {"Ctrl and O", "open a file"},
+                                              {"V", "record the camera's way, or stop"},
                                               {"Tab", "hide the panels"},
                                               {"F1", "this list"},
                                               {"F2, F3", "the timeline, the frame graph"},
@@ -80,6 +82,7 @@ void view_panels(struct view *v) {
         if (ui_window("Legend", NULL, 356, high - 158, 270, 150)) view_panel_legend(v);
         ui_window_end();
     }
+    view_panel_browser(v);
     if (v->shows_help) show_help(v);
 }
 
@@ -176,24 +179,50 @@ void view_copy_command(const struct view *v) {
     free(text);
 }
 
-void view_print_command(const struct view *v, FILE *file) {
+static void print_options(const struct view *v, FILE *file) {
     fnl_option o;
     char value[64], usual[64];
     const fnl_frame frame = fnl_frame_default();
-    fprintf(file, "fanal render '%s' --size %ux%u", v->shown.source, v->width, v->height);
-    print_camera(v, file);
-    fputs(v->arguments, file);
-    print_surroundings(v, file);
-    if (v->variant[0]) fprintf(file, " --variant '%s'", v->variant);
-    if (v->time > 0) fprintf(file, " --time %.9g --animation %u", v->time, v->animation);
     for (uint32_t i = 0; fnl_option_query(i, &o); i++) {
         fnl_frame_get(&v->frame, o.key, value, sizeof value);
         fnl_frame_get(&frame, o.key, usual, sizeof usual);
         if (strcmp(o.key, "width") != 0 && strcmp(o.key, "height") != 0 && (strcmp(o.key, "shadows") == 0 || strcmp(value, usual) != 0)) fprintf(file, " --set %s=%s", o.key, value);
     }
+}
+
+/* What was said of the scene, and what was chosen in the window. */
+static void print_scene(const struct view *v, FILE *file) {
+    fputs(v->arguments, file);
+    print_surroundings(v, file);
+    if (v->variant[0]) fprintf(file, " --variant '%s'", v->variant);
+}
+
+/* Of the last sequence, with what is set now. */
+static void print_sequence(const struct view *v, FILE *file, uint32_t width, uint32_t height, const char *animation) {
+    const fnl_camera *c = &v->camera.now;
+    fprintf(file, "# the last sequence:\n# fanal render '%s' --size %ux%u --fov %.17g --near %.9g", v->shown.source, width, height,
+            (double)c->vertical_fov * (180 / 3.14159265358979323846), (double)c->near_distance);
+    if (c->up.x != 0 || c->up.y != 1 || c->up.z != 0) fprintf(file, " --up %.9g,%.9g,%.9g", (double)c->up.x, (double)c->up.y, (double)c->up.z);
+    print_scene(v, file);
+    if (v->shown.info.animation_count) fprintf(file, " --time %.17g --animation %s", v->time, animation);
+    print_options(v, file);
+    fprintf(file, " %s\n", v->files.sequence);
+}
+
+void view_print_command(const struct view *v, FILE *file) {
+    uint32_t width, height;
+    char animation[96];
+    view_save_size(v, &width, &height);
+    view_animation_text(v, animation, sizeof animation);
+    fprintf(file, "fanal render '%s' --size %ux%u", v->shown.source, width, height);
+    print_camera(v, file);
+    print_scene(v, file);
+    if (v->time > 0 || view_blends(v)) fprintf(file, " --time %.17g --animation %s", v->time, animation);
+    print_options(v, file);
     fputs(" -o picture.png\n", file);
     const fnl_camera *c = &v->camera.now;
     if ((c->orthographic || c->shift.x != 0 || c->shift.y != 0) && camera_index(v) < 0) fputs("# with a camera that is neither orthographic nor shifted\n", file);
     if (v->shown.changed) fputs("# without what was changed in the window\n", file);
+    if (v->files.sequence[0]) print_sequence(v, file, width, height, animation);
     fflush(file);
 }

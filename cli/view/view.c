@@ -93,6 +93,7 @@ static bool run_window(struct view *v, const struct view_options *o) {
         const double time = view_now(), seconds = fmin(time - last, 0.1);
         last = time;
         view_advance(v, seconds);
+        view_watch(v);
         if (v->wanted == 0) {
             trace_end_frame(v->timeline.history, NULL, 0);
             continue;
@@ -341,9 +342,11 @@ int command_view(int argc, char **argv) {
     snprintf(v->timeline.trace_path, sizeof v->timeline.trace_path, "trace.json");
     v->timeline.history = trace_create(); /* without one there is no timeline */
     v->timeline.zoom = 1;
+    view_files_init(&v->files);
     const bool good = view_compare_start(v, o.compare) && run(v, &o);
     fnl_swapchain_destroy(&v->swapchain);
     view_select_free(v);
+    view_files_finish(v);
     view_scene_free(&v->shown);
     fnl_device_destroy(&v->device.device);
     view_window_destroy(&v->window);

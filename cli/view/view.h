@@ -39,6 +39,9 @@ enum view_event_kind {
     VIEW_SLIDER,  /* x: where that begins, 0 .. 1 of the width */
     VIEW_REPORT,  /* text: writes what all tables say */
     VIEW_TRACE,   /* text: writes what the last frames did and when */
+    VIEW_SAVE_SCENE, /* text: the scene as .glb */
+    VIEW_TURNTABLE,  /* writes `code` pictures once round the scene */
+    VIEW_POLL,       /* looks at once whether files have changed */
     VIEW_EVENT_COUNT
 };
 enum { VIEW_SHIFT = 1, VIEW_CONTROL = 2, VIEW_ALT = 4 }; /* modifiers */
@@ -196,6 +199,48 @@ struct view_timeline {
     struct view_graph *graph;  /* NULL: was never shown */
 };
 
+/* ---- files: what is saved, watched, browsed and recorded (view_reload.c, view_sequence.c, panel_files.c) ---- */
+
+enum { VIEW_PATH = 1024 };
+
+struct view_entry {
+    char name[256];
+    uint64_t size;
+    bool folder;
+};
+
+struct view_point {
+    double seconds;
+    fnl_vec3 eye, target;
+};
+
+struct view_files {
+    uint32_t save_width, save_height; /* of pictures; 0: the window's */
+    char scene_path[VIEW_PATH];
+    /* What is on disk. */
+    uint64_t stamp; /* of all files of the scene */
+    uint32_t quiet; /* looks since it changed */
+    bool changed, again; /* again: what is being loaded is the shown scene */
+    double next_look;
+    /* The browser. */
+    bool browses, browser_saves;
+    char folder[VIEW_PATH], typed[VIEW_PATH];
+    struct view_entry *entries;
+    uint32_t entry_count;
+    /* Sequences. */
+    char pattern[256], flight_path[256], sequence[2000]; /* sequence: options of the command that made the last */
+    uint32_t turntable_count;
+    struct view_flight {
+        bool records;
+        struct view_point *points;
+        uint32_t count, capacity;
+        double seconds;
+    } flight;
+    /* A second animation. */
+    uint32_t blend_with; /* from the count on: none */
+    float blend_part;    /* its weight; the other's is the rest */
+};
+
 struct view {
     struct world_options world;
     fnl_host host;
@@ -266,6 +311,7 @@ struct view {
     uint32_t pass_count;
     uint32_t light; /* that is edited */
     struct view_timeline timeline;
+    struct view_files files;
     struct view_pick {
         bool clicked;      /* what object is there is still to be found out */
         bool asked, known; /* the next frame tells; one did */
@@ -343,6 +389,44 @@ void view_advance(struct view *view, double seconds);
 void view_apply_settings(struct view *view);
 /** The environment as the widgets have it goes to the scene. */
 void view_apply_surroundings(struct view *view);
+
+/** Of view_files; the defaults, and what is freed. */
+static inline void view_files_init(struct view_files *f) {
+    snprintf(f->scene_path, sizeof f->scene_path, "scene.glb");
+    snprintf(f->pattern, sizeof f->pattern, "picture-%%04d.png");
+    snprintf(f->flight_path, sizeof f->flight_path, "path.txt");
+    f->turntable_count = 90;
+    f->blend_with = UINT32_MAX;
+    f->blend_part = 0.5f;
+}
+void view_files_finish(struct view *view);
+/** A new scene is shown: from here on its files are watched. */
+void view_watch_begin(struct view *view);
+/** Looks twice a second whether files have changed, and once they are quiet loads the scene again. */
+void view_watch(struct view *view);
+void view_watch_at_once(struct view *view);
+/** Shows what has been loaded; false: nothing has yet. `wait`: until it has. */
+bool view_take_loaded(struct view *view, bool wait);
+/** Each false with a message. The pictures are those of `fanal render --camera-path`; the call returns when all are written. */
+bool view_save_scene(struct view *view, const char *path);
+bool view_save_sequence(struct view *view, const char *camera_path, const char *pattern);
+bool view_turntable(struct view *view, uint32_t count);
+/** Begins a recording of the camera's way, or ends it and writes it. */
+void view_toggle_flight(struct view *view);
+void view_record_flight(struct view *view, double seconds);
+void view_browse(struct view *view, bool saves);
+void view_panel_browser(struct view *view);
+void view_panel_files(struct view *view); /* a part of the scene's */
+void view_panel_blend(struct view *view); /* so too */
+/** Whether two animations are shown. */
+static inline bool view_blends(const struct view *v) { return v->files.blend_with < v->shown.info.animation_count && v->files.blend_with != v->animation; }
+/** The value of --animation. */
+void view_animation_text(const struct view *view, char *out, size_t capacity);
+void view_save_size(const struct view *view, uint32_t *width, uint32_t *height);
+/** Begins to load; what is on its way is given up. */
+bool view_load(struct view *view, const char *source);
+/** Until all images of the scene are on the device. */
+bool view_wait_for_images(struct view *view, const fnl_frame *frame);
 
 /** Replays a file (view_replay.c); ends after so many frames, if not 0. */
 bool view_replay(struct view *view, const char *path, uint32_t exit_after);

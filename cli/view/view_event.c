@@ -35,7 +35,8 @@ static const struct {
                              [VIEW_SETTLE] = {"settle", ALONE},   [VIEW_SET] = {"set", TEXT},            [VIEW_CLICK] = {"click", TEXT},
                              [VIEW_SAVE] = {"save", TEXT},       [VIEW_CAPTURE] = {"capture", TEXT},
                              [VIEW_COMPARE] = {"compare", TEXT},  [VIEW_SET_B] = {"setb", TEXT},      [VIEW_SLIDER] = {"slider", FACTOR},
-                             [VIEW_COMMAND] = {"command", TEXT},  [VIEW_REPORT] = {"report", TEXT},   [VIEW_TRACE] = {"trace", TEXT}};
+                             [VIEW_COMMAND] = {"command", TEXT},  [VIEW_REPORT] = {"report", TEXT},   [VIEW_TRACE] = {"trace", TEXT},
+                             [VIEW_SAVE_SCENE] = {"savescene", TEXT}, [VIEW_TURNTABLE] = {"turntable", NUMBER}, [VIEW_POLL] = {"poll", ALONE}};
 
 bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out) {
     char name[16] = "", state[8] = "", rest[1024] = "";
@@ -76,6 +77,7 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
     if (good && kind == VIEW_SLIDER) good = out->x >= 0 && out->x <= 1;
     if (good && kind == VIEW_SCALE) good = out->x >= 0.5f && out->x <= 4;
     if (good && kind == VIEW_PAD) good = out->code >= 0 && out->code < 6 && out->x >= -1 && out->x <= 1;
+    if (good && kind == VIEW_TURNTABLE) good = out->code >= 1 && out->code <= 3600;
     if (good && kind == VIEW_KEY) good = out->code >= 0 && out->code < 512;
     if (!good) {
         fprintf(stderr, "fanal: error: %s:%u: not an event: %.100s", path, line, text);

@@ -70,6 +70,7 @@ void view_show(struct view *v, struct view_scene *scene) {
     v->good = v->frame;
     if (!v->compare.own_shadows) v->compare.frame.shadows = usual_shadows(v);
     v->compare.good = v->compare.frame;
+    view_watch_begin(v);
     char title[300];
     snprintf(title, sizeof title, "%.200s%sFanal", scene->source ? scene->source : "", scene->source ? " - " : "");
     if (v->window) view_window_set_title(v->window, title);
@@ -84,16 +85,10 @@ bool view_ends_with(const char *text, const char *end) {
     return a >= b && strcasecmp(text + a - b, end) == 0;
 }
 
-void view_open(struct view *v, const char *source) {
-    if (v->shown.scene && (view_ends_with(source, ".hdr") || view_ends_with(source, ".exr") || strcmp(source, "builtin:studio") == 0)) {
-        snprintf(v->surroundings.source, sizeof v->surroundings.source, "%s", source);
-        v->surroundings.none = false;
-        view_apply_surroundings(v);
-        return;
-    }
+bool view_load(struct view *v, const char *source) {
     struct view_loader *l = &v->loader;
-    v->opened = view_now();
     fnl_swapchain_info info = {0};
+    v->opened = view_now();
     view_loader_stop(l);
     if (v->swapchain) fnl_swapchain_query_info(v->swapchain, &info);
     l->device = &v->device;
@@ -104,7 +99,21 @@ void view_open(struct view *v, const char *source) {
     l->frame.height = l->frame.height ? l->frame.height : 1;
     l->own_shadows = v->own_shadows;
     l->format = (uint32_t)info.format;
-    if (!view_loader_start(l, source)) view_say(v, FNL_LOG_ERROR, "memory ran out");
+    const bool good = view_loader_start(l, source);
+    if (!good) view_say(v, FNL_LOG_ERROR, "memory ran out");
+    return good;
+}
+
+void view_open(struct view *v, const char *source) {
+    if (v->shown.scene && (view_ends_with(source, ".hdr") || view_ends_with(source, ".exr") || strcmp(source, "builtin:studio") == 0)) {
+        snprintf(v->surroundings.source, sizeof v->surroundings.source, "%s", source);
+        v->surroundings.none = false;
+        view_apply_surroundings(v);
+        return;
+    }
+    v->files.again = false;
+    v->files.blend_with = UINT32_MAX;
+    view_load(v, source);
     view_want(v, 1);
 }
 
@@ -117,6 +126,7 @@ void view_apply_surroundings(struct view *v) {
         s->changed = true;
         fnl_scene_query_info(v->shown.scene, &v->shown.info);
         if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
+        view_watch_begin(v);
     }
     view_want(v, 2);
 }
@@ -142,8 +152,12 @@ void view_frame_all(struct view *v) {
 void view_set_time(struct view *v, double time) {
     fnl_animation_info info;
     if (!v->shown.scene || fnl_scene_query_animation(v->shown.scene, v->animation, &info) != FNL_OK) return;
-    v->time = info.duration > 0 ? fmod(time, info.duration) : 0;
-    fnl_scene_set_time(v->shown.scene, v->animation, v->time);
+    double duration = info.duration;
+    const bool blends = view_blends(v) && fnl_scene_query_animation(v->shown.scene, v->files.blend_with, &info) == FNL_OK;
+    if (blends) duration = fmax(duration, info.duration);
+    v->time = duration > 0 ? fmod(time, duration) : 0;
+    const fnl_animation_time times[] = {{v->animation, v->time, blends ? 1 - v->files.blend_part : 1}, {v->files.blend_with, v->time, v->files.blend_part}};
+    fnl_scene_set_times(v->shown.scene, times, blends ? 2 : 1);
     v->select.stamp++;
     view_want(v, 2);
 }
@@ -315,7 +329,7 @@ static bool save_image(struct view *v, fnl_result result, const char *path, fnl_
 }
 
 /* Frames take up images as they come, those of any renderer for all. */
-static bool wait_for_images(struct view *v, const fnl_frame *frame) {
+bool view_wait_for_images(struct view *v, const fnl_frame *frame) {
     fnl_renderer *renderer = NULL;
     fnl_frame small = *frame;
     fnl_frame_stats stats;
@@ -346,11 +360,12 @@ bool view_save_picture(struct view *v, const char *path) {
     fnl_renderer *renderer = NULL;
     fnl_frame_stats stats;
     fnl_frame frame = view_whole_frame(v);
-    if (v->width == 0 || v->height == 0) return false;
+    view_save_size(v, &frame.width, &frame.height);
+    if (frame.width == 0 || frame.height == 0) return false;
     frame.outputs = view_ends_with(path, ".exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     frame.pin_choice = true;
     pthread_mutex_lock(&v->device.mutex);
-    bool good = wait_for_images(v, &frame) && fnl_renderer_create(v->device.device, v->shown.scene, &renderer) == FNL_OK;
+    bool good = view_wait_for_images(v, &frame) && fnl_renderer_create(v->device.device, v->shown.scene, &renderer) == FNL_OK;
     for (int i = frame.aa == FNL_ANTIALIASING_TAA ? TAA_FRAMES : 1; i > 0 && good; i--) good = fnl_renderer_render(renderer, &frame) == FNL_OK;
     good = good && fnl_renderer_query_stats(renderer, &stats) == FNL_OK && render_settle_pools(renderer, &frame, &stats) &&
            save_last(v, renderer, path, (fnl_output)frame.outputs);

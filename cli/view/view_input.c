@@ -27,6 +27,12 @@ static void press_key(struct view *v, int key) {
     case 'F':
         view_frame_all(v);
         break;
+    case 'O':
+        if (v->modifiers & VIEW_CONTROL) view_browse(v, false);
+        break;
+    case 'V':
+        view_toggle_flight(v);
+        break;
     case 'P':
         view_save_picture(v, v->save_path);
         break;
@@ -176,11 +182,7 @@ bool view_feed(struct view *v, const struct view_event *e, bool *out_wants_frame
 
 /* What goes on by itself: keys that are held down, the animation, what is being loaded. */
 void view_advance(struct view *v, double seconds) {
-    struct view_scene scene;
-    if (view_loader_take(&v->loader, false, &scene)) {
-        view_show(v, &scene);
-        view_want(v, 2);
-    }
+    if (view_take_loaded(v, false)) view_want(v, 2);
     if (v->loader.running || v->pending > 0) {
         view_want(v, 1);
         v->moving = true;
@@ -212,6 +214,8 @@ void view_advance(struct view *v, double seconds) {
         v->moving = true;
         view_want(v, 2);
     }
+    view_record_flight(v, seconds);
+    if (v->files.flight.records) view_want(v, 1);
     if (v->drag >= 0 || v->select.gizmo.held >= 0) v->moving = true;
     const bool b_gathers = v->compare.mode != VIEW_COMPARE_OFF && v->compare.frame.aa == FNL_ANTIALIASING_TAA;
     if ((v->frame.aa == FNL_ANTIALIASING_TAA || b_gathers) && v->moving) view_want(v, 16);

@@ -11,8 +11,7 @@
 #include <time.h>
 
 static bool settle(struct view *v) {
-    struct view_scene scene;
-    if (view_loader_take(&v->loader, true, &scene)) view_show(v, &scene);
+    view_take_loaded(v, true);
     view_want(v, 2);
     for (uint32_t i = 0; (i < 1000 || v->pending > 0) && v->wanted > 0 && !v->plays; i++) {
         if (v->pending > 0) nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
@@ -55,6 +54,19 @@ static bool click(struct view *v, const char *label) {
     return view_feed(v, &e, &ignored) && view_draw_frame(v, 1.0 / 60);
 }
 
+/* "FILE", or "FILE WIDTH HEIGHT", a size that stays for what follows. */
+static bool save(struct view *v, const char *text) {
+    char path[VIEW_PATH];
+    int used = 0;
+    uint32_t width, height;
+    if (sscanf(text, "%1023s %u %u %n", path, &width, &height, &used) == 3 && !text[used] && width <= 16384 && height <= 16384) {
+        v->files.save_width = width;
+        v->files.save_height = height;
+        text = path;
+    }
+    return view_save_picture(v, text);
+}
+
 static bool replay_event(struct view *v, const struct view_event *e) {
     switch (e->kind) {
     case VIEW_FRAMES:
@@ -75,7 +87,14 @@ static bool replay_event(struct view *v, const struct view_event *e) {
     case VIEW_CLICK:
         return click(v, e->text);
     case VIEW_SAVE:
-        return view_save_picture(v, e->text);
+        return save(v, e->text);
+    case VIEW_SAVE_SCENE:
+        return view_save_scene(v, e->text);
+    case VIEW_TURNTABLE:
+        return view_turntable(v, (uint32_t)e->code);
+    case VIEW_POLL:
+        view_watch_at_once(v);
+        return true;
     case VIEW_CAPTURE:
         return view_save_capture(v, e->text);
     case VIEW_COMMAND:
