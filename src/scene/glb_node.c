@@ -111,6 +111,7 @@ static void patch_node(struct glb *g, json_t *object, uint32_t index) {
     const bool moves = glb_animates_node(g, index, SCENE_PATH_TRANSLATION) || glb_animates_node(g, index, SCENE_PATH_ROTATION) ||
                        glb_animates_node(g, index, SCENE_PATH_SCALE);
     if (now->removed) {
+        if (base->parent != SCENE_NONE && g->scene->nodes.data[base->parent].removed) return; /* it goes with that one */
         list_roots(g);
         json_t *scenes = json_object_get(g->root, "scenes"), *nodes = json_object_get(g->root, "nodes");
         for (uint32_t i = 0; i < gltf_count(scenes); i++) {
