@@ -215,7 +215,7 @@ void view_advance(struct view *v, double seconds) {
         view_want(v, 2);
     }
     view_record_flight(v, seconds);
-    if (v->files.flight.records) view_want(v, 1);
+    if (v->files.flight.records && v->window) view_want(v, 1); /* a place for each picture, at rest too */
     if (v->drag >= 0 || v->select.gizmo.held >= 0) v->moving = true;
     const bool b_gathers = v->compare.mode != VIEW_COMPARE_OFF && v->compare.frame.aa == FNL_ANTIALIASING_TAA;
     if ((v->frame.aa == FNL_ANTIALIASING_TAA || b_gathers) && v->moving) view_want(v, 16);
