@@ -117,6 +117,14 @@ static void test_one_animation_is_set_time_to_the_bit(void **state) {
         assert_int_equal(fnl_scene_set_times(blended, twice, 2), FNL_OK);
         for (int k = 0; k < 16; k++) near(blended->nodes.data[0].world.m[k], plain->nodes.data[0].world.m[k]);
     }
+    /* What one alone sets is not rounded by the weights. */
+    assert_int_equal(fnl_scene_set_time(plain, 0, 0.4975), FNL_OK);
+    for (int i = 1; i < 50; i++) {
+        const fnl_animation_time times[] = {{0, 0.4975, (float)i * 0.037f}, {1, 0.9, 0.7f}};
+        assert_int_equal(fnl_scene_set_times(blended, times, 2), FNL_OK);
+        assert_true(blended->nodes.data[1].translation.x == plain->nodes.data[1].translation.x);
+        assert_true(blended->nodes.data[0].morph_weights[0] == plain->nodes.data[0].morph_weights[0]);
+    }
     fnl_scene_destroy(&blended);
     fnl_scene_destroy(&plain);
 }

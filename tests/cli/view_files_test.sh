@@ -38,7 +38,9 @@ triangle() {
   {"name": "still", "samplers": [{"input": 1, "output": 2, "interpolation": "STEP"}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]}
 EOF
     sed -i 's/"nodes": \[{"mesh": 0}\]/"nodes": [{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}]/' swing.gltf
-    # -1 -1 0, X -1 0, 0 1 0
+    positions "$1"
+}
+positions() { # -1 -1 0, X -1 0, 0 1 0
     { printf '\0\0\200\277\0\0\200\277\0\0\0\0'; printf "$1"; printf '\0\0\200\277\0\0\0\0\0\0\0\0\0\0\200\077\0\0\0\0'; } >swing.bin
 }
 narrow='\0\0\0\077' wide='\0\0\200\077' # 0.5, 1
@@ -176,7 +178,7 @@ tell() { printf '%s\n' "$@" >&4; }
 wait_for() { for _ in $(seq 600); do [ -s "$1" ] && return; kill -0 $viewer 2>/dev/null || break; sleep 0.1; done; fail "$1 is not written"; }
 tell 'wheel 0 2' settle 'save first.png' 'set shading=visibility' settle 'report first.tsv'
 wait_for first.tsv
-triangle "$wide" # the .bin alone differs, but both were written
+positions "$wide" # in the buffer's file alone
 tell poll settle 'save second.png' 'command second.sh' 'report second.tsv'
 wait_for second.tsv
 printf 'broken' >swing.gltf
