@@ -222,7 +222,7 @@ void view_print_command(const struct view *v, FILE *file) {
     fputs(" -o picture.png\n", file);
     const fnl_camera *c = &v->camera.now;
     if ((c->orthographic || c->shift.x != 0 || c->shift.y != 0) && camera_index(v) < 0) fputs("# with a camera that is neither orthographic nor shifted\n", file);
-    if (v->shown.changed) fputs("# without what was changed in the window\n", file);
+    if (v->shown.changed) fputs("# without what was changed in the window; 'save scene' keeps that\n", file);
     if (v->files.sequence[0]) print_sequence(v, file, width, height, animation);
     fflush(file);
 }

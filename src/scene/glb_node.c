@@ -10,6 +10,7 @@ json_t *glb_roots(struct glb *g) {
     const json_t *value = json_object_get(g->root, "scene");
     const json_int_t shown = json_is_integer(value) && json_integer_value(value) < (json_int_t)json_array_size(scenes) ? json_integer_value(value) : 0;
     if (!value) glb_set(g, g->root, "scene", json_integer(0));
+    if (!json_is_object(json_array_get(scenes, (size_t)shown))) json_array_set_new(scenes, (size_t)shown, json_object());
     return glb_array(g, json_array_get(scenes, (size_t)shown), "nodes");
 }
 
