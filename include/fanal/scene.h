@@ -145,8 +145,8 @@ FNL_API fnl_save_params fnl_save_params_default(void);
  * of the file. What an animation of the file sets stays as the file has it, as does the choice of a variant. The file itself and what it refers to are not
  * read again; the picture of an environment is. A scene of another origin is written whole.
  *
- * glTF has no words for some of it. Light shapes and shadows go into extras, ambient light, background and environment into the extension
- * FNL_surroundings, which fnl_scene_load reads. What is left out is logged as a warning: probes, hulls, new light profiles, decals (those of the file
+ * glTF has no words for some of it. Light shapes and shadows go into extras, ambient light, background, environment and probes into the
+ * extension FNL_surroundings, which fnl_scene_load reads. What is left out is logged as a warning: hulls, new light profiles, decals (those of the file
  * stay), an environment that came as fnl_image, shifts of cameras, cutoff and anisotropy.
  *
  * FNL_ERROR_UNSUPPORTED: it does not fit into max_size.

@@ -73,6 +73,41 @@ static void save_color(struct glb *g, const char *key, vec3 now, vec3 before) {
     if (memcmp(&now, &before, sizeof now) != 0) glb_set(g, glb_extension(g, shown_scene(g), NAME), key, glb_floats(&now.x, 3));
 }
 
+static json_t *probes_of(struct glb *g, const fnl_scene *scene) {
+    json_t *array = json_array();
+    for (uint32_t i = 0; scene && i < scene->probes.count; i++) {
+        const fnl_probe_params *p = &scene->probes.data[i].params;
+        if (scene->probes.data[i].removed) continue;
+        json_t *object = json_object();
+        glb_set(g, object, "centre", glb_floats(&p->centre.x, 3));
+        glb_set(g, object, "halfSize", glb_floats(&p->half_size.x, 3));
+        glb_set(g, object, "rotation", glb_floats(&p->rotation.x, 4));
+        glb_set(g, object, "capture", glb_floats(&p->capture.x, 3));
+        glb_set(g, object, "wall", glb_float(p->wall));
+        glb_set(g, object, "faceSize", json_integer((json_int_t)p->face_size));
+        glb_set(g, object, "shadows", json_boolean(p->shadows));
+        glb_set(g, object, "softness", glb_float(p->softness));
+        glb_set(g, object, "reflection", json_boolean(p->reflection));
+        glb_set(g, object, "blend", glb_float(p->blend));
+        glb_set(g, object, "priority", json_integer(p->priority));
+        glb_set(g, object, "intensity", glb_float(p->intensity));
+        glb_append(g, array, object);
+    }
+    return array;
+}
+
+static void save_probes(struct glb *g) {
+    json_t *now = probes_of(g, g->scene), *before = probes_of(g, g->file);
+    if (!json_equal(now, before)) {
+        if (json_array_size(now) > 0)
+            glb_set(g, glb_extension(g, shown_scene(g), NAME), "probes", json_incref(now));
+        else
+            json_object_del(json_object_get(json_object_get(shown_scene(g), "extensions"), NAME), "probes");
+    }
+    json_decref(now);
+    json_decref(before);
+}
+
 /* Decals by what they are: of a file those that it gave itself are no change. */
 static uint32_t other_decals(const struct glb *g) {
     uint32_t count = 0;
@@ -93,8 +128,8 @@ void glb_save_surroundings(struct glb *g) {
     save_color(g, "ambientGround", now->ambient_ground, g->file ? g->file->ambient_ground : black);
     save_color(g, "background", now->background, g->file ? g->file->background : black);
     save_environment(g);
-    const uint32_t probes = scene_entity_count(now, FNL_ENTITY_PROBE), decals = other_decals(g);
-    if (probes) glb_left_out(g, "%u probes", probes);
+    save_probes(g);
+    const uint32_t decals = other_decals(g);
     if (decals) glb_left_out(g, "%u decals that were added, changed or removed", decals);
     if (now->cutoff_roughness != LIGHT_CUTOFF_ROUGHNESS || now->cutoff_illuminance != LIGHT_CUTOFF_ILLUMINANCE)
         glb_left_out(g, "how far lights without a range reach (fnl_scene_set_light_cutoff)");

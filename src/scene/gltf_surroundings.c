@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * FNL_surroundings of the shown scene: ambient light, background and environment, which glTF has no words for (docs/embedding.md). fnl_scene_save
+ * FNL_surroundings of the shown scene: ambient light, background, environment and probes, which glTF has no words for (docs/embedding.md). fnl_scene_save
  * writes it.
  */
 #include "image/image.h"
@@ -49,6 +49,29 @@ static void load_environment(struct gltf *g, json_t *object, const struct at *at
     }
 }
 
+static void load_probe(struct gltf *g, json_t *object, const struct at *at) {
+    fnl_probe_params p = fnl_probe_params_default();
+    uint64_t face_size = p.face_size;
+    float priority = 0;
+    fnl_probe_id id;
+    gltf_floats(g, object, at, "centre", 3, -FLT_MAX, FLT_MAX, &p.centre.x);
+    gltf_floats(g, object, at, "halfSize", 3, FLT_MIN, FLT_MAX, &p.half_size.x);
+    gltf_floats(g, object, at, "rotation", 4, -1, 1, &p.rotation.x);
+    gltf_floats(g, object, at, "capture", 3, -FLT_MAX, FLT_MAX, &p.capture.x);
+    gltf_float(g, object, at, "wall", false, FLT_MIN, FLT_MAX, &p.wall);
+    gltf_uint(g, object, at, "faceSize", false, 8, 2048, &face_size);
+    gltf_float(g, object, at, "softness", false, 0, 16, &p.softness);
+    gltf_float(g, object, at, "blend", false, 0, FLT_MAX, &p.blend);
+    gltf_float(g, object, at, "intensity", false, 0, FLT_MAX, &p.intensity);
+    if (gltf_float(g, object, at, "priority", false, -2e9f, 2e9f, &priority)) p.priority = (int32_t)priority;
+    p.face_size = (uint32_t)face_size;
+    p.shadows = gltf_bool(g, object, at, "shadows", p.shadows);
+    p.reflection = gltf_bool(g, object, at, "reflection", p.reflection);
+    const fnl_result result = fnl_scene_add_probe(g->scene, &p, &id); /* says what is wrong */
+    if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
+    if (result != FNL_OK) gltf_warn(g, at, "is no probe; it is left out");
+}
+
 void gltf_load_surroundings(struct gltf *g) {
     json_t *scenes = json_object_get(g->root, "scenes"); /* gltf_load_scenes has complained of what is wrong there */
     const json_t *value = json_object_get(g->root, "scene");
@@ -63,4 +86,10 @@ void gltf_load_surroundings(struct gltf *g) {
     gltf_floats(g, extension, &place.extension, "background", 3, 0, FLT_MAX, &g->scene->background.x);
     json_t *environment = gltf_object(g, extension, &place.extension, "environment", false);
     if (environment) load_environment(g, environment, AT_KEY(&place.extension, "environment"));
+    json_t *probes = gltf_array(g, extension, &place.extension, "probes", false);
+    const struct at *probes_at = AT_KEY(&place.extension, "probes");
+    for (uint32_t i = 0; i < gltf_count(probes) && g->result == FNL_OK; i++) {
+        json_t *probe = gltf_element(g, probes, probes_at, i);
+        if (probe) load_probe(g, probe, AT_INDEX(probes_at, i));
+    }
 }
