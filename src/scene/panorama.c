@@ -11,8 +11,11 @@ void panorama_finish(const fnl_host *host, struct panorama *p) {
     *p = (struct panorama){0};
 }
 
+static float longitude_of(const struct panorama *p, float x) { return ((x + 0.5f) / (float)p->width - 0.5f) * 2 * PI; }
+static float latitude_of(const struct panorama *p, float y) { return (y + 0.5f) / (float)p->height * PI; }
+
 vec3 panorama_direction(const struct panorama *p, float x, float y) {
-    const float longitude = ((x + 0.5f) / (float)p->width - 0.5f) * 2 * PI, latitude = (y + 0.5f) / (float)p->height * PI;
+    const float longitude = longitude_of(p, x), latitude = latitude_of(p, y);
     return vec3_make(sinf(latitude) * cosf(longitude), cosf(latitude), sinf(latitude) * sinf(longitude));
 }
 
@@ -26,7 +29,7 @@ static float texel_angle(const struct panorama *p, uint32_t y) { /* steradian */
     return 2 * PI / (float)p->width * (cosf(step * (float)y) - cosf(step * (float)(y + 1)));
 }
 
-static float texel_luminance(const float *texel) { return 0.2126f * texel[0] + 0.7152f * texel[1] + 0.0722f * texel[2]; }
+static inline float texel_luminance(const float *texel) { return 0.2126f * texel[0] + 0.7152f * texel[1] + 0.0722f * texel[2]; }
 
 fnl_result panorama_shrink(const fnl_host *host, struct panorama *p, uint32_t most_width) {
     const size_t before = byte_count(p);
@@ -53,18 +56,35 @@ fnl_result panorama_shrink(const fnl_host *host, struct panorama *p, uint32_t mo
 
 /* ---- bright sources ---- */
 
+/* What all of it gives to a sphere, as if it came at right angles, where nothing is brighter than `most`: cd/m^2 times steradian. */
+static double whole_light(const struct panorama *p, const float *luminances, float most) {
+    enum { ROWS = 4 }; /* at once: sums of several rows do not wait for each other */
+    double sum = 0;
+    for (uint32_t first = 0; first < p->height; first += ROWS) {
+        const uint32_t rows = MIN(p->height - first, (uint32_t)ROWS);
+        const float *at = luminances + (size_t)first * p->width;
+        double sums[ROWS] = {0};
+        if (rows == ROWS)
+            for (uint32_t x = 0; x < p->width; x++)
+                for (uint32_t r = 0; r < ROWS; r++) {
+                    const float l = at[(size_t)r * p->width + x];
+                    sums[r] += (double)(l < most ? l : most);
+                }
+        else
+            for (uint32_t r = 0; r < rows; r++)
+                for (uint32_t x = 0; x < p->width; x++) sums[r] += (double)fminf(at[(size_t)r * p->width + x], most);
+        for (uint32_t r = 0; r < rows; r++) sum += sums[r] * (double)texel_angle(p, first + r);
+    }
+    return sum;
+}
+
 /* Texels above it belong to sources: so many times the mean of what is below it. */
-static float threshold_of(const struct panorama *p) {
+static float threshold_of(const struct panorama *p, const float *luminances, double whole) {
     enum { TIMES = 12, ROUNDS = 8 };
-    float threshold = FLT_MAX;
-    for (uint32_t round = 0; round < ROUNDS; round++) {
-        double sum = 0;
-        for (uint32_t y = 0; y < p->height; y++) {
-            double row = 0;
-            for (uint32_t x = 0; x < p->width; x++) row += (double)fminf(texel_luminance(p->texels + 3 * ((size_t)y * p->width + x)), threshold);
-            sum += row * (double)texel_angle(p, y);
-        }
-        threshold = TIMES * (float)(sum / (4 * (double)PI));
+    float threshold = TIMES * (float)(whole / (4 * (double)PI)), before = FLT_MAX;
+    for (uint32_t round = 1; round < ROUNDS && threshold != before; round++) {
+        before = threshold;
+        threshold = TIMES * (float)(whole_light(p, luminances, threshold) / (4 * (double)PI));
     }
     return threshold;
 }
@@ -107,17 +127,6 @@ static float region_light(const struct region *r) {
     return texel_luminance(light);
 }
 
-/* What all of it gives to a sphere, as if it came at right angles: cd/m^2 times steradian. */
-static double whole_light(const struct panorama *p) {
-    double sum = 0;
-    for (uint32_t y = 0; y < p->height; y++) {
-        double row = 0;
-        for (uint32_t x = 0; x < p->width; x++) row += (double)texel_luminance(p->texels + 3 * ((size_t)y * p->width + x));
-        sum += row * (double)texel_angle(p, y);
-    }
-    return sum;
-}
-
 /* Lowers what hangs together with `start` to the threshold. */
 static void lower(struct panorama *p, uint32_t start, float threshold, uint8_t *seen, uint32_t *stack) {
     uint32_t count = 0;
@@ -139,16 +148,15 @@ static void lower(struct panorama *p, uint32_t start, float threshold, uint8_t *
     }
 }
 
-fnl_result panorama_part(const fnl_host *host, struct panorama *p, struct panorama_source out[ENVIRONMENT_LIGHTS_MAX], uint32_t *count) {
+/* In `p`, by the luminances of its texels; `seen` and `stack` have room for all. */
+static void part(struct panorama *p, const float *luminances, uint8_t *seen, uint32_t *stack, struct panorama_source *out, uint32_t *count) {
     const size_t texel_count = (size_t)p->width * p->height;
-    const float least = 0.02f * (float)whole_light(p), threshold = threshold_of(p), widest = 2 * PI * (1 - cosf(5 * PI / 180));
+    const double whole = whole_light(p, luminances, FLT_MAX);
+    const float least = 0.02f * (float)whole, threshold = threshold_of(p, luminances, whole), widest = 2 * PI * (1 - cosf(5 * PI / 180));
     uint32_t starts[ENVIRONMENT_LIGHTS_MAX + 1];
     struct region regions[ENVIRONMENT_LIGHTS_MAX + 1];
-    *count = 0;
-    uint8_t *seen = host_allocate_zero(host, texel_count);
-    uint32_t *stack = host_allocate(host, texel_count * sizeof *stack);
-    for (uint32_t i = 0; i < texel_count && seen && stack; i++) {
-        if (seen[i] || !(texel_luminance(p->texels + 3 * (size_t)i) > threshold)) continue;
+    for (uint32_t i = 0; i < texel_count; i++) {
+        if (!(luminances[i] > threshold) || seen[i]) continue;
         const struct region r = flood(p, i, threshold, seen, stack);
         if (!(region_light(&r) > least) || r.angle > (double)widest) continue;
         uint32_t place = *count; /* the brightest come first; the last of one too many drops out */
@@ -168,77 +176,133 @@ fnl_result panorama_part(const fnl_host *host, struct panorama *p, struct panora
             .direction = vec3_normalize(vec3_make((float)r->toward[0], (float)r->toward[1], (float)r->toward[2])),
             .half_angle = acosf(fmaxf(1 - (float)r->angle / (2 * PI), -1))};
     }
-    const fnl_result result = seen && stack ? FNL_OK : FNL_ERROR_MEMORY;
+}
+
+fnl_result panorama_part(const fnl_host *host, struct panorama *p, struct panorama_source out[ENVIRONMENT_LIGHTS_MAX], uint32_t *count) {
+    const size_t texel_count = (size_t)p->width * p->height;
+    uint8_t *seen = host_allocate_zero(host, texel_count);
+    uint32_t *stack = host_allocate(host, texel_count * sizeof *stack);
+    float *luminances = host_allocate(host, texel_count * sizeof *luminances);
+    const fnl_result result = seen && stack && luminances ? FNL_OK : FNL_ERROR_MEMORY;
+    *count = 0;
+    for (size_t i = 0; i < texel_count && result == FNL_OK; i++) luminances[i] = texel_luminance(p->texels + 3 * i);
+    if (result == FNL_OK) part(p, luminances, seen, stack, out, count);
     if (seen) host_free(host, seen, texel_count);
     if (stack) host_free(host, stack, texel_count * sizeof *stack);
+    if (luminances) host_free(host, luminances, texel_count * sizeof *luminances);
     return result;
 }
 
 /* ---- made by code ---- */
 
-/* 1 inside a rectangle on the sphere, with soft edges; angles in degrees, `azimuth` anticlockwise from +X to -Z. */
-static float soft_box(vec3 d, float azimuth, float elevation, float half_width, float half_height, float edge) {
+/* A rectangle on the sphere with soft edges, and its light. */
+struct soft_box {
+    vec3 out, side, up, color;
+    float strength, half_width, half_height, edge; /* the last three: tangents */
+};
+
+/* Angles in degrees, `azimuth` anticlockwise from +X to -Z. */
+static struct soft_box soft_box(vec3 color, float strength, float azimuth, float elevation, float half_width, float half_height, float edge) {
     const float a = azimuth * (PI / 180), e = elevation * (PI / 180);
-    const vec3 out = vec3_make(cosf(e) * cosf(a), sinf(e), -cosf(e) * sinf(a)), side = vec3_make(sinf(a), 0, cosf(a)), up = vec3_cross(side, out);
-    const float along = vec3_dot(d, out);
+    const vec3 out = vec3_make(cosf(e) * cosf(a), sinf(e), -cosf(e) * sinf(a)), side = vec3_make(sinf(a), 0, cosf(a));
+    return (struct soft_box){out, side, vec3_cross(side, out), color, strength, tanf(half_width * (PI / 180)), tanf(half_height * (PI / 180)), edge};
+}
+
+/* 1 inside. */
+static float soft_box_part(const struct soft_box *box, vec3 d) {
+    const float along = vec3_dot(d, box->out);
     if (along <= 0) return 0;
-    const float x = fabsf(vec3_dot(d, side)) / along, y = fabsf(vec3_dot(d, up)) / along;
-    const float in_x = CLAMP((tanf(half_width * (PI / 180)) - x) / edge, 0.0f, 1.0f), in_y = CLAMP((tanf(half_height * (PI / 180)) - y) / edge, 0.0f, 1.0f);
+    const float x = fabsf(vec3_dot(d, box->side)) / along, y = fabsf(vec3_dot(d, box->up)) / along;
+    const float in_x = CLAMP((box->half_width - x) / box->edge, 0.0f, 1.0f), in_y = CLAMP((box->half_height - y) / box->edge, 0.0f, 1.0f);
     return in_x * in_x * (3 - 2 * in_x) * in_y * in_y * (3 - 2 * in_y);
 }
 
+/* What a sky is made of: the same for all directions. */
+struct sky {
+    struct soft_box boxes[4];
+    vec3 sun;
+    float sun_cosine, gradation_zenith, glow_zenith, glow_edge;
+};
+
 /* A dark room with a large light to the left of a viewer at +Z, a fainter one to the right, one overhead and a strip behind. */
-static vec3 studio(vec3 d) {
+static struct sky studio_begin(void) {
+    return (struct sky){.boxes = {soft_box(vec3_make(1, 0.97f, 0.92f), 7, 215, 35, 24, 20, 0.08f),
+                                  soft_box(vec3_make(0.93f, 0.97f, 1), 2.5f, -25, 20, 18, 26, 0.08f),
+                                  soft_box(vec3_make(1, 1, 1), 3.5f, 90, 85, 30, 30, 0.12f),
+                                  soft_box(vec3_make(0.95f, 0.98f, 1), 5, 90, 15, 50, 5, 0.05f)}};
+}
+
+static vec3 studio(const struct sky *sky, vec3 d) {
     const float wall = d.y > 0 ? 0.25f + 0.2f * d.y : 0.25f + 0.25f * d.y * d.y;
     vec3 light = vec3_scale(vec3_make(1, 1.01f, 1.04f), wall);
-    light = vec3_add(light, vec3_scale(vec3_make(1, 0.97f, 0.92f), 7 * soft_box(d, 215, 35, 24, 20, 0.08f)));
-    light = vec3_add(light, vec3_scale(vec3_make(0.93f, 0.97f, 1), 2.5f * soft_box(d, -25, 20, 18, 26, 0.08f)));
-    light = vec3_add(light, vec3_scale(vec3_make(1, 1, 1), 3.5f * soft_box(d, 90, 85, 30, 30, 0.12f)));
-    return vec3_add(light, vec3_scale(vec3_make(0.95f, 0.98f, 1), 5 * soft_box(d, 90, 15, 50, 5, 0.05f)));
+    for (uint32_t i = 0; i < COUNT_OF(sky->boxes); i++) {
+        const struct soft_box *box = &sky->boxes[i];
+        light = vec3_add(light, vec3_scale(box->color, box->strength * soft_box_part(box, d)));
+    }
+    return light;
 }
 
 /* The standard overcast sky of the CIE (S 011), above a ground that reflects a fifth. */
-static vec3 overcast(vec3 d) {
+static vec3 overcast(const struct sky *sky_shape, vec3 d) {
+    UNUSED(sky_shape);
     const float zenith = 1.3f, sky = zenith * (1 + 2 * fmaxf(d.y, 0)) / 3;
     const float ground = 0.2f * zenith * 7 / 9, part = CLAMP(0.5f + d.y * 25, 0.0f, 1.0f);
     return vec3_scale(vec3_make(0.96f, 1, 1.05f), ground + (sky - ground) * part);
 }
 
 /* A clear sky of the CIE (S 011, type 12) with a sun 40 degrees high, which fills 2 degrees so that it has texels. */
-static vec3 clear_sky(vec3 d) {
-    const float height = 40 * PI / 180, azimuth = 60 * PI / 180, sun_cosine = cosf(1 * PI / 180);
-    const vec3 sun = vec3_make(cosf(height) * cosf(azimuth), sinf(height), cosf(height) * sinf(azimuth));
-    const float from_sun = acosf(CLAMP(vec3_dot(d, sun), -1.0f, 1.0f)), up = fmaxf(d.y, 0.02f), zenith_sun = PI / 2 - height;
-    const float gradation = 1 - expf(-0.32f / up), gradation_zenith = 1 - expf(-0.32f);
-    const float glow = 1 + 10 * (expf(-3 * from_sun) - expf(-3 * PI / 2)) + 0.45f * cosf(from_sun) * cosf(from_sun);
-    const float glow_zenith = 1 + 10 * (expf(-3 * zenith_sun) - expf(-3 * PI / 2)) + 0.45f * cosf(zenith_sun) * cosf(zenith_sun);
-    const float sky = 0.28f * gradation * glow / (gradation_zenith * glow_zenith), haze = expf(-3 * up);
+static struct sky clear_sky_begin(void) {
+    const float height = 40 * PI / 180, azimuth = 60 * PI / 180, zenith_sun = PI / 2 - height;
+    return (struct sky){.sun = vec3_make(cosf(height) * cosf(azimuth), sinf(height), cosf(height) * sinf(azimuth)),
+                        .sun_cosine = cosf(1 * PI / 180),
+                        .gradation_zenith = 1 - expf(-0.32f),
+                        .glow_zenith = 1 + 10 * (expf(-3 * zenith_sun) - expf(-3 * PI / 2)) + 0.45f * cosf(zenith_sun) * cosf(zenith_sun),
+                        .glow_edge = expf(-3 * PI / 2)};
+}
+
+static vec3 clear_sky(const struct sky *s, vec3 d) {
+    const float cosine = CLAMP(vec3_dot(d, s->sun), -1.0f, 1.0f), from_sun = acosf(cosine), up = fmaxf(d.y, 0.02f);
+    const float gradation = 1 - expf(-0.32f / up), from_sun_cosine = cosf(from_sun);
+    const float glow = 1 + 10 * (expf(-3 * from_sun) - s->glow_edge) + 0.45f * from_sun_cosine * from_sun_cosine;
+    const float sky = 0.28f * gradation * glow / (s->gradation_zenith * s->glow_zenith), haze = expf(-3 * up);
     const vec3 blue = vec3_make(0.55f + 0.4f * haze, 0.85f + 0.12f * haze, 1.45f - 0.35f * haze);
     const float part = CLAMP(0.5f + d.y * 40, 0.0f, 1.0f);
     vec3 light = vec3_lerp(vec3_make(0.14f, 0.13f, 0.11f), vec3_scale(blue, sky), part);
-    const float inside = CLAMP((vec3_dot(d, sun) - sun_cosine) / (1 - sun_cosine) * 4, 0.0f, 1.0f);
+    const float inside = CLAMP((vec3_dot(d, s->sun) - s->sun_cosine) / (1 - s->sun_cosine) * 4, 0.0f, 1.0f);
     return vec3_add(light, vec3_scale(vec3_make(1, 0.93f, 0.82f), 2900 * inside));
 }
+
+static struct sky no_shape(void) { return (struct sky){0}; }
 
 fnl_result panorama_make(const fnl_host *host, const char *name, struct panorama *out) {
     static const struct {
         const char *name;
-        vec3 (*radiance)(vec3 direction);
-    } made[] = {{"studio", studio}, {"sky", clear_sky}, {"overcast", overcast}};
+        struct sky (*begin)(void);
+        vec3 (*radiance)(const struct sky *sky, vec3 direction);
+    } made[] = {{"studio", studio_begin, studio}, {"sky", clear_sky_begin, clear_sky}, {"overcast", no_shape, overcast}};
     uint32_t which = 0;
     while (which < COUNT_OF(made) && strcmp(made[which].name, name) != 0) which++;
     if (which == COUNT_OF(made)) {
         log_error(host, "builtin:%s: no such environment; there are builtin:studio, builtin:sky and builtin:overcast", name);
         return FNL_ERROR_UNSUPPORTED;
     }
-    struct panorama p = {.width = 1024, .height = 512};
+    enum { WIDTH = 1024 };
+    struct panorama p = {.width = WIDTH, .height = WIDTH / 2};
+    const struct sky sky = made[which].begin();
+    float cosines[WIDTH], sines[WIDTH]; /* of longitudes */
     p.texels = host_allocate(host, byte_count(&p));
     if (!p.texels) return FNL_ERROR_MEMORY;
-    for (uint32_t y = 0; y < p.height; y++)
+    for (uint32_t x = 0; x < p.width; x++) {
+        const float longitude = longitude_of(&p, (float)x);
+        cosines[x] = cosf(longitude), sines[x] = sinf(longitude);
+    }
+    for (uint32_t y = 0; y < p.height; y++) {
+        const float latitude = latitude_of(&p, (float)y), cosine = cosf(latitude), sine = sinf(latitude);
         for (uint32_t x = 0; x < p.width; x++) {
-            const vec3 light = made[which].radiance(panorama_direction(&p, (float)x, (float)y));
+            const vec3 light = made[which].radiance(&sky, vec3_make(sine * cosines[x], cosine, sine * sines[x]));
             memcpy(p.texels + 3 * ((size_t)y * p.width + x), &light, sizeof light);
         }
+    }
     *out = p;
     return FNL_OK;
 }

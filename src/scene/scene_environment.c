@@ -9,17 +9,11 @@ fnl_environment_params fnl_environment_params_default(void) {
     return (fnl_environment_params){.intensity = 1, .background = true, .lights = true};
 }
 
-static float channel(const fnl_image *image, size_t index) {
-    switch (image->format) {
-    case FNL_PIXEL_FORMAT_RGBA8:
-        return decode_srgb((float)((const uint8_t *)image->pixels)[index] / 255);
-    case FNL_PIXEL_FORMAT_RGBA16:
-        return decode_srgb((float)((const uint16_t *)image->pixels)[index] / 65535);
-    case FNL_PIXEL_FORMAT_RGBA32F:
-        break;
-    }
-    const float value = ((const float *)image->pixels)[index];
-    return value > 0 ? fminf(value, 65504) : 0; /* NaN: 0 */
+static inline float bounded(float value) { return value > 0 ? (value < 65504 ? value : 65504) : 0; /* NaN: 0 */ }
+
+static float decoded(const fnl_image *image, size_t index) {
+    if (image->format == FNL_PIXEL_FORMAT_RGBA8) return decode_srgb((float)((const uint8_t *)image->pixels)[index] / 255);
+    return decode_srgb((float)((const uint16_t *)image->pixels)[index] / 65535);
 }
 
 static fnl_result panorama_take(const fnl_host *host, const char *name, const fnl_image *image, struct panorama *out) {
@@ -31,8 +25,12 @@ static fnl_result panorama_take(const fnl_host *host, const char *name, const fn
     const size_t count = (size_t)image->width * image->height;
     float *texels = host_allocate(host, count * 3 * sizeof(float));
     if (!texels) return FNL_ERROR_MEMORY;
-    for (size_t i = 0; i < count; i++)
-        for (size_t c = 0; c < 3; c++) texels[3 * i + c] = channel(image, 4 * i + c);
+    if (image->format == FNL_PIXEL_FORMAT_RGBA32F)
+        for (size_t i = 0; i < count; i++)
+            for (size_t c = 0; c < 3; c++) texels[3 * i + c] = bounded(((const float *)image->pixels)[4 * i + c]);
+    else
+        for (size_t i = 0; i < count; i++)
+            for (size_t c = 0; c < 3; c++) texels[3 * i + c] = decoded(image, 4 * i + c);
     *out = (struct panorama){image->width, image->height, texels};
     return FNL_OK;
 }
