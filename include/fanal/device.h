@@ -17,7 +17,10 @@ typedef struct fnl_device_params {
     int32_t index; /**< as `fanal devices` numbers them; -1 (default) picks the best: discrete, integrated, virtual, CPU */
     const char *name; /**< part of a device name, case-insensitive; used when index is -1; NULL (default): any */
     bool validate;    /**< Vulkan validation and synchronisation validation; messages go to the log; default false */
-    /** Folder in which pipelines are kept between runs; NULL (default): $XDG_CACHE_HOME/fanal or ~/.cache/fanal; "": none. */
+    /**
+     * Folder in which pipelines, the choices of `auto` and the maps of environments are kept between runs; NULL (default): $XDG_CACHE_HOME/fanal or
+     * ~/.cache/fanal; "": none. Of environments those used last stay, 256 MiB at most. Files that are broken or of another driver are made anew.
+     */
     const char *cache_folder;
     /** For windows (fnl_swapchain_create in fanal/vulkan.h): switches on the kinds of surfaces that the machine has, and swapchains. FNL_ERROR_UNSUPPORTED
         where there are none. Default false. */

@@ -74,11 +74,17 @@ struct gpu_memory_stats {
     uint64_t structure_bytes; /* of used_bytes: acceleration structures */
 };
 /**
- * Small files beside the pipeline cache, one per stem, device and driver. Load is false when there is none; save fails silently, as
+ * Files beside the pipeline cache, one per stem, device and driver. Load is false when there is none; save fails silently, as
  * what cannot be kept is no error.
  */
 bool gpu_cache_load(gpu_device *device, const char *stem, struct file_view *out);
+/** The same of a large file, to be read in pieces and closed; NULL where there is none. */
+FILE *gpu_cache_open(gpu_device *device, const char *stem);
 void gpu_cache_save(gpu_device *device, const char *stem, const void *data, size_t size);
+/** Whether there is a folder that files are kept in. */
+bool gpu_cache_has_folder(const gpu_device *device);
+/** Of all files whose names start with `stem`, of whatever device, removes those that were not saved or opened for longest until the rest has `most_bytes`. */
+void gpu_cache_trim(gpu_device *device, const char *stem, uint64_t most_bytes);
 
 struct gpu_memory_stats gpu_memory_stats(const gpu_device *device);
 

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "gpu/gpu_internal.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <sys/file.h>
@@ -121,12 +122,63 @@ bool gpu_cache_load(gpu_device *device, const char *stem, struct file_view *out)
            file_load(&device->host, path, out) == FNL_OK;
 }
 
+FILE *gpu_cache_open(gpu_device *device, const char *stem) {
+    char path[4096];
+    struct stat status;
+    const int file = sibling_path(device, stem, path, sizeof path) ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : -1;
+    FILE *out = file >= 0 && fstat(file, &status) == 0 && S_ISREG(status.st_mode) ? fdopen(file, "rb") : NULL;
+    if (!out && file >= 0) close(file);
+    if (!out) return NULL;
+    setvbuf(out, NULL, _IONBF, 0);
+    (void)futimens(file, NULL); /* gpu_cache_trim() goes by it */
+    return out;
+}
+
+bool gpu_cache_has_folder(const gpu_device *device) { return device->pipelines.cache_path != NULL; }
+
 void gpu_cache_save(gpu_device *device, const char *stem, const void *data, size_t size) {
     char path[4096];
     if (!sibling_path(device, stem, path, sizeof path)) return;
     fnl_host quiet = device->host;
     quiet.log = no_log;
     if (file_save(&quiet, path, data, size) != FNL_OK) log_debug(&device->host, "%s: cannot be written", path);
+}
+
+struct kept_file {
+    char name[256];
+    uint64_t size;
+    struct timespec used;
+};
+
+static int by_last_use(const void *a, const void *b) { /* latest first */
+    const struct kept_file *x = a, *y = b;
+    if (x->used.tv_sec != y->used.tv_sec) return x->used.tv_sec > y->used.tv_sec ? -1 : 1;
+    if (x->used.tv_nsec != y->used.tv_nsec) return x->used.tv_nsec > y->used.tv_nsec ? -1 : 1;
+    return strcmp(x->name, y->name);
+}
+
+void gpu_cache_trim(gpu_device *device, const char *stem, uint64_t most_bytes) {
+    char folder[4096];
+    ARRAY(struct kept_file) files = {0};
+    DIR *directory = device->pipelines.cache_path && path_folder(device->pipelines.cache_path, folder, sizeof folder) ? opendir(folder) : NULL;
+    if (!directory) return;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        struct stat status;
+        struct kept_file file;
+        if (strncmp(entry->d_name, stem, strlen(stem)) != 0 || strlen(entry->d_name) >= sizeof file.name) continue;
+        if (fstatat(dirfd(directory), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(status.st_mode)) continue;
+        file = (struct kept_file){.size = (uint64_t)status.st_size, .used = status.st_mtim};
+        strcpy(file.name, entry->d_name);
+        if (!array_push(&device->host, &files, file)) break;
+    }
+    if (files.count) qsort(files.data, files.count, sizeof *files.data, by_last_use);
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < files.count; i++) {
+        sum += files.data[i].size;
+        if (sum > most_bytes) (void)unlinkat(dirfd(directory), files.data[i].name, 0);
+    }
+    closedir(directory);
+    array_free(&device->host, &files);
 }
 
 /** Adds what another process has saved meanwhile, so that the file keeps it. */

@@ -284,10 +284,18 @@ static void add_over(struct frame_state *f, const struct shade_input *input) {
     if (blends) add_transparency(f, &blend, glass ? found.depths[0] : f->depth);
 }
 
+static void note_environment(struct frame_state *f) {
+    const struct device_scene *d = f->r->device_scene;
+    if (!f->scene->lights.environment.cube.id || f->view_index > 0) return;
+    counters_note(f, "environment.filtered", d->environment_made == DEVICE_ENVIRONMENT_FILTERED);
+    counters_note(f, "environment.cached", d->environment_made == DEVICE_ENVIRONMENT_KEPT);
+}
+
 void shading_add(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
     reflections_note(f);
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
+    note_environment(f);
     if (!f->drawn) shading_draw(f);
     shadows_add(f);
     const struct shade_input input = input_of(f);
@@ -334,6 +342,8 @@ static bool find_left_out(const struct counted *counted, uint64_t *value) {
 }
 
 static const struct counter counters[] = {
+    {"environment.filtered", "", "1: this frame filters the environment's picture", NOTED},
+    {"environment.cached", "", "1: this frame takes the environment's maps from the cache folder", NOTED},
     {"images.pending", "images", "images that are still being decoded (fnl_load_params.async); 0: the frame shows all", NOTED},
     {"lights.behind", "lights", "lights in view that are behind the surfaces of every tile they touch",
      COUNTED(lights_behind), .needs = "lists=backface"},

@@ -51,17 +51,24 @@ static fnl_result create_cube(gpu_device *device, const char *name, VkFormat for
     return gpu_image_create(device, &params, out);
 }
 
-uint64_t environment_cube_bytes(const struct environment_maps *maps) {
-    const bool compressed = maps->cube.params.format == VK_FORMAT_BC6H_UFLOAT_BLOCK;
+static uint64_t cube_bytes(uint32_t side, bool compressed) {
     uint64_t texels = 0;
-    for (uint32_t mip = 0; maps->side && mip <= environment_last_mip(maps->side); mip++) texels += 6ull * (maps->side >> mip) * (maps->side >> mip);
+    for (uint32_t mip = 0; side && mip <= environment_last_mip(side); mip++) texels += 6ull * (side >> mip) * (side >> mip);
     return texels * (compressed ? 1 : 8);
+}
+
+static bool is_compressed(const struct environment_maps *maps) { return maps->cube.params.format == VK_FORMAT_BC6H_UFLOAT_BLOCK; }
+
+uint64_t environment_cube_bytes(const struct environment_maps *maps) {
+    return cube_bytes(maps->side, is_compressed(maps));
 }
 
 void environment_release(gpu_device *device, struct environment_maps *maps) {
     for (uint32_t i = 0; i < COUNT_OF(maps->parts); i++) gpu_image_destroy(device, &maps->parts[i]);
     gpu_image_destroy(device, &maps->levels);
     gpu_image_destroy(device, &maps->picture);
+    gpu_buffer_destroy(device, &maps->kept);
+    maps->is_kept = false;
 }
 
 void environment_finish_maps(gpu_device *device, struct environment_maps *maps) {
@@ -77,28 +84,66 @@ fnl_result environment_prepare_table(gpu_device *device, struct environment_maps
     return maps->table.handle ? FNL_OK : gpu_image_create(device, &table, &maps->table);
 }
 
-fnl_result environment_prepare_cube(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps) {
-    const VkFormat half = VK_FORMAT_R16G16B16A16_SFLOAT, format = compressed ? VK_FORMAT_BC6H_UFLOAT_BLOCK : half;
-    const uint32_t mips = environment_last_mip(side) + 1;
+/* The cube itself; nothing is left of what filtering another one needed. */
+static fnl_result prepare_cube(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps) {
+    const VkFormat format = compressed ? VK_FORMAT_BC6H_UFLOAT_BLOCK : VK_FORMAT_R16G16B16A16_SFLOAT;
     environment_release(device, maps);
-    if (maps->side != side || maps->cube.params.format != format) {
-        gpu_image_destroy(device, &maps->cube);
-        maps->side = side;
-        TRY(create_cube(device, "environment", format, side, mips, &maps->cube));
-    }
+    if (maps->side == side && maps->cube.params.format == format) return FNL_OK;
+    gpu_image_destroy(device, &maps->cube);
+    maps->side = side;
+    return create_cube(device, "environment", format, side, environment_last_mip(side) + 1, &maps->cube);
+}
+
+fnl_result environment_prepare_cube(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps) {
+    const VkFormat half = VK_FORMAT_R16G16B16A16_SFLOAT;
+    const uint32_t mips = environment_last_mip(side) + 1;
+    TRY(prepare_cube(device, side, compressed, maps));
     TRY(create_cube(device, "environment levels", half, side, mip_count(side), &maps->levels));
     for (uint32_t i = 0; compressed && i < 6 * mips; i++) TRY(gpu_image_part(device, &maps->levels, i % 6, i / 6, false, &maps->parts[i]));
     return FNL_OK;
 }
 
+static fnl_result prepare_rest(gpu_device *device, struct environment_maps *maps) {
+    TRY(environment_prepare_table(device, maps));
+    return maps->light.handle ? FNL_OK : gpu_buffer_create_for(device, GPU_USE_LIGHTS, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light);
+}
+
 fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, bool compressed,
                                struct environment_maps *maps) {
     TRY(environment_prepare_cube(device, environment_side(width), compressed, maps));
-    TRY(environment_prepare_table(device, maps));
-    if (!maps->light.handle) TRY(gpu_buffer_create_for(device, GPU_USE_LIGHTS, "environment light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &maps->light));
+    TRY(prepare_rest(device, maps));
     const struct gpu_image_params picture = image_params("environment picture", VK_FORMAT_R16G16B16A16_SFLOAT, width, height);
     TRY(gpu_image_create(device, &picture, &maps->picture));
     return gpu_upload_image(device, &maps->picture, pixels, (uint64_t)width * height * 8, false, false);
+}
+
+/* ---- maps that were made before ---- */
+
+enum { TABLE_BYTES = ENVIRONMENT_TABLE_SIDE * ENVIRONMENT_TABLE_SIDE * 8, KEPT_VERSION = 1 /* of what stands here, not in shaders */ };
+
+/* Where the light and the table are, behind the cube. Images are copied from multiples of 16 bytes. */
+static uint64_t kept_light(uint32_t side, bool compressed) { return cube_bytes(side, compressed); }
+static uint64_t kept_table(uint32_t side, bool compressed) {
+    return align_up(kept_light(side, compressed) + sizeof(struct gpu_environment), 16);
+}
+uint64_t environment_kept_bytes(uint32_t side, bool compressed) { return kept_table(side, compressed) + TABLE_BYTES; }
+
+fnl_result environment_prepare_kept(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps) {
+    TRY(prepare_cube(device, side, compressed, maps));
+    TRY(prepare_rest(device, maps));
+    return gpu_buffer_create(device, "kept environment", environment_kept_bytes(side, compressed), GPU_MEMORY_UPLOAD, &maps->kept);
+}
+
+fnl_result environment_keep(gpu_device *device, struct environment_maps *maps) {
+    return gpu_buffer_create(device, "kept environment", environment_kept_bytes(maps->side, is_compressed(maps)), GPU_MEMORY_READBACK, &maps->kept);
+}
+
+uint64_t environment_version(void) {
+    const struct gpu_shader *const shaders[] = {&shader_environment_faces_comp, &shader_environment_levels_comp, &shader_environment_filter_comp,
+                                                &shader_environment_light_comp, &shader_environment_table_comp, &shader_bc6h_quality_comp};
+    uint64_t version = HASH_SEED + KEPT_VERSION;
+    for (uint32_t i = 0; i < COUNT_OF(shaders); i++) version = hash_bytes(shaders[i]->packed, shaders[i]->packed_size, version);
+    return version;
 }
 
 /* ---- passes ---- */
@@ -106,11 +151,12 @@ fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint3
 struct copy_data {
     graph_buffer from;
     graph_image to;
+    uint64_t offset;
 };
 
 static void execute_copy(const struct graph_context *context, const void *data) {
     const struct copy_data *d = data;
-    gpu_copy_buffer_to_image(context->commands, graph_get_buffer(context, d->from), 0, graph_get_image(context, d->to));
+    gpu_copy_buffer_to_image(context->commands, graph_get_buffer(context, d->from), d->offset, graph_get_image(context, d->to));
 }
 
 static void add_copy(struct graph *graph, const char *name, const struct copy_data *data) {
@@ -197,13 +243,13 @@ static graph_buffer add_blocks(struct graph *graph, gpu_device *device, const st
     const uint32_t count = 6 * (environment_last_mip(maps->side) + 1);
     const struct bc6h_gpu_params params = {.quality = true};
     for (uint32_t i = 0; i < count; i++) sources[i] = (struct bc6h_source){levels, &maps->parts[i]};
-    add_copy(graph, "environment filtered copy", &(struct copy_data){texels, levels});
+    add_copy(graph, "environment filtered copy", &(struct copy_data){texels, levels, 0});
     graph_buffer blocks = bc6h_add(graph, device, "environment compress", sources, count, &params);
     bc6h_copy_add(graph, "environment copy", blocks, cube);
     return blocks;
 }
 
-static void add_table(struct graph *graph, struct environment_maps *maps, graph_image table, uint32_t last_mip) {
+static graph_buffer add_table(struct graph *graph, struct environment_maps *maps, graph_image table, uint32_t last_mip) {
     maps->table_mip = last_mip;
     graph_buffer texels = graph_create_buffer(graph, "reflectance texels", ENVIRONMENT_TABLE_SIDE * ENVIRONMENT_TABLE_SIDE * 8ull);
     struct gpu_environment_table_push push = {.last_mip = (float)last_mip};
@@ -212,7 +258,8 @@ static void add_table(struct graph *graph, struct environment_maps *maps, graph_
                                                    .groups = {ENVIRONMENT_TABLE_SIDE / 8, ENVIRONMENT_TABLE_SIDE / 8},
                                                    GRAPH_PUSH(push),
                                                    GRAPH_ROWS(graph_writes(&push.texels, texels))});
-    add_copy(graph, "reflectance copy", &(struct copy_data){texels, table});
+    add_copy(graph, "reflectance copy", &(struct copy_data){texels, table, 0});
+    return texels;
 }
 
 graph_buffer environment_texels_create(struct graph *graph, uint32_t side) {
@@ -225,24 +272,76 @@ static graph_buffer add_cube(struct graph *graph, gpu_device *device, const stru
     graph_image levels = graph_import_image(graph, &maps->levels, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     add_levels(graph, maps->side, texels);
     add_diffuse(graph, maps, texels, light);
-    add_copy(graph, "environment levels copy", &(struct copy_data){texels, levels});
+    add_copy(graph, "environment levels copy", &(struct copy_data){texels, levels, 0});
     add_filter(graph, device, maps, levels, texels);
     if (maps->parts[0].handle) return add_blocks(graph, device, maps, levels, texels, cube);
-    add_copy(graph, "environment copy", &(struct copy_data){texels, cube});
+    add_copy(graph, "environment copy", &(struct copy_data){texels, cube, 0});
     return (graph_buffer){0};
 }
 
-struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter) {
-    const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, before = filter ? VK_IMAGE_LAYOUT_UNDEFINED : sampled;
+/* Pieces of buffers into one, or out of it. */
+struct pieces_data {
+    struct piece {
+        graph_buffer from, to;
+        uint64_t from_offset, to_offset, size;
+    } pieces[3];
+    uint32_t count;
+};
+
+static void execute_pieces(const struct graph_context *context, const void *data) {
+    const struct pieces_data *d = data;
+    for (uint32_t i = 0; i < d->count; i++) {
+        const struct piece *p = &d->pieces[i];
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, p->from), p->from_offset, graph_get_buffer(context, p->to), p->to_offset, p->size);
+    }
+}
+
+static void add_pieces(struct graph *graph, const char *name, const struct pieces_data *data) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_pieces, data, sizeof *data);
+    for (uint32_t i = 0; i < data->count; i++) {
+        graph_use_buffer(pass, data->pieces[i].from, GRAPH_COPY_FROM);
+        if (i == 0 || data->pieces[i].to.id != data->pieces[0].to.id) graph_use_buffer(pass, data->pieces[i].to, GRAPH_COPY_TO);
+    }
+}
+
+/* What was filtered goes to `kept`, for the CPU. */
+static void add_keep(struct graph *graph, const struct environment_maps *maps, graph_buffer cube, graph_buffer light, graph_buffer table) {
+    const bool compressed = is_compressed(maps);
+    graph_buffer to = graph_import_buffer(graph, "kept environment", &maps->kept);
+    add_pieces(graph, "environment keep",
+               &(struct pieces_data){{{cube, to, 0, 0, cube_bytes(maps->side, compressed)},
+                                      {light, to, 0, kept_light(maps->side, compressed), sizeof(struct gpu_environment)},
+                                      {table, to, 0, kept_table(maps->side, compressed), TABLE_BYTES}},
+                                     3});
+    graph_use_buffer(graph_add_pass(graph, "environment kept", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0), to, GRAPH_READ_HOST);
+}
+
+static void add_kept(struct graph *graph, struct environment_maps *maps, const struct environment_light *out) {
+    const bool compressed = is_compressed(maps);
+    graph_buffer kept = graph_import_buffer(graph, "kept environment", &maps->kept);
+    maps->table_mip = environment_last_mip(maps->side);
+    add_copy(graph, "environment copy", &(struct copy_data){kept, out->cube, 0});
+    add_copy(graph, "reflectance copy", &(struct copy_data){kept, out->table, kept_table(maps->side, compressed)});
+    add_pieces(graph, "environment light copy",
+               &(struct pieces_data){{{kept, out->light, kept_light(maps->side, compressed), 0, sizeof(struct gpu_environment)}}, 1});
+}
+
+struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool make) {
+    const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, before = make ? VK_IMAGE_LAYOUT_UNDEFINED : sampled;
     struct environment_light out = {.cube = graph_import_image(graph, &maps->cube, before, sampled),
                                     .table = graph_import_image(graph, &maps->table, before, sampled),
                                     .light = graph_import_buffer(graph, "environment light", &maps->light)};
-    if (!filter) return out;
+    if (!make) return out;
+    if (maps->is_kept) {
+        add_kept(graph, maps, &out);
+        return out;
+    }
     graph_image picture = graph_import_image(graph, &maps->picture, sampled, sampled);
     out.texels = environment_texels_create(graph, maps->side);
     add_faces(graph, device, maps, picture, out.texels);
     out.blocks = add_cube(graph, device, maps, out.texels, out.cube, out.light);
-    add_table(graph, maps, out.table, environment_last_mip(maps->side));
+    graph_buffer table = add_table(graph, maps, out.table, environment_last_mip(maps->side));
+    if (maps->kept.handle) add_keep(graph, maps, out.blocks.id ? out.blocks : out.texels, out.light, table);
     return out;
 }
 

@@ -24,6 +24,9 @@ struct environment_maps {
     struct gpu_image parts[6 * ENVIRONMENT_MIPS_MOST]; /* of levels: its mips, in each of them the faces; so too, and only where the cube is compressed */
     struct gpu_image picture; /* RGBA16F; so too */
     struct gpu_buffer light; /* struct gpu_environment */
+    /* The cube, the light and the table as bytes, mapped: of maps that were made before, or where a frame that filters puts them; until such frames are over. */
+    struct gpu_buffer kept;
+    bool is_kept; /* `kept` holds them: there is nothing to filter */
     uint32_t side;
     uint32_t table_mip; /* the last mip that the table is for; 0: not yet made */
 };
@@ -39,7 +42,7 @@ struct environment_reflections {
 struct environment_light {
     graph_image cube, table;
     graph_buffer light;
-    graph_buffer blocks; /* of the cube, where it is compressed and made in this frame (passes/compress/bc6h.h) */
+    graph_buffer blocks; /* of the cube, where it is compressed and filtered in this frame (passes/compress/bc6h.h) */
     graph_buffer texels; /* of the cube, as environment_maps_shared.h lays them out; id 0 in frames that do not filter */
     struct environment_reflections reflections;
 };
@@ -64,6 +67,17 @@ static inline uint32_t environment_last_mip(uint32_t side) { return (uint32_t)lo
  */
 fnl_result environment_prepare(gpu_device *device, const uint16_t *pixels, uint32_t width, uint32_t height, bool compressed,
                                struct environment_maps *maps);
+/** The bytes of `kept`, for a cube of `side` texels. */
+uint64_t environment_kept_bytes(uint32_t side, bool compressed);
+/**
+ * Instead of filtering a picture: outside of frames, makes room in `kept` for the bytes that a frame that filtered left there. The caller writes them,
+ * from the first on, and sets is_kept; or calls environment_prepare().
+ */
+fnl_result environment_prepare_kept(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps);
+/** After environment_prepare(): the frame that filters leaves its maps in `kept`. */
+fnl_result environment_keep(gpu_device *device, struct environment_maps *maps);
+/** Changes where the same picture may give other bytes than before. */
+uint64_t environment_version(void);
 /** The cube alone, of `side` texels, a power of two of at least 16, and what filtering it needs: for reflection probes. */
 fnl_result environment_prepare_cube(gpu_device *device, uint32_t side, bool compressed, struct environment_maps *maps);
 /** Memory of the cube. */
@@ -74,8 +88,8 @@ void environment_finish_maps(gpu_device *device, struct environment_maps *maps);
 /** What only filtering needs. Frames that are under way may still use it. */
 void environment_release(gpu_device *device, struct environment_maps *maps);
 
-/** Declares what a frame shades with; `filter`: the maps are made in this frame. */
-struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool filter);
+/** Declares what a frame shades with; `make`: the maps are made in this frame, or copied from `kept`. */
+struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool make);
 /** Of the table alone; `fill`: it is made in this frame. */
 struct environment_light environment_add_table(struct graph *graph, struct environment_maps *maps, bool fill);
 /** Texels of a cube map with all mips (environment_maps_shared.h). */

@@ -8,7 +8,7 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .structure_version = UINT64_MAX,
                                .material_version = UINT64_MAX,
                                .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX,
-                                        UINT64_MAX, UINT64_MAX, UINT64_MAX, false},
+                                        UINT64_MAX, UINT64_MAX, UINT64_MAX, 0, false},
                                .environment_version = UINT64_MAX,
                                .ray_structure = UINT64_MAX,
                                .structures = {.structure = UINT64_MAX},
@@ -82,7 +82,14 @@ static void free_structure(struct device_scene *d) {
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
 
+/* Of a frame that was declared and not submitted. */
+static void take_back(struct device_scene *d) {
+    if (d->declared) d->sent = d->sent_before;
+    d->declared = d->structures.declared = false;
+}
+
 void device_scene_finish(struct device_scene *d) {
+    take_back(d);
     free_structure(d);
     device_images_free(d);
     device_decals_finish(d);
@@ -99,12 +106,6 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->arrived);
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
-}
-
-/* Of a frame that was declared and not submitted. */
-static void take_back(struct device_scene *d) {
-    if (d->declared) d->sent = d->sent_before;
-    d->declared = d->structures.declared = false;
 }
 
 void device_scene_forget(struct device_scene *d) {

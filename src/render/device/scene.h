@@ -108,6 +108,7 @@ struct device_scene_sent {
     uint64_t ray_meshes, ray_items; /* transforms of what the trees of rays.c were made for */
     uint64_t ray_poses, ray_instances; /* … and the structures of structures.c */
     uint64_t environment;              /* its maps are filtered */
+    uint64_t environment_frame;        /* in whose frame, while they are to be kept between runs; or 0 */
     bool table;                        /* of reflectance is filled */
 };
 
@@ -212,6 +213,9 @@ struct device_scene {
 
     struct environment_maps environment;
     uint64_t environment_version; /* of the scene, when its picture was sent; UINT64_MAX: never */
+    uint64_t environment_key;     /* of what is kept of it between runs */
+    /* What the last frame that was declared does for its maps. */
+    enum { DEVICE_ENVIRONMENT_THERE, DEVICE_ENVIRONMENT_FILTERED, DEVICE_ENVIRONMENT_KEPT } environment_made;
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
     struct gpu_buffer bound_buffer;     /* of the lights: struct gpu_entity_bounds, a place for each slot */
@@ -328,7 +332,7 @@ static inline bool device_node_draws(const struct scene_node *node) {
     return scene_node_draws(node);
 }
 
-/** Outside of frames: sends the environment's picture (environment.c). */
+/** Outside of frames: sends the environment's picture, or what an earlier run has kept of it (environment.c). */
 fnl_result device_environment_prepare(struct device_scene *d);
 /** Declares what a frame shades with, and filters what is new. */
 struct environment_light device_environment_add(struct device_scene *d, struct graph *graph);
