@@ -9,8 +9,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer env
 
 // A direction in the axes of the cube map.
 vec3 environment_axes(view_block v, vec3 direction) {
-    vec2 turn = v.view.frame.frame.environment_turn;
-    precise vec3 turned = vec3(turn.x * direction.x - turn.y * direction.z, direction.y, turn.x * direction.z + turn.y * direction.x);
+    vec3 rows[3] = v.view.frame.frame.environment_rows;
+    precise vec3 turned = vec3(rows[0].x * direction.x + rows[0].y * direction.y + rows[0].z * direction.z,
+                               rows[1].x * direction.x + rows[1].y * direction.y + rows[1].z * direction.z,
+                               rows[2].x * direction.x + rows[2].y * direction.y + rows[2].z * direction.z);
     return turned;
 }
 

@@ -28,7 +28,7 @@ struct gpu_frame {
     uint environment_cube;      /* sampled: GGX lobes by mips */
     uint environment_table;     /* sampled: reflectance */
     uint environment_sampler;
-    vec2 environment_turn;      /* cosine and sine of its rotation about +Y */
+    vec3 environment_rows[3];   /* of the matrix from world space to the axes of the cube map */
     float environment_scale;
 };
 

@@ -100,7 +100,7 @@ static void show_surroundings(struct view *v) {
         ui_combo_end();
     }
     ui_tooltip("Drop an .hdr or .exr panorama into the window to stand the scene in it.");
-    if (!s->none && (s->source[0] || s->changed)) {
+    if (!s->none) {
         ui_item_width(150);
         if (ui_number("rotation", &degrees, -180, 180, "%.1f degrees")) {
             params->rotation = degrees * (3.14159265f / 180);

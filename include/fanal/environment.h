@@ -20,9 +20,13 @@ typedef struct fnl_environment_params {
      * a sun) or "builtin:overcast". Default NULL: `image`.
      */
     const char *source;
-    const fnl_image *image; /**< read during the call; default NULL */
-    float rotation;         /**< radians about +Y, anticlockwise seen from above; default 0 */
-    float intensity;        /**< factor of all radiance, 0 .. 1e6; default 1 */
+    /**
+     * Read during the call; default NULL. Where source is NULL too, the picture stays that which the scene has, a file's own (EXT_lights_image_based) or that
+     * of an earlier call, as `lights` was then; FNL_ERROR_INVALID where it has none.
+     */
+    const fnl_image *image;
+    float rotation;  /**< radians about +Y, anticlockwise seen from above, on top of the rotation that a file gives its own; default 0 */
+    float intensity; /**< factor of all radiance, and of the intensity that a file gives its own, 0 .. 1e6; default 1 */
     bool background;        /**< whether it is seen where no surface is; otherwise the scene's background is. Default true */
     /**
      * Small bright sources (the sun, lamps) become directional lights of the scene, with shadows, and go from the picture: prefiltered light has
@@ -39,7 +43,7 @@ typedef struct fnl_environment_params {
 FNL_API fnl_environment_params fnl_environment_params_default(void);
 /**
  * Surrounds the scene. Ambient light (fnl_scene_set_ambient) is not used while there is an environment; surfaces get light from it by their
- * roughness, without shadows but for their own occlusion. Where the picture stays the same, by `source` and `lights`, a change costs next to nothing.
+ * roughness, without shadows but for their own occlusion. Where the picture stays the same, by `source` and `lights` or because neither source nor image is given, a change costs next to nothing.
  * `params` NULL: no environment, as in a new scene. Lights that came with the environment before go. On errors (the log names the file) all stays
  * as it was.
  */

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "ray/environment.h"
 
+static double along(vec3 axis, dvec3 d) { return (double)axis.x * d.x + (double)axis.y * d.y + (double)axis.z * d.z; }
+
 dvec3 ray_environment_from(const struct ray_environment *e, dvec3 d) {
     const struct panorama *p = &e->scene->panorama;
-    const double c = cos((double)e->scene->rotation), s = sin((double)e->scene->rotation);
-    const dvec3 turned = {c * d.x - s * d.z, d.y, c * d.z + s * d.x};
+    const double scale = (double)scene_environment_scale(e->scene);
+    vec3 rows[3];
+    scene_environment_axes(e->scene, rows);
+    const dvec3 turned = dvec3_normalize(dvec3_make(along(rows[0], d), along(rows[1], d), along(rows[2], d)));
     const double x = (atan2(turned.z, turned.x) / (2 * DPI) + 0.5) * p->width - 0.5, y = acos(CLAMP(turned.y, -1.0, 1.0)) / DPI * p->height - 0.5;
     const double fx = x - floor(x), fy = y - floor(y);
     dvec3 out = {0, 0, 0};
@@ -12,7 +16,7 @@ dvec3 ray_environment_from(const struct ray_environment *e, dvec3 d) {
         const uint32_t column = (uint32_t)((int64_t)floor(x) + p->width + k % 2) % p->width;
         const uint32_t row = (uint32_t)CLAMP((int64_t)floor(y) + k / 2, (int64_t)0, (int64_t)p->height - 1);
         const float *texel = p->texels + 3 * ((size_t)row * p->width + column);
-        const double weight = (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy) * (double)e->scene->intensity;
+        const double weight = (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy) * scale;
         out = dvec3_add_scaled(out, dvec3_make((double)texel[0], (double)texel[1], (double)texel[2]), weight);
     }
     return out;

@@ -118,10 +118,10 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
                                    .shadow_filter = (uint32_t)f->frame->shadow.filter,
                                    .shadow_samples = f->frame->shadow.samples,
                                    .light_radius = f->frame->shadow.light_radius,
-                                   .environment_turn = {cosf(environment->rotation), sinf(environment->rotation)},
-                                   .environment_scale = environment->intensity,
+                                   .environment_scale = scene_environment_scale(environment),
                                    .sun_tangent = tanf(f->frame->shadow.sun_degrees * (PI / 180)),
                                    .hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f};
+    scene_environment_axes(environment, f->shared.environment_rows);
     shading_begin(f);
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->shared);
     if (!slice.data) return gpu_status(f->r->device);

@@ -82,6 +82,10 @@ static void apply_weights(fnl_scene *scene, struct scene_node *node, const struc
 static void apply_property(fnl_scene *scene, const struct scene_channel *channel, const struct key_span *span) {
     float values[4] = {0};
     for (uint32_t i = 0; i < MIN(channel->width, COUNT_OF(values)); i++) values[i] = interpolate(channel, span, i);
+    if (channel->property->effect == SCENE_EFFECT_ROTATION) {
+        const quat rotation = interpolate_rotation(channel, span);
+        memcpy(values, &rotation, sizeof rotation);
+    }
     animation_set_property(scene, channel, values);
 }
 

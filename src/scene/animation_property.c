@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Animated properties of materials, lights and cameras (KHR_animation_pointer). */
+/* Animated properties of materials, lights, cameras and environments (KHR_animation_pointer). */
 #include "scene/scene.h"
 
 static void *at_offset(void *object, const struct scene_property *property) { return (char *)object + property->offset; }
@@ -46,6 +46,10 @@ void animation_set_property(fnl_scene *scene, const struct scene_channel *channe
     } else if (property->owner == SCENE_PROPERTY_LIGHT) {
         struct scene_light *light = light_of(scene, channel);
         if (light) light->animated |= store(at_offset(&light->params, property), channel, values);
+    } else if (property->owner == SCENE_PROPERTY_ENVIRONMENT) {
+        struct scene_environment *e = &scene->environment;
+        const bool shown = e->panorama.width > 0 && e->own.light != SCENE_NONE && e->own.light == channel->object;
+        if (shown) e->animated |= store(at_offset(&e->own, property), channel, values);
     } else {
         store(at_offset(&scene->cameras.data[channel->object].camera, property), channel, values);
     }
@@ -75,6 +79,7 @@ fnl_result animation_finish_properties(fnl_scene *scene, const struct scene_anim
         if (channel->property->owner == SCENE_PROPERTY_CAMERA) finish_camera(&scene->cameras.data[channel->object].camera);
         if (channel->property->owner == SCENE_PROPERTY_MATERIAL) any |= scene->materials.data[channel->object].animated;
     }
+    if (scene->environment.animated) scene_environment_moved(scene);
     if (!any) return FNL_OK;
     scene_materials_changed(scene);
     fnl_result result = FNL_OK;

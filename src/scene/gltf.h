@@ -115,6 +115,7 @@ enum gltf_target_kind {
     GLTF_TARGET_MATERIAL,
     GLTF_TARGET_LIGHT,
     GLTF_TARGET_CAMERA,
+    GLTF_TARGET_ENVIRONMENT,
     GLTF_TARGET_UNUSED, /* what this renderer has no use for */
     GLTF_TARGET_KIND_COUNT
 };

@@ -131,8 +131,9 @@ static const float *load_values(struct gltf *g, const struct sampler *sampler, c
             gltf_warn(g, at, "value %llu of the output is NaN or infinite; the channel is left out", (unsigned long long)i);
             return NULL;
         }
-    if (channel->path == SCENE_PATH_ROTATION) make_unit(g, output_at, channel, values);
-    if (channel->property) warn_out_of_range(g, output_at, channel, values);
+    const bool rotates = channel->property && channel->property->effect == SCENE_EFFECT_ROTATION;
+    if (channel->path == SCENE_PATH_ROTATION || rotates) make_unit(g, output_at, channel, values);
+    if (channel->property && !rotates) warn_out_of_range(g, output_at, channel, values);
     return values;
 }
 
@@ -235,8 +236,9 @@ static void add_channels(struct gltf *g, const struct at *at, struct animation_l
         return;
     }
     channel.object = target->index;
-    if (target->kind == GLTF_TARGET_MATERIAL) add_channel(g, load, &channel);
-    if (target->kind == GLTF_TARGET_MATERIAL || target->kind == GLTF_TARGET_UNUSED) return;
+    const bool one = target->kind == GLTF_TARGET_MATERIAL || target->kind == GLTF_TARGET_ENVIRONMENT;
+    if (one) add_channel(g, load, &channel);
+    if (one || target->kind == GLTF_TARGET_UNUSED) return;
     for (uint32_t user = gltf_first_user(g, target->kind, target->index); user != SCENE_NONE && g->result == FNL_OK;
          user = g->users[target->kind].next[user]) {
         if (!gltf_spend(g, at, sizeof channel)) return;

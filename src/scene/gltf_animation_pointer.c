@@ -25,6 +25,9 @@ struct row {
 #define LIGHT(pointer, member, low, high)                                                                                   \
     {"/extensions/KHR_lights_punctual/lights/#/" pointer, PROPERTY_ROW, sizeof((fnl_light_params *)0)->member / sizeof(float), \
      SCENE_PATH_PROPERTY, {SCENE_PROPERTY_LIGHT, SCENE_EFFECT_NONE, 0, offsetof(fnl_light_params, member), low, high}}
+#define ENVIRONMENT(pointer, member, width, low, high, effect)                                                              \
+    {"/extensions/EXT_lights_image_based/lights/#/" pointer, PROPERTY_ROW, width, SCENE_PATH_PROPERTY,                        \
+     {SCENE_PROPERTY_ENVIRONMENT, SCENE_EFFECT_##effect, 0, offsetof(struct scene_environment_own, member), low, high}}
 #define CAMERA(pointer, member, low, high, effect)                                                                          \
     {"/cameras/#/" pointer, PROPERTY_ROW, 1, SCENE_PATH_PROPERTY,                                                            \
      {SCENE_PROPERTY_CAMERA, SCENE_EFFECT_##effect, 0, offsetof(fnl_camera, member), low, high}}
@@ -92,6 +95,8 @@ static const struct row rows[] = {
     LIGHT("range", range, 1e-6f, FLT_MAX),
     LIGHT("spot/innerConeAngle", inner_cone_angle, 0, PI / 2),
     LIGHT("spot/outerConeAngle", outer_cone_angle, 0.001f, PI / 2),
+    ENVIRONMENT("intensity", intensity, 1, 0, 1e6f, NONE),
+    ENVIRONMENT("rotation", rotation, 4, -1, 1, ROTATION),
     CAMERA("perspective/yfov", vertical_fov, 1e-4f, PI - 1e-4f, NONE),
     CAMERA("perspective/znear", near_distance, 1e-6f, FLT_MAX, NONE),
     CAMERA("orthographic/ymag", vertical_extent, -1e30f, 1e30f, EXTENT),
@@ -173,7 +178,7 @@ bool gltf_find_target(struct gltf *g, const char *pointer, const struct at *at, 
     if (row->kind == MESH_ROW || row->kind == MESH_WEIGHT_ROW) target->kind = GLTF_TARGET_MESH;
     if (row->kind == UNUSED_ROW) target->kind = GLTF_TARGET_UNUSED;
     if (row->kind == PROPERTY_ROW) {
-        static const enum gltf_target_kind kinds[] = {GLTF_TARGET_MATERIAL, GLTF_TARGET_LIGHT, GLTF_TARGET_CAMERA};
+        static const enum gltf_target_kind kinds[] = {GLTF_TARGET_MATERIAL, GLTF_TARGET_LIGHT, GLTF_TARGET_CAMERA, GLTF_TARGET_ENVIRONMENT};
         target->kind = kinds[row->property.owner];
         target->property = &row->property;
     }

@@ -117,8 +117,8 @@ static vec3 look_up(const struct cube *cube, vec3 d) {
     return vec3_make(out[0], out[1], out[2]);
 }
 
-/* As the scene's environment is: a panorama, here with the rotation in it. */
-static void surround(struct gltf *g, const struct at *at, const struct cube *cube, quat rotation, float intensity) {
+/* As the scene's environment is: a panorama. */
+static void surround(struct gltf *g, const struct at *at, const struct cube *cube, const struct scene_environment_own *own) {
     const struct panorama shape = {.width = MIN(4 * cube->side, MOST_WIDTH), .height = MIN(2 * cube->side, MOST_WIDTH / 2)};
     const size_t size = (size_t)shape.width * shape.height * 4 * sizeof(float);
     if (!gltf_take_memory(g, at, 2 * size)) return; /* and as the scene keeps it */
@@ -127,23 +127,21 @@ static void surround(struct gltf *g, const struct at *at, const struct cube *cub
         gltf_fail_memory(g);
         return;
     }
-    const mat4 back = mat4_from_trs(vec3_make(0, 0, 0), (quat){-rotation.x, -rotation.y, -rotation.z, rotation.w}, vec3_make(1, 1, 1));
     for (uint32_t y = 0; y < shape.height; y++)
         for (uint32_t x = 0; x < shape.width; x++) {
-            const vec3 light = look_up(cube, mat4_direction(&back, panorama_direction(&shape, (float)x, (float)y)));
+            const vec3 light = look_up(cube, panorama_direction(&shape, (float)x, (float)y));
             const float pixel[4] = {light.x, light.y, light.z, 1};
             memcpy(pixels + 4 * ((size_t)y * shape.width + x), pixel, sizeof pixel);
         }
     const fnl_image image = {shape.width, shape.height, FNL_PIXEL_FORMAT_RGBA32F, pixels};
     fnl_environment_params params = fnl_environment_params_default();
     params.image = &image;
-    params.intensity = intensity;
-    const fnl_result result = fnl_scene_set_environment(g->scene, &params);
+    const fnl_result result = scene_set_own_environment(g->scene, &params, own);
     host_free(g->host, pixels, size);
     if (result != FNL_OK && g->result == FNL_OK) g->result = result; /* logged */
 }
 
-static void load_light(struct gltf *g, json_t *light, const struct at *at) {
+static void load_light(struct gltf *g, json_t *light, const struct at *at, uint32_t index) {
     const struct scene_image *faces[FACES];
     float rotation[4] = {0, 0, 0, 1}, intensity = 1;
     check_coefficients(g, light, at);
@@ -162,7 +160,7 @@ static void load_light(struct gltf *g, json_t *light, const struct at *at) {
     const struct at *mips_at = AT_KEY(at, "specularImages"), *here = AT_INDEX(mips_at, 0);
     for (uint32_t i = 0; i < FACES && good; i++)
         good = decode_face(g, AT_INDEX(here, i), faces[i], cube.texels + (size_t)i * cube.side * cube.side * 3);
-    if (good) surround(g, at, &cube, turn, intensity);
+    if (good) surround(g, at, &cube, &(struct scene_environment_own){turn, intensity, index});
     host_free(g->host, cube.texels, cube.texels ? cube_bytes(&cube) : 0);
 }
 
@@ -184,6 +182,6 @@ void gltf_load_environment(struct gltf *g) {
         }
         const uint32_t index = gltf_index(g, reference, &scene_place.extension, "light", true, gltf_count(lights));
         json_t *light = index != SCENE_NONE && i == shown ? gltf_element(g, lights, lights_at, index) : NULL;
-        if (light) load_light(g, light, AT_INDEX(lights_at, index));
+        if (light) load_light(g, light, AT_INDEX(lights_at, index), index);
     }
 }

@@ -261,17 +261,18 @@ static struct faces make_faces(uint32_t odd_side) {
 
 #define SHOWS_LIGHT "\"extensions\":{\"EXT_lights_image_based\":{\"light\":0}}"
 
-static char json[4096]; /* of the last that was loaded */
+static char json[8192]; /* of the last that was loaded */
+static const char *more_views = "", *more = ""; /* in such files: buffer views, and members of the file with a comma before them */
 
 /* `scene` "": the light is of the scene that is not shown. */
 static fnl_scene *load_faces(const struct faces *faces, const char *light, const char *scene) {
-    int n = snprintf(json, sizeof json, "{" ASSET ",\"extensionsUsed\":[\"EXT_lights_image_based\"],\"extensions\":{\"EXT_lights_image_based\":{\"lights\":[{%s}]}},"
-                                        "\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[", light, faces->size);
+    int n = snprintf(json, sizeof json, "{" ASSET ",\"extensionsUsed\":[%s\"EXT_lights_image_based\"],\"extensions\":{\"EXT_lights_image_based\":{\"lights\":[{%s}]}},"
+                                        "\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[", *more ? "\"KHR_animation_pointer\"," : "", light, faces->size);
     for (uint32_t f = 0; f < FACES; f++)
         n += snprintf(json + n, sizeof json - (size_t)n, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", f ? "," : "", faces->offsets[f], faces->sizes[f]);
-    n += snprintf(json + n, sizeof json - (size_t)n, "],\"images\":[");
+    n += snprintf(json + n, sizeof json - (size_t)n, "%s],\"images\":[", more_views);
     for (uint32_t f = 0; f < FACES; f++) n += snprintf(json + n, sizeof json - (size_t)n, "%s{\"bufferView\":%u,\"mimeType\":\"image/png\"}", f ? "," : "", f);
-    snprintf(json + n, sizeof json - (size_t)n, "],\"scenes\":[{%s},{%s}],\"scene\":1}", *scene ? "" : SHOWS_LIGHT, scene);
+    snprintf(json + n, sizeof json - (size_t)n, "],\"scenes\":[{%s},{%s}],\"scene\":1%s}", *scene ? "" : SHOWS_LIGHT, scene, more);
     return load(json, faces->bytes, faces->size);
 }
 
@@ -283,6 +284,8 @@ static void expect_environment(const fnl_scene *scene, quat rotation) {
     assert_int_equal(p->width, 4 * SIDE);
     assert_int_equal(p->height, 2 * SIDE);
     const mat4 turn = mat4_from_trs(vec3_make(0, 0, 0), rotation, vec3_make(1, 1, 1));
+    vec3 rows[3];
+    scene_environment_axes(&scene->environment, rows);
     const float level = powf((200 / 255.0f + 0.055f) / 1.055f, 2.4f);
     for (uint32_t f = 0; f < FACES; f++)
         for (int away = 0; away < 2; away++) { /* in the upper left quarter, and opposite */
@@ -291,13 +294,24 @@ static void expect_environment(const fnl_scene *scene, quat rotation) {
                 if (c != f / 2) d[c] *= away ? -0.4f : 0.4f;
             const vec3 direction = mat4_direction(&turn, vec3_normalize(vec3_make(d[0], d[1], d[2])));
             float x, y;
-            panorama_place(p, direction, &x, &y);
+            panorama_place(p, vec3_make(vec3_dot(rows[0], direction), vec3_dot(rows[1], direction), vec3_dot(rows[2], direction)), &x, &y);
             const uint32_t column = (uint32_t)(lroundf(x) + (long)p->width) % p->width, row = (uint32_t)CLAMP(lroundf(y), 0, (long)p->height - 1);
             for (uint32_t c = 0; c < 3; c++) {
                 const float expected = face_colors[f][c] ? level * (away ? 1 : 5) : 0;
                 assert_true(fabsf(p->texels[3 * ((size_t)row * p->width + column) + c] - expected) < 1e-4f * expected + 1e-6f);
             }
         }
+}
+
+static vec3 sun_of(const fnl_scene *scene) {
+    fnl_light_params light;
+    assert_int_equal(fnl_scene_query_light(scene, 0, &light), FNL_OK);
+    return light.direction;
+}
+
+static quat quat_mul(quat a, quat b) {
+    return (quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+                  a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 
 static void test_environments_of_files(void **state) {
@@ -313,14 +327,80 @@ static void test_environments_of_files(void **state) {
         if (file_log.count) fail_msg("%s", file_log.text);
         fnl_scene_info info;
         assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
-        assert_true(info.has_environment && scene->environment.intensity == 2.5f && scene->environment.background);
+        assert_true(info.has_environment && scene_environment_scale(&scene->environment) == 2.5f && scene->environment.background);
         expect_environment(scene, rotations[i]);
+        const vec3 sun = sun_of(scene);
+        fnl_environment_params params = fnl_environment_params_default(); /* on top of the file's */
+        params.rotation = 0.7f;
+        params.intensity = 3;
+        params.background = false;
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+        assert_true(fabsf(scene_environment_scale(&scene->environment) - 7.5f) < 1e-5f && !scene->environment.background);
+        const quat turn = quat_axis_angle(vec3_make(0, 1, 0), 0.7f);
+        expect_environment(scene, quat_mul(turn, rotations[i]));
+        const mat4 turned = mat4_from_trs(vec3_make(0, 0, 0), turn, vec3_make(1, 1, 1));
+        assert_true(vec3_distance(sun_of(scene), vec3_scale(mat4_direction(&turned, sun), 1)) < 1e-5f);
+        assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_LIGHT), 1);
+        params.source = "builtin:overcast"; /* nothing of the file's stays with another picture */
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+        assert_true(scene_environment_scale(&scene->environment) == 3 && scene->environment.own.rotation.w == 1);
         fnl_scene_destroy(&scene);
         scene = load_faces(&faces, light, ""); /* the light of no scene that is shown */
         assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
         assert_true(!info.has_environment && file_log.count == 0);
         fnl_scene_destroy(&scene);
     }
+}
+
+/* Intensity and rotation follow KHR_animation_pointer, and so does the light that was parted off; below what a call says. */
+static void test_environments_are_animated(void **state) {
+    UNUSED(state);
+    static const float data[] = {0, 2, /* times */ 1, 3, /* intensities */ 0, 0, 0, 1, 0, 0.70710678f, 0, 0.70710678f};
+    static const char light[] = "\"intensity\":5,\"rotation\":[0,1,0,0],\"irradianceCoefficients\":" COEFFICIENTS ",\"specularImageSize\":16,\"specularImages\":[[0,1,2,3,4,5]]";
+#define POINTS_TO(sampler, pointer) \
+    "{\"sampler\":" #sampler ",\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/extensions/EXT_lights_image_based/lights/" pointer "\"}}}}"
+    struct faces faces = make_faces(SIDE);
+    char views[160];
+    snprintf(views, sizeof views, ",{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", faces.size, sizeof data);
+    memcpy(faces.bytes + faces.size, data, sizeof data);
+    faces.size += sizeof data;
+    more_views = views;
+    more = ",\"accessors\":[{\"bufferView\":6,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2,\"min\":[0],\"max\":[2]},"
+           "{\"bufferView\":6,\"byteOffset\":8,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2},"
+           "{\"bufferView\":6,\"byteOffset\":16,\"componentType\":5126,\"type\":\"VEC4\",\"count\":2}],"
+           "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}],\"channels\":[" POINTS_TO(0, "0/intensity") "," POINTS_TO(1, "0/rotation") "]}]";
+    fnl_scene *scene = load_faces(&faces, light, SHOWS_LIGHT);
+    if (strstr(file_log.text, "nimat")) fail_msg("%s", file_log.text);
+    assert_true(scene_environment_scale(&scene->environment) == 5); /* at rest the file's */
+    fnl_environment_params params = fnl_environment_params_default();
+    params.intensity = 10;
+    assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+    const uint64_t version = scene->environment.version;
+    const vec3 rest = sun_of(scene);
+    for (int i = 0; i < 3; i++) { /* 0, 45 and 90 degrees; the sun was at 180 */
+        assert_int_equal(fnl_scene_set_time(scene, 0, i), FNL_OK);
+        assert_true(fabsf(scene_environment_scale(&scene->environment) - 10 * (1 + (float)i)) < 1e-4f);
+        expect_environment(scene, quat_axis_angle(vec3_make(0, 1, 0), (float)i * PI / 4));
+        const mat4 turn = mat4_from_trs(vec3_make(0, 0, 0), quat_axis_angle(vec3_make(0, 1, 0), (float)i * PI / 4 - PI), vec3_make(1, 1, 1));
+        assert_true(vec3_distance(sun_of(scene), mat4_direction(&turn, rest)) < 1e-5f);
+        fnl_light_params sun;
+        assert_int_equal(fnl_scene_query_light(scene, 0, &sun), FNL_OK);
+        const vec3 *from = &scene->environment.sources[0].illuminance;
+        assert_true(fabsf(sun.intensity / (10 * (1 + (float)i) * fmaxf(from->x, fmaxf(from->y, from->z))) - 1) < 1e-5f);
+    }
+    assert_true(scene->environment.version == version); /* maps are not made anew */
+    params.source = "builtin:overcast"; /* another environment is not the file's to move */
+    assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+    assert_int_equal(fnl_scene_set_time(scene, 0, 1), FNL_OK);
+    assert_true(scene_environment_scale(&scene->environment) == 10);
+    fnl_scene_destroy(&scene);
+    more = ",\"accessors\":[{\"bufferView\":6,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2,\"min\":[0],\"max\":[2]}],"
+           "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[" POINTS_TO(0, "1/intensity") "," POINTS_TO(0, "0/name") "]}]";
+    scene = load_faces(&faces, light, SHOWS_LIGHT);
+    if (!strstr(file_log.text, "lights/1/intensity' names nothing that the file has") || !strstr(file_log.text, "lights/0/name' names nothing that can be animated"))
+        fail_msg("%s", file_log.text);
+    fnl_scene_destroy(&scene);
+    more_views = more = "";
 }
 
 /* In another scene a file brings no surroundings, nor lights that were parted off. */
@@ -622,6 +702,7 @@ int main(void) {
         cmocka_unit_test(test_broken_variants),
         cmocka_unit_test(test_variants_want_coordinates),
         cmocka_unit_test(test_environments_of_files),
+        cmocka_unit_test(test_environments_are_animated),
         cmocka_unit_test(test_environments_stay_with_their_files),
         cmocka_unit_test(test_broken_environments),
         cmocka_unit_test(test_metadata_is_kept),

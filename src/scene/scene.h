@@ -216,7 +216,7 @@ enum scene_animation_path {
 };
 enum scene_interpolation { SCENE_INTERPOLATION_STEP, SCENE_INTERPOLATION_LINEAR, SCENE_INTERPOLATION_CUBIC };
 
-enum scene_property_owner { SCENE_PROPERTY_MATERIAL, SCENE_PROPERTY_LIGHT, SCENE_PROPERTY_CAMERA };
+enum scene_property_owner { SCENE_PROPERTY_MATERIAL, SCENE_PROPERTY_LIGHT, SCENE_PROPERTY_CAMERA, SCENE_PROPERTY_ENVIRONMENT };
 /** What else follows from new values. */
 enum scene_property_effect {
     SCENE_EFFECT_NONE,
@@ -224,9 +224,10 @@ enum scene_property_effect {
     SCENE_EFFECT_TURN,     /* parts to the matrix of `slot` */
     SCENE_EFFECT_IOR,      /* 0, or at least 1 */
     SCENE_EFFECT_EXTENT,   /* half of it is given, with either sign */
+    SCENE_EFFECT_ROTATION, /* a quaternion */
 };
 
-/** One to four floats of a scene_material, fnl_light_params or fnl_camera. */
+/** One to four floats of a scene_material, fnl_light_params, fnl_camera or scene_environment_own. */
 struct scene_property {
     enum scene_property_owner owner;
     enum scene_property_effect effect;
@@ -239,7 +240,7 @@ struct scene_channel {
     uint32_t node; /* SCENE_NONE for properties */
     enum scene_animation_path path;
     const struct scene_property *property; /* or NULL */
-    uint32_t object, generation;           /* whose: an index, and for lights the generation */
+    uint32_t object, generation;           /* whose: an index, and for lights the generation; of an environment which light of its file */
     enum scene_interpolation interpolation;
     uint32_t key_count, width; /* width: floats per value (1 to 4, or the weight count) */
     uint32_t first_weight;     /* the first that it sets */
@@ -519,6 +520,7 @@ void light_hull_free(fnl_scene *scene, struct scene_light *light);
 
 /** Of checked ones; SCENE_NONE without memory. */
 bool scene_has_reflections(const fnl_scene *scene);
+fnl_result scene_check_probe(const struct call *call, const fnl_probe_params *params);
 uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params);
 /** A checked decal; `node` as in struct scene_decal. SCENE_NONE when memory ran out or it cannot be painted (logged). */
 uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint32_t node);

@@ -56,16 +56,30 @@ static void remove_lights(fnl_scene *scene) {
     }
 }
 
-static vec3 turned(vec3 d, float angle) { return vec3_make(cosf(angle) * d.x + sinf(angle) * d.z, d.y, cosf(angle) * d.z - sinf(angle) * d.x); }
+void scene_environment_axes(const struct scene_environment *e, vec3 out[3]) {
+    const float c = cosf(e->rotation), s = sinf(e->rotation);
+    const quat q = e->own.rotation;
+    const vec3 back[3] = {{c, 0, -s}, {0, 1, 0}, {s, 0, c}};
+    memcpy(out, back, sizeof back);
+    if (q.x == 0 && q.y == 0 && q.z == 0) return;
+    const mat4 own = mat4_from_trs(vec3_make(0, 0, 0), quat_normalize(q), vec3_make(1, 1, 1)); /* its columns are the rows of what undoes it */
+    for (int i = 0; i < 3; i++)
+        out[i] = vec3_add(vec3_add(vec3_scale(back[0], own.m[4 * i]), vec3_scale(back[1], own.m[4 * i + 1])), vec3_scale(back[2], own.m[4 * i + 2]));
+}
+
+float scene_environment_scale(const struct scene_environment *e) { return e->intensity * e->own.intensity; }
 
 static fnl_light_params light_of(const struct panorama_source *source, const struct scene_environment *e) {
     fnl_light_params light = fnl_light_params_default();
+    const vec3 d = source->direction;
+    vec3 rows[3];
+    scene_environment_axes(e, rows);
     const float strength = fmaxf(source->illuminance.x, fmaxf(source->illuminance.y, source->illuminance.z));
     light.kind = FNL_LIGHT_DIRECTIONAL;
-    light.direction = vec3_scale(turned(source->direction, e->rotation), -1);
+    light.direction = vec3_scale(vec3_add(vec3_add(vec3_scale(rows[0], d.x), vec3_scale(rows[1], d.y)), vec3_scale(rows[2], d.z)), -1);
     const vec3 color = vec3_scale(source->illuminance, 1 / strength);
     memcpy(light.color, &color, sizeof color);
-    light.intensity = strength * e->intensity;
+    light.intensity = strength * scene_environment_scale(e);
     light.source_radius = source->half_angle;
     return light;
 }
@@ -79,6 +93,17 @@ static void add_lights(fnl_scene *scene) {
     }
 }
 
+void scene_environment_moved(fnl_scene *scene) {
+    struct scene_environment *e = &scene->environment;
+    e->animated = false;
+    for (uint32_t i = 0; i < e->source_count; i++) {
+        const fnl_light_id id = e->lights[i];
+        if (id.index >= scene->lights.count || scene->lights.data[id.index].removed || scene->lights.data[id.index].generation != id.generation) continue;
+        const fnl_light_params params = light_of(&e->sources[i], e);
+        (void)fnl_scene_set_light(scene, id, &params);
+    }
+}
+
 /* ---- the call ---- */
 
 void scene_environment_finish(fnl_scene *scene) {
@@ -88,8 +113,10 @@ void scene_environment_finish(fnl_scene *scene) {
     e->name = NULL;
 }
 
-static fnl_result check(const struct call *call, const fnl_environment_params *params) {
-    if (!params->source == !params->image) return misuse(call, "source and image are both %s, must be one of them", params->source ? "given" : "NULL");
+static fnl_result check(const struct call *call, const fnl_scene *scene, const fnl_environment_params *params) {
+    if (params->source && params->image) return misuse(call, "source and image are both given, must be one of them");
+    if (!params->source && !params->image && scene->environment.panorama.width == 0)
+        return misuse(call, "source and image are both NULL, must be one of them: the scene has no environment to keep");
     TRY(check_range(call, "rotation", (double)params->rotation, -(double)FLT_MAX, (double)FLT_MAX, " radians"));
     TRY(check_range(call, "intensity", (double)params->intensity, 0, 1e6, ""));
     if (!params->image) return FNL_OK;
@@ -98,13 +125,15 @@ static fnl_result check(const struct call *call, const fnl_environment_params *p
 }
 
 static bool same_picture(const struct scene_environment *e, const fnl_environment_params *params) {
-    return e->panorama.width > 0 && e->name && params->source && strcmp(e->name, params->source) == 0 && e->parted == params->lights;
+    if (e->panorama.width == 0) return false;
+    if (!params->source && !params->image) return true;
+    return e->name && params->source && strcmp(e->name, params->source) == 0 && e->parted == params->lights;
 }
 
 /* A new picture in place of the old one. */
 static fnl_result replace(fnl_scene *scene, const fnl_environment_params *params) {
     const fnl_host *host = &scene->host;
-    struct scene_environment made = {.version = scene->environment.version + 1, .parted = params->lights};
+    struct scene_environment made = {.version = scene->environment.version + 1, .parted = params->lights, .own = {quat_identity(), 1, SCENE_NONE}};
     fnl_result result = read_panorama(host, params, &made.panorama);
     if (result == FNL_OK && params->lights) result = panorama_part(host, &made.panorama, made.sources, &made.source_count);
     if (result == FNL_OK) result = panorama_shrink(host, &made.panorama, MOST_WIDTH);
@@ -125,23 +154,15 @@ static fnl_result replace(fnl_scene *scene, const fnl_environment_params *params
     return FNL_OK;
 }
 
-fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_params *params) {
-    TRY(check_handle(__func__, "scene", scene));
+static fnl_result set(fnl_scene *scene, const fnl_environment_params *params, const struct scene_environment_own *own) {
     struct scene_environment *e = &scene->environment;
-    if (!params) {
-        remove_lights(scene);
-        scene_environment_finish(scene);
-        *e = (struct scene_environment){.version = e->version + 1};
-        scene->light_version++;
-        return FNL_OK;
-    }
-    TRY(check(CALL(&scene->host), params));
     if (same_picture(e, params)) {
         TRY(scene_reserve_lights(scene, e->source_count));
         remove_lights(scene);
     } else {
         TRY(replace(scene, params));
     }
+    if (own) e->own = *own;
     e->rotation = params->rotation;
     e->intensity = params->intensity;
     e->background = params->background;
@@ -150,6 +171,24 @@ fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_par
     scene->light_version++;
     add_lights(scene);
     return FNL_OK;
+}
+
+fnl_result scene_set_own_environment(fnl_scene *scene, const fnl_environment_params *params, const struct scene_environment_own *own) {
+    return set(scene, params, own);
+}
+
+fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_params *params) {
+    TRY(check_handle(__func__, "scene", scene));
+    struct scene_environment *e = &scene->environment;
+    if (!params) {
+        remove_lights(scene);
+        scene_environment_finish(scene);
+        *e = (struct scene_environment){.version = e->version + 1, .own = {quat_identity(), 1, SCENE_NONE}};
+        scene->light_version++;
+        return FNL_OK;
+    }
+    TRY(check(CALL(&scene->host), scene, params));
+    return set(scene, params, NULL);
 }
 
 fnl_result fnl_scene_query_environment(const fnl_scene *scene, fnl_environment_params *out) {

@@ -21,14 +21,23 @@ struct panorama_source {
     float half_angle;
 };
 
+/** What the light of a file (EXT_lights_image_based) says, as the animation has it now. */
+struct scene_environment_own {
+    quat rotation;
+    float intensity;
+    uint32_t light; /* which of the file's; SCENE_NONE: the picture is no file's */
+};
+
 struct scene_environment {
     struct panorama panorama; /* width 0: there is none; without the sources */
     struct panorama_source sources[ENVIRONMENT_LIGHTS_MAX];
     uint32_t source_count;
     fnl_light_id lights[ENVIRONMENT_LIGHTS_MAX]; /* of the sources */
     char *name;                                  /* params.source, or NULL */
-    float rotation, intensity;
+    float rotation, intensity;                   /* of the params: on top of the file's own */
+    struct scene_environment_own own;
     bool background, parted, compressed;
+    bool animated; /* something of `own` is new: scene_environment_moved() */
     uint64_t version; /* of the panorama */
 };
 
@@ -43,6 +52,13 @@ fnl_result panorama_part(const fnl_host *host, struct panorama *p, struct panora
 /** Averages 2 x 2 texels while it is wider than this. After FNL_ERROR_MEMORY it is empty. */
 fnl_result panorama_shrink(const fnl_host *host, struct panorama *p, uint32_t most_width);
 
+/** Surrounds the scene by a file's light. */
+fnl_result scene_set_own_environment(fnl_scene *scene, const fnl_environment_params *params, const struct scene_environment_own *own);
+/** Rows of the matrix that brings directions into the axes of the picture, and what its values are multiplied by. */
+void scene_environment_axes(const struct scene_environment *environment, vec3 out[3]);
+float scene_environment_scale(const struct scene_environment *environment);
+/** After changes of `own`: turns and scales its lights. */
+void scene_environment_moved(fnl_scene *scene);
 void scene_environment_finish(fnl_scene *scene);
 
 #endif

@@ -113,6 +113,7 @@ static void move_properties(fnl_scene *into, const struct offsets *at) {
             if (!channels[k].property) continue;
             const enum scene_property_owner owner = channels[k].property->owner;
             channels[k].object += owner == SCENE_PROPERTY_MATERIAL ? at->materials : owner == SCENE_PROPERTY_LIGHT ? at->lights : at->cameras;
+            if (owner == SCENE_PROPERTY_ENVIRONMENT) channels[k].object = SCENE_NONE; /* it stays with its file */
             if (owner == SCENE_PROPERTY_LIGHT) channels[k].generation = into->lights.data[channels[k].object].generation;
         }
     }
