@@ -246,13 +246,19 @@ static bool add_probes(const struct world_options *o, fnl_scene *scene) {
         params.reflection = o->probe_reflections;
         if (fnl_scene_add_probe(scene, &params, &id) != FNL_OK) return false;
     }
-    if (!o->probe_auto) return true;
-    const fnl_vec3 low = info.bounds_low, high = info.bounds_high;
     params = fnl_probe_params_default();
     params.reflection = o->probe_reflections;
-    params.centre = (fnl_vec3){(low.x + high.x) / 2, (low.y + high.y) / 2, (low.z + high.z) / 2};
-    params.half_size = (fnl_vec3){(high.x - low.x) / 2, (high.y - low.y) / 2, (high.z - low.z) / 2};
-    return !(params.half_size.x > 0 && params.half_size.y > 0 && params.half_size.z > 0) || fnl_scene_add_probe(scene, &params, &id) == FNL_OK;
+    return !o->probe_auto || fnl_scene_place_probes(scene, &params, WORLD_PROBES_AUTO, NULL) == FNL_OK;
+}
+
+/* That of --environment; or what the options say of the file's own. */
+static bool set_environment(const fnl_environment_params *params, fnl_scene *scene) {
+    const fnl_environment_params usual = fnl_environment_params_default();
+    const bool changes = params->rotation != usual.rotation || params->intensity != usual.intensity || params->background != usual.background ||
+                         params->compressed != usual.compressed;
+    fnl_scene_info info;
+    if (!params->source && (!changes || fnl_scene_query_info(scene, &info) != FNL_OK || !info.has_environment)) return true;
+    return fnl_scene_set_environment(scene, params) == FNL_OK;
 }
 
 bool world_load(const struct world_options *o, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
@@ -268,7 +274,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     fnl_environment_params environment = o->environment_params;
     environment.source = o->environment;
     environment.background &= !o->has_background || o->environment;
-    if (o->environment && fnl_scene_set_environment(*scene, &environment) != FNL_OK) return false;
+    if (!set_environment(&environment, *scene)) return false;
     if (!add_probes(o, *scene)) return false;
     bool added = false;
     if (!o->has_ambient && !o->environment && loading_add_default_light(o->scene, *scene, &environment, &added) != FNL_OK) return false;

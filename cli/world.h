@@ -5,7 +5,7 @@
 
 #include "loading.h"
 
-enum { WORLD_PROBES = 32, WORLD_ANIMATIONS = 16 };
+enum { WORLD_PROBES = 32, WORLD_PROBES_AUTO = 16, WORLD_ANIMATIONS = 16 };
 
 struct world_options {
     const char *scene, *camera, *animation, *variant;
@@ -89,8 +89,8 @@ enum {
     "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"                                              \
     "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light stands in builtin:studio)\n"        \
     "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:sky, builtin:overcast\n" \
-    "  --environment-rotation D   turns it about the vertical axis, degrees (0)\n"                                          \
-    "  --environment-intensity X  multiplies its light (1)\n"                                                               \
+    "  --environment-rotation D   turns it, or the file's, about the vertical axis, degrees (0)\n"                      \
+    "  --environment-intensity X  multiplies its light, or the file's (1)\n"                                    \
     "  --environment-hidden       it gives light, but the background is seen behind the scene\n"                            \
     "  --environment-compressed   keeps it as BC6H: an eighth of the memory, 1.4 to 2.9 % off\n" \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
@@ -107,7 +107,7 @@ enum {
     "  --time SECONDS             time of the animation (0)\n"                                                              \
     "  --animation NAME|INDEX     which animation (0); or several with their weights: 0:0.3,run:0.7\n"                                                                  \
     "  --probe X,Y,Z,HX,HY,HZ[,SOFTNESS]    adds a probe: the middle of a room and half its size, metres; may be repeated\n" \
-    "  --probe auto               adds one whose box is the scene's bounds\n"                                              \
+    "  --probe auto               adds one for each room, 16 at most, or else for the scene's bounds\n"                \
     "  --probe-reflections        the probes of --probe, else those of the scene, are reflection probes\n" LOADING_VARIANT_HELP LOADING_HELP
 
 struct world_options world_options_default(void);

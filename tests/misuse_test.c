@@ -271,6 +271,8 @@ static fnl_loaded loaded;
       NULLED("out", fnl_scene_query_animation(w.scene, 0, NULL)))                                                           \
     X(fnl_scene_query_camera, NULLED("scene", fnl_scene_query_camera(NULL, 0, &camera));                                    \
       NULLED("out", fnl_scene_query_camera(w.scene, 0, NULL)))                                                              \
+    X(fnl_scene_place_probes, NULLED("scene", fnl_scene_place_probes(NULL, &probe, 1, NULL));                               \
+      SILENT(fnl_scene_place_probes(w.scene, NULL, 1, NULL)))                                                               \
     X(fnl_scene_add_probe, NULLED("scene", fnl_scene_add_probe(NULL, &probe, &probe_id));                                   \
       NULLED("params", fnl_scene_add_probe(w.scene, NULL, &probe_id));                                                      \
       NULLED("out", fnl_scene_add_probe(w.scene, &probe, NULL)))                                                            \
@@ -563,8 +565,12 @@ static void test_other_arguments(void **state) {
          fnl_scene_set_light_cutoff(w.scene, 1, NAN));
     SAYS("fnl_scene_set_ambient", "ground.y is -1, must be at least 0 cd/m^2 and finite",
          fnl_scene_set_ambient(w.scene, (fnl_vec3){0}, (fnl_vec3){0, -1, 0}));
+    fnl_probe_params placed = fnl_probe_params_default();
+    SAYS("fnl_scene_place_probes", "most is 0, must be 1 .. 64", fnl_scene_place_probes(w.scene, &placed, 0, NULL));
+    placed.wall = 0;
+    SAYS("fnl_scene_place_probes", "wall is 0, must be above 0 m", fnl_scene_place_probes(w.scene, &placed, 4, NULL));
     fnl_environment_params environment = fnl_environment_params_default();
-    SAYS("fnl_scene_set_environment", "source and image are both NULL, must be one of them", fnl_scene_set_environment(w.scene, &environment));
+    SAYS("fnl_scene_set_environment", "source and image are both NULL, must be one of them: the scene has no environment to keep", fnl_scene_set_environment(w.scene, &environment));
     environment.source = "builtin:sky";
     environment.intensity = -1;
     SAYS("fnl_scene_set_environment", "intensity is -1, must be 0 .. 1e+06", fnl_scene_set_environment(w.scene, &environment));

@@ -49,6 +49,19 @@ FNL_API fnl_result fnl_scene_add_probe(fnl_scene *scene, const fnl_probe_params 
 FNL_API fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id probe, const fnl_probe_params *params);
 FNL_API fnl_result fnl_scene_remove_probe(fnl_scene *scene, fnl_probe_id probe);
 
+/**
+ * Adds a probe for each room of the scene, as its surfaces stand now; what deforms is not looked at. A room is a space with a floor and a ceiling and walls
+ * on three sides at least, such that its surfaces are seen from within; furniture and pillars do not part it, doors and windows do not let it out. Faces
+ * of its box lie on its walls, where these are even, else within a few hundredths of the scene's length of them; then `wall` is so much larger. It is also at
+ * least half of the walls to other rooms, half a metre at most, for the sides of doorways. Boxes stand
+ * upright and are turned as most walls of the scene are. The same scene gives the same probes.
+ *
+ * `params` (NULL: defaults) says all but centre, half_size, rotation and capture, which are ignored. At most `most` probes, 1 .. 64, those of the
+ * largest rooms first. A scene without any room (a place in the open, a single thing) gets one probe whose box is the scene's bounds; one without an extent in
+ * all three directions none. `out_count` (or NULL): how many were added. FNL_ERROR_MEMORY may leave some.
+ */
+FNL_API fnl_result fnl_scene_place_probes(fnl_scene *scene, const fnl_probe_params *params, uint32_t most, uint32_t *out_count);
+
 #ifdef __cplusplus
 }
 #endif

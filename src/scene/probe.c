@@ -12,7 +12,7 @@ fnl_probe_params fnl_probe_params_default(void) {
                               .intensity = 1};
 }
 
-static fnl_result check_params(const struct call *call, const fnl_probe_params *p) {
+fnl_result scene_check_probe(const struct call *call, const fnl_probe_params *p) {
     TRY(check_pointer(call, "params", p));
     const double infinite = (double)FLT_MAX;
     const float *half = &p->half_size.x, *capture = &p->capture.x;
@@ -50,7 +50,7 @@ fnl_result fnl_scene_add_probe(fnl_scene *scene, const fnl_probe_params *params,
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
     *out = (fnl_probe_id){0};
-    TRY(check_params(CALL(&scene->host), params));
+    TRY(scene_check_probe(CALL(&scene->host), params));
     uint32_t index = scene_add_probe(scene, params);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_probe_id){index, scene->probes.data[index].generation};
@@ -66,7 +66,7 @@ static fnl_result check_probe_id(const struct call *call, const fnl_scene *scene
 fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id id, const fnl_probe_params *params) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_probe_id(CALL(&scene->host), scene, id));
-    TRY(check_params(CALL(&scene->host), params));
+    TRY(scene_check_probe(CALL(&scene->host), params));
     struct scene_probe *probe = &scene->probes.data[id.index];
     probe->params = *params;
     probe->params.rotation = quat_normalize(params->rotation);
