@@ -272,7 +272,7 @@ static fnl_loaded loaded;
     X(fnl_scene_query_camera, NULLED("scene", fnl_scene_query_camera(NULL, 0, &camera));                                    \
       NULLED("out", fnl_scene_query_camera(w.scene, 0, NULL)))                                                              \
     X(fnl_scene_place_probes, NULLED("scene", fnl_scene_place_probes(NULL, &probe, 1, NULL));                               \
-      SILENT(fnl_scene_place_probes(w.scene, NULL, 1, NULL)))                                                               \
+      SILENT(fnl_scene_place_probes(w.scene, NULL, 1, &number)); SILENT(fnl_scene_place_probes(w.scene, &probe, 1, NULL))) \
     X(fnl_scene_add_probe, NULLED("scene", fnl_scene_add_probe(NULL, &probe, &probe_id));                                   \
       NULLED("params", fnl_scene_add_probe(w.scene, NULL, &probe_id));                                                      \
       NULLED("out", fnl_scene_add_probe(w.scene, &probe, NULL)))                                                            \
@@ -568,7 +568,7 @@ static void test_other_arguments(void **state) {
     fnl_probe_params placed = fnl_probe_params_default();
     SAYS("fnl_scene_place_probes", "most is 0, must be 1 .. 64", fnl_scene_place_probes(w.scene, &placed, 0, NULL));
     placed.wall = 0;
-    SAYS("fnl_scene_place_probes", "wall is 0, must be above 0 m", fnl_scene_place_probes(w.scene, &placed, 4, NULL));
+    SAYS("fnl_scene_place_probes", "wall is 0, must be above 0 m and finite", fnl_scene_place_probes(w.scene, &placed, 4, NULL));
     fnl_environment_params environment = fnl_environment_params_default();
     SAYS("fnl_scene_set_environment", "source and image are both NULL, must be one of them: the scene has no environment to keep", fnl_scene_set_environment(w.scene, &environment));
     environment.source = "builtin:sky";

@@ -167,7 +167,7 @@ FNL_API fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy);
 /**
  * Poses the scene at `seconds` of animation `animation` (clamped to its ends). The index must be below the animation
  * count; a scene without animations accepts index 0 and ignores it. Besides nodes an animation may set what instances are
- * visible, and properties of materials, lights and cameras (KHR_animation_pointer); what other calls set stays until then.
+ * visible, and properties of materials, lights, cameras and a file's environment (KHR_animation_pointer); what other calls set stays until then.
  * FNL_ERROR_MEMORY can only come from decals that are baked into an animated material.
  */
 FNL_API fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double seconds);

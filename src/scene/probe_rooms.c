@@ -18,7 +18,7 @@ enum {
     BINS = 48, /* of places near a face of a box */
     ROOMS = 64,
 };
-#define WALL_PART 0.5f /* the part of a layer of cells that makes it a wall */
+#define WALL_PART 0.4f /* the part of a layer of cells that makes it a wall */
 
 struct room {
     uint32_t low[3], high[3]; /* cells; high is the first that it does not have */
