@@ -127,6 +127,9 @@ static void test_frames_have_what_they_do(void **state) {
     assert_int_equal(fnl_scene_query_material(stage.scene, 0, &glass), FNL_OK);
     glass.transmission.strength = 1;
     assert_int_equal(fnl_scene_set_material(stage.scene, entity.id.material, &glass), FNL_OK);
+    fnl_environment_params environment = fnl_environment_params_default();
+    environment.source = "builtin:overcast";
+    assert_int_equal(fnl_scene_set_environment(stage.scene, &environment), FNL_OK);
     usual.shading = FNL_SHADING_FORWARD;
     look(&stage, &usual);
     for (uint32_t i = 0; fnl_counter_query(i, &c); i++) {
