@@ -320,6 +320,23 @@ for option in '--exposure 2' '--exposure none' '--tonemap none' '--tonemap aces'
     mv "$work/c.png" "$work/kept-${option// /}"
 done
 
+# The options of environments act on that of a file too.
+first=iVBORw0KGgoAAAANSUhEUgAAAAQAAAAECAYAAACp8Z5+AAAAEklEQVR42mN4ZiPyHxkzkC4AALAII1EqyS8ZAAAAAElFTkSuQmCC
+second=iVBORw0KGgoAAAANSUhEUgAAAAQAAAAECAYAAACp8Z5+AAAAEklEQVR42mMQsXn2HxkzkC4AAJXII1FQW4umAAAAAElFTkSuQmCC
+cat >"$work/own.gltf" <<END
+{"asset":{"version":"2.0"},"extensionsUsed":["EXT_lights_image_based"],"scene":0,"scenes":[{"nodes":[0],"extensions":{"EXT_lights_image_based":{"light":0}}}],
+"nodes":[{"camera":0}],"cameras":[{"type":"perspective","perspective":{"yfov":1.5,"znear":0.1}}],
+"images":[{"uri":"data:image/png;base64,$first"},{"uri":"data:image/png;base64,$second"}],
+"extensions":{"EXT_lights_image_based":{"lights":[{"intensity":2,"irradianceCoefficients":[[1,1,1],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0]],
+"specularImageSize":4,"specularImages":[[0,1,0,1,0,1]]}]}}}
+END
+for option in '' '--environment-rotation 90' '--environment-intensity 0.5' '--environment-hidden'; do
+    # shellcheck disable=SC2086
+    expect 0 '' render "$work/own.gltf" $plain --exposure 0 $option -o "$work/c.png" --quiet
+    for other in "$work"/own-*.png; do [ -e "$other" ] && cmp -s "$work/c.png" "$other" && fail "$option of a file's own environment gives the same picture as ${other##*/}"; done
+    mv "$work/c.png" "$work/own-${option// /}.png"
+done
+
 # Ways to put blended surfaces together: each is another picture where glass reaches into glass, and linked counts fragments.
 expect 2 "--transparency is 'x', must be one of sorted, weighted, linked" render builtin:glass --transparency x -o "$work/c.png"
 for kind in sorted weighted linked; do
