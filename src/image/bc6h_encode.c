@@ -218,9 +218,29 @@ static void fit(const struct search *s, uint32_t mask, bool two, const uint8_t i
     }
 }
 
+/* The ends of a box's diagonal become those of the diagonal along which the codes lie: channels that fall where the longest one rises change theirs. */
+static void turn_ends(const struct search *s, uint32_t mask, int region, float ends[2][3]) {
+    float middle[3], covariance[3] = {0};
+    int longest = 0;
+    for (int c = 0; c < 3; c++) {
+        middle[c] = (ends[0][c] + ends[1][c]) * 0.5f;
+        if (ends[1][c] - ends[0][c] > ends[1][longest] - ends[0][longest]) longest = c;
+    }
+    for (int i = 0; i < 16; i++) {
+        if ((int)(mask >> i & 1) != region) continue;
+        float along = s->codes[i][longest] - middle[longest];
+        for (int c = 0; c < 3; c++) covariance[c] = covariance[c] + (s->codes[i][c] - middle[c]) * along;
+    }
+    for (int c = 0; c < 3; c++) {
+        float first = ends[0][c], last = ends[1][c];
+        ends[0][c] = covariance[c] < 0 ? last : first;
+        ends[1][c] = covariance[c] < 0 ? first : last;
+    }
+}
+
 static struct lines bound_regions(const struct search *s, uint32_t mask) {
     struct lines out;
-    for (int r = 0; r < 2; r++)
+    for (int r = 0; r < 2; r++) {
         for (int c = 0; c < 3; c++) {
             float low = 1e9f, high = -1e9f;
             for (int i = 0; i < 16; i++) {
@@ -231,7 +251,20 @@ static struct lines bound_regions(const struct search *s, uint32_t mask) {
             out.ends[r][0][c] = low;
             out.ends[r][1][c] = high;
         }
+        turn_ends(s, mask, r, out.ends[r]);
+    }
     return out;
+}
+
+/* The diagonals of the regions' boxes, fitted twice to the codes. */
+static struct lines fit_regions(const struct search *s, uint32_t mask, bool two) {
+    struct lines lines = bound_regions(s, mask);
+    for (int round = 0; round < 2; round++) {
+        uint8_t indices[16];
+        project(s, &lines, mask, two, indices);
+        fit(s, mask, two, indices, &lines);
+    }
+    return lines;
 }
 
 /* Sum of squared distances of the codes to the diagonals of their regions' boxes. */
@@ -280,15 +313,12 @@ static struct bc6h_fields encode_quality(const struct bc6h_params *params, const
         lines.ends[0][1][c] = code_float(box->high[c], params->is_signed);
     }
     try_modes(&s, one, COUNT_OF(one), 0, &lines);
-    fit(&s, 0, false, fast->indices, &lines);
+    lines = fit_regions(&s, 0, false);
     try_modes(&s, one, COUNT_OF(one), 0, &lines);
 
     if (s.modes & (1u << 2 | 1u << 6 | 1u << 10)) {
-        uint32_t pattern = choose_pattern(&s), mask = bc6h_pattern(pattern);
-        uint8_t indices[16];
-        lines = bound_regions(&s, mask);
-        project(&s, &lines, mask, true, indices);
-        fit(&s, mask, true, indices, &lines);
+        uint32_t pattern = choose_pattern(&s);
+        lines = fit_regions(&s, bc6h_pattern(pattern), true);
         try_modes(&s, two, COUNT_OF(two), pattern, &lines);
     }
     return s.best;

@@ -149,7 +149,7 @@ static void test_quality_is_never_worse_BC_4_BC_8(void **state) {
     print_message("better in %u of 6000 blocks; in %u of %u smooth ones by half; the worst of two colours: %.0f, with patterns %.0f codes\n", better,
                   smooth_better, smooth, sqrt(worst_fast / 48), sqrt(worst_quality / 48));
     assert_true(better > 5000 && smooth_better > smooth / 2);
-    assert_true(worst_quality < worst_fast / 4);
+    assert_true(worst_quality < worst_fast / 10000); /* squared */
     const uint32_t used[] = {2, 6, 10, 12, 13, 14};
     for (uint32_t i = 0; i < COUNT_OF(used); i++)
         if (modes[used[i]] < 20) fail_msg("mode %u is used %u times", used[i], modes[used[i]]);
@@ -224,6 +224,10 @@ struct map {
 
 static const char *const map_names[] = {"peppermint_powerplant_1k", "spiaggia_di_mondello_1k", "venice_sunset_256"};
 
+/* What another encoder makes of these places: Convection Texture Tools with all modes at its highest quality, as Godot 3.2.3 has it (VRAM compression, lossy
+   quality 1; from EXR files of halves). */
+static const struct bc6h_error convection[] = {{0.02098, 0.00625}, {0.01271, 0.00617}, {0.01661, 0.00714}};
+
 static bool load_map(uint32_t index, struct map *out) {
     char path[1024];
     fnl_image image;
@@ -259,9 +263,36 @@ static struct bc6h_error measure(const struct map *map, const struct bc6h_params
     return bc6h_compare(&picture, &result);
 }
 
-static void test_maps_BC_6_BC_8(void **state) {
+/* What indices by the formula cost on the lines of the quality encoder: of the root of the mean squared error of codes with the nearest. */
+static double index_penalty(const struct map *map) {
+    const struct bc6h_picture picture = {map->pixels, SIDE, PLACES * SIDE, 3};
+    double approximate = 0, nearest = 0;
+    for (uint32_t block_index = 0; block_index < PLACES * SIDE * SIDE / 16; block_index++) {
+        float texels[16][3];
+        int32_t codes[16][3];
+        double least[16];
+        bc6h_fetch(&picture, block_index % (SIDE / 4), block_index / (SIDE / 4), texels);
+        struct bc6h_block block = bc6h_encode(&quality, (const float (*)[3])texels);
+        struct bc6h_fields fields = bc6h_unpack(&block);
+        approximate += code_error(&block, (const float (*)[3])texels, false);
+        for (int i = 0; i < 16; i++) least[i] = INFINITY;
+        for (uint8_t k = 0; k < (fields.mode <= 10 ? 8 : 16); k++) {
+            memset(fields.indices, k, sizeof fields.indices);
+            bc6h_decode_codes(&fields, false, codes);
+            for (int i = 0; i < 16; i++) {
+                double error = 0;
+                for (int c = 0; c < 3; c++) error += pow(codes[i][c] - bc6h_code(texels[i][c], false), 2);
+                least[i] = fmin(least[i], error);
+            }
+        }
+        for (int i = 0; i < 16; i++) nearest += least[i];
+    }
+    return sqrt(approximate / nearest) - 1;
+}
+
+static void test_maps_BC_6_BC_7_BC_8(void **state) {
     UNUSED(state);
-    double of_line = 0, of_all = 0;
+    double of_line = 0, of_all = 0, quality_of_other = 0, best_of_other = 0;
     for (uint32_t m = 0; m < COUNT_OF(map_names); m++) {
         static struct map map;
         if (!load_map(m, &map)) {
@@ -272,18 +303,24 @@ static void test_maps_BC_6_BC_8(void **state) {
         const struct bc6h_params exhaustive = {.exhaustive = true}, delta = {.quality = BC6H_QUALITY, .modes = 0x7800};
         struct bc6h_error f = measure(&map, &fast), x = measure(&map, &fixed), l = measure(&map, &line), b = measure(&map, &best),
                           q = measure(&map, &quality), d = measure(&map, &delta);
-        double penalty = f.rmse / measure(&map, &exhaustive).rmse - 1;
+        double penalty = f.rmse / measure(&map, &exhaustive).rmse - 1, of_quality = index_penalty(&map);
         print_message("%s: RMSE fast %.5f, fixed inset %.5f, best of mode 11 %.5f, of all %.5f; RMSLE fast %.5f, delta %.5f, quality %.5f, best %.5f; "
-                      "indices by the formula cost %.1f %%\n",
-                      map_names[m], f.rmse, x.rmse, l.rmse, b.rmse, f.rmsle, d.rmsle, q.rmsle, b.rmsle, 100 * penalty);
+                      "indices by the formula cost fast %.1f %%, quality %.2f %%\n",
+                      map_names[m], f.rmse, x.rmse, l.rmse, b.rmse, f.rmsle, d.rmsle, q.rmsle, b.rmsle, 100 * penalty, 100 * of_quality);
         of_line += f.rmse / l.rmse / COUNT_OF(map_names);
         of_all += f.rmse / b.rmse / COUNT_OF(map_names);
+        quality_of_other += q.rmse / convection[m].rmse / COUNT_OF(map_names);
+        best_of_other += b.rmse / convection[m].rmse / COUNT_OF(map_names);
+        assert_true(of_quality >= 0 && of_quality < 0.02);
         assert_true(penalty < 0.12); /* ends are rounded, and most colours are off the line */
         assert_true(f.rmse < x.rmse && f.rmsle < x.rmsle);
         assert_true(d.rmsle < f.rmsle && q.rmsle < f.rmsle && b.rmsle < q.rmsle);
     }
-    print_message("on average fast has %.3f of the RMSE of the best of mode 11, %.3f of that of all\n", of_line, of_all);
+    print_message("on average fast has %.3f of the RMSE of the best of mode 11, %.3f of that of all; quality %.3f, best %.3f of that of another encoder\n", of_line,
+                  of_all, quality_of_other, best_of_other);
     assert_true(of_line <= 1.22);
+    /* In the source, Intel's encoder ("basic") has 1.165 of the RMSE of the search. */
+    assert_true(quality_of_other < 1.165 && best_of_other < 1.02);
 }
 
 /* ---- pictures and files ---- */
@@ -494,7 +531,7 @@ int main(void) {
         cmocka_unit_test(test_the_search_is_never_worse_BC_6),
         cmocka_unit_test(test_what_is_no_colour_BC_5),
         cmocka_unit_test(test_inset_of_clusters_BC_6),
-        cmocka_unit_test(test_maps_BC_6_BC_8),
+        cmocka_unit_test(test_maps_BC_6_BC_7_BC_8),
         cmocka_unit_test(test_edges_repeat_BC_9),
         cmocka_unit_test(test_signed_round_trip_BC_12),
         cmocka_unit_test(test_files_BC_13),

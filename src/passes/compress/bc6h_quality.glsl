@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What BC6H's quality mode does beyond mode 11; includes nothing, is included by bc6h.comp.glsl. src/image/bc6h_encode.c has the same on the CPU:
+// What BC6H's quality mode does beyond mode 11; includes nothing, is included by bc6h.glsl. src/image/bc6h_encode.c has the same on the CPU:
 // each operation on floats stands there as it stands here.
 
 // Ends of lines in codes: from a0 to b0 in region 0, from a1 to b1 in region 1.
@@ -141,6 +141,13 @@ void fit(vec3 codes[16], uvec2 indices, uint mask, bool two, bool region, inout 
     last = clamp(floor(to), least, 31743.0);
 }
 
+float component(vec3 v, uint c) { return c == 0u ? v.x : c == 1u ? v.y : v.z; }
+uint longest_side(vec3 size) {
+    uint c = size.y > size.x ? 1u : 0u;
+    return size.z > component(size, c) ? 2u : c;
+}
+
+// The boxes of the regions, and of their diagonals those along which the codes lie: channels that fall where the longest one rises change their ends.
 bc6h_lines bound_regions(vec3 codes[16], uint mask) {
     bc6h_lines l = bc6h_lines(vec3(1e9), vec3(-1e9), vec3(1e9), vec3(-1e9));
     [[unroll]] for (int i = 0; i < 16; i++) {
@@ -152,6 +159,32 @@ bc6h_lines bound_regions(vec3 codes[16], uint mask) {
         l.b0 = second ? l.b0 : high;
         l.a1 = second ? low : l.a1;
         l.b1 = second ? high : l.b1;
+    }
+    uint longest0 = longest_side(l.b0 - l.a0), longest1 = longest_side(l.b1 - l.a1);
+    precise vec3 middle0 = (l.a0 + l.b0) * 0.5, middle1 = (l.a1 + l.b1) * 0.5, covariance0 = vec3(0.0), covariance1 = vec3(0.0);
+    [[unroll]] for (int i = 0; i < 16; i++) {
+        bool second = in_second(mask, i);
+        precise vec3 off = codes[i] - (second ? middle1 : middle0);
+        precise vec3 sum = (second ? covariance1 : covariance0) + off * component(off, second ? longest1 : longest0);
+        covariance0 = second ? covariance0 : sum;
+        covariance1 = second ? sum : covariance1;
+    }
+    vec3 first0 = l.a0, first1 = l.a1;
+    bvec3 turn0 = lessThan(covariance0, vec3(0.0)), turn1 = lessThan(covariance1, vec3(0.0));
+    l.a0 = mix(l.a0, l.b0, turn0);
+    l.b0 = mix(l.b0, first0, turn0);
+    l.a1 = mix(l.a1, l.b1, turn1);
+    l.b1 = mix(l.b1, first1, turn1);
+    return l;
+}
+
+// These diagonals, fitted twice to the codes.
+bc6h_lines fit_regions(vec3 codes[16], uint mask, bool two) {
+    bc6h_lines l = bound_regions(codes, mask);
+    [[dont_unroll]] for (uint turn = 0u; turn < 2u; turn++) {
+        uvec2 indices = project(codes, l, mask, two);
+        fit(codes, indices, mask, two, false, l.a0, l.b0);
+        if (two) fit(codes, indices, mask, two, true, l.a1, l.b1);
     }
     return l;
 }
