@@ -23,6 +23,9 @@
 //               1 base colour; smoothness
 //   destiny     0 base colour; occlusion
 //               1 normal, 3 x 8, its length carries the smoothness; material ID
+//   layers      0, 1, 2 as default
+//               3 normal of the coat, octahedral, 2 x 16; roughness and strength of the coat
+//               4 strength of the anisotropy; angle of its direction around the normal, 0 .. pi
 //
 // Emission goes to the radiance target, which is the light accumulation or irradiance that the published layouts have besides.
 #ifndef GBUFFER_LAYOUTS_GLSL
@@ -44,7 +47,7 @@ struct gbuffer_place {
 };
 
 uint gbuffer_target_count(uint form) {
-    const uint counts[GBUFFER_LAYOUTS] = uint[](3u, 4u, 3u, 3u, 3u, 2u, 3u, 2u);
+    const uint counts[GBUFFER_LAYOUTS] = uint[](3u, 4u, 3u, 3u, 3u, 2u, 3u, 2u, 5u);
     return counts[GBUFFER_FORM_LAYOUT(form)] + uint(GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT);
 }
 
@@ -167,6 +170,46 @@ vec3 gbuffer_to_luma(vec3 encoded) {
 // Which of Cb (0) and Cr (1) a pixel keeps.
 uint gbuffer_chroma_of(ivec2 pixel) { return uint(pixel.x + pixel.y) & 1u; }
 
+// ---- clearcoat and anisotropy ----
+
+// A direction at right angles to a normal, to measure angles around it from; it jumps nowhere but at the poles of x.
+vec3 gbuffer_around(vec3 n) { return abs(n.x) > 0.9 ? normalize(cross(n, vec3(0.0, 1.0, 0.0))) : normalize(cross(n, vec3(1.0, 0.0, 0.0))); }
+
+// `normal`: as it is read again. Highlights are stretched both ways along a direction, so that half a turn holds all.
+vec2 gbuffer_pack_anisotropy(surface_layers l, vec3 normal) {
+    if (l.anisotropy <= 0.0) return vec2(0.0);
+    vec3 zero = gbuffer_around(normal);
+    float angle = atan(dot(l.tangent, cross(normal, zero)), dot(l.tangent, zero));
+    return vec2(l.anisotropy, (angle < 0.0 ? angle + PI : angle) / PI);
+}
+vec3 gbuffer_unpack_tangent(float stored, vec3 normal) {
+    vec3 zero = gbuffer_around(normal);
+    return zero * cos(stored * PI) + cross(normal, zero) * sin(stored * PI);
+}
+
+// Nothing of what the layout has no room for.
+surface_layers gbuffer_unpack_layers(vec4 coat, vec2 anisotropy, vec3 normal) {
+    surface_layers l;
+    l.clearcoat_normal = octahedral_decode(coat.xy * 2.0 - 1.0);
+    l.clearcoat_roughness = coat.z;
+    l.clearcoat = coat.w;
+    l.sheen_color = vec3(0.0);
+    l.sheen_roughness = 0.0;
+    l.film = 0.0;
+    l.film_ior = 1.0;
+    l.film_thickness = 0.0;
+    l.anisotropy = anisotropy.x;
+    l.tangent = gbuffer_unpack_tangent(anisotropy.y, normal);
+    l.diffuse_transmission = 0.0;
+    l.diffuse_transmission_color = vec3(0.0);
+#ifdef TRANSMISSION
+    l.transmission = l.thickness = l.dispersion = 0.0;
+    l.absorption = vec3(0.0);
+    l.ior = 1.5;
+#endif
+    return l;
+}
+
 // ---- surfaces ----
 
 // `id`: the material's. Its entry is that of gpu_gbuffer.entries.
@@ -182,6 +225,7 @@ gbuffer gbuffer_pack(uint form, surface s, gbuffer_place at, uint id, gpu_materi
     vec2 motion8 = round(clamp(motion.xy * 0.5 + 0.5, 0.0, 1.0) * 254.0) / 255.0;
     switch (layout_kind) {
     case GBUFFER_DEFAULT:
+    case GBUFFER_LAYERS:
         g.targets[0] = vec4(gbuffer_encode_color(s.base_color), 1.0);
         if ((form & GBUFFER_FORM_CHROMA) != 0u) {
             vec3 ycc = gbuffer_to_luma(srgb_encode(clamp(s.base_color, 0.0, 1.0))) / 255.0;
@@ -189,6 +233,11 @@ gbuffer gbuffer_pack(uint form, surface s, gbuffer_place at, uint id, gpu_materi
         }
         g.targets[1] = vec4(e.xy, s.roughness, gbuffer_join(s.metallic, s.occlusion));
         g.targets[2] = vec4(f0_root, s.dielectric_f90);
+        if (layout_kind == GBUFFER_LAYERS && s.layered) {
+            g.targets[3] = vec4(octahedral_encode(s.layers.clearcoat_normal) * 0.5 + 0.5, s.layers.clearcoat_roughness, s.layers.clearcoat);
+            vec3 read = gbuffer_decode_normal(normals, round(e * 65535.0) / 65535.0, at);
+            g.targets[4] = vec4(gbuffer_pack_anisotropy(s.layers, read), 0.0, 0.0);
+        }
         break;
     case GBUFFER_SIEGE:
         g.targets[0] = vec4(e, 0.0);
@@ -234,7 +283,7 @@ gbuffer gbuffer_pack(uint form, surface s, gbuffer_place at, uint id, gpu_materi
 uint gbuffer_normal_target(uint form) {
     if (GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT) return gbuffer_target_count(form) - 1u;
     uint layout_kind = GBUFFER_FORM_LAYOUT(form);
-    return layout_kind == GBUFFER_DEFAULT || layout_kind == GBUFFER_STALKER || layout_kind == GBUFFER_DESTINY ? 1u : 0u;
+    return layout_kind == GBUFFER_DEFAULT || layout_kind == GBUFFER_STALKER || layout_kind == GBUFFER_DESTINY || layout_kind == GBUFFER_LAYERS ? 1u : 0u;
 }
 vec3 gbuffer_unpack_normal(uint form, vec4 stored, gbuffer_place at) {
     uint layout_kind = GBUFFER_FORM_LAYOUT(form), normals = GBUFFER_FORM_NORMALS(form);
@@ -296,6 +345,7 @@ surface gbuffer_unpack(uint form, gbuffer g, gbuffer_place at, gpu_material_entr
     float smoothness = 0.0;
     switch (GBUFFER_FORM_LAYOUT(form)) {
     case GBUFFER_DEFAULT:
+    case GBUFFER_LAYERS:
         s.base_color = gbuffer_decode_color(g.targets[0].rgb);
         vec2 parts = gbuffer_split(g.targets[1].w);
         s.metallic = parts.x;
@@ -303,6 +353,10 @@ surface gbuffer_unpack(uint form, gbuffer g, gbuffer_place at, gpu_material_entr
         s.occlusion = parts.y;
         s.dielectric_f0 = g.targets[2].rgb * g.targets[2].rgb;
         s.dielectric_f90 = g.targets[2].a;
+        if (GBUFFER_FORM_LAYOUT(form) == GBUFFER_LAYERS && (g.targets[3].w > 0.0 || g.targets[4].x > 0.0)) {
+            s.layered = true;
+            s.layers = gbuffer_unpack_layers(g.targets[3], g.targets[4].xy, s.normal);
+        }
         return s;
     case GBUFFER_SIEGE:
         s.base_color = g.targets[1].rgb;

@@ -16,7 +16,8 @@
 #define GBUFFER_CLEAR_SKY 5u
 #define GBUFFER_ENGEL 6u
 #define GBUFFER_DESTINY 7u
-#define GBUFFER_LAYOUTS 8u
+#define GBUFFER_LAYERS 8u
+#define GBUFFER_LAYOUTS 9u
 
 /* Values of fnl_normal_encoding; 0, the layout's own, is replaced by what that is. */
 #define NORMALS_OCTAHEDRAL 1u

@@ -647,7 +647,7 @@ static void test_fields_of_frames(void **state) {
     FRAME_ENUM(aa, fnl_antialiasing, 3);
     FRAME_ENUM(tonemap, fnl_tonemap, 3);
     FRAME_ENUM(exposure, fnl_exposure, 2);
-    FRAME_ENUM(gbuffer.layout, fnl_gbuffer, 7);
+    FRAME_ENUM(gbuffer.layout, fnl_gbuffer, 8);
     FRAME_ENUM(gbuffer.normals, fnl_normal_encoding, 9);
     FRAME_ENUM(deferred.pass, fnl_deferred_pass, 1);
     FRAME_ENUM(texturing.gradients, fnl_gradients, 1);

@@ -16,7 +16,8 @@ extern "C" {
  * materials that a layout cannot hold are shaded forward in the same frame.
  */
 typedef enum fnl_gbuffer {
-    FNL_GBUFFER_DEFAULT = 0, /**< 16 bytes per pixel; holds every material */
+    FNL_GBUFFER_DEFAULT = 0, /**< 16 bytes per pixel; holds every material without layers. In scenes with clearcoat or anisotropy that FNL_GBUFFER_LAYERS
+                                  holds it is that, unless `normals` is float or `chroma` is on */
     FNL_GBUFFER_SIEGE,       /**< 16 bytes: Rainbow Six Siege, with motion and a material id */
     FNL_GBUFFER_KILLZONE2,   /**< 12 bytes: Killzone 2, dielectrics only */
     FNL_GBUFFER_FROSTBITE2,  /**< 12 bytes: Battlefield 3, with a material id */
@@ -24,6 +25,7 @@ typedef enum fnl_gbuffer {
     FNL_GBUFFER_CLEAR_SKY,   /**< 12 bytes: S.T.A.L.K.E.R. Clear Sky, with a material id */
     FNL_GBUFFER_ENGEL,       /**< 12 bytes: Engel 2009, dielectrics only */
     FNL_GBUFFER_DESTINY,     /**< 8 bytes: Destiny, with a material id; smoothness is the length of the normal */
+    FNL_GBUFFER_LAYERS,      /**< 28 bytes: the default's, with clearcoat and anisotropy */
     FNL_GBUFFER_COUNT
 } fnl_gbuffer;
 

@@ -96,7 +96,7 @@ static const struct names enums[] = {
     [FNL_ENUM_ANTIALIASING] = NAMES(fnl_antialiasing, FNL_ANTIALIASING_COUNT, "none", "mlaa", "smaa", "taa"),
     [FNL_ENUM_DEFERRED_PASS] = NAMES(fnl_deferred_pass, FNL_DEFERRED_PASS_COUNT, "compute", "fragment"),
     [FNL_ENUM_GBUFFER] = NAMES(fnl_gbuffer, FNL_GBUFFER_COUNT, "default", "siege", "killzone2", "frostbite2", "stalker", "clear-sky", "engel",
-                               "destiny"),
+                               "destiny", "layers"),
     [FNL_ENUM_NORMALS] = NAMES(fnl_normal_encoding, FNL_NORMALS_COUNT, "layout", "octahedral", "xyz", "xy", "spherical", "sphere-map",
                                "stereographic", "view", "best-fit", "float"),
     [FNL_ENUM_GRADIENTS] = NAMES(fnl_gradients, FNL_GRADIENTS_COUNT, "stored", "derived"),

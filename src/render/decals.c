@@ -62,7 +62,7 @@ static bool needs_list(const struct frame_state *f) {
     if (decals_of(f)->count == 0) return false;
     if (frame_is(f->frame, SHADING_DECAL_STEP)) return true;
     /* Materials that a layout cannot hold are lit forward. */
-    if (f->frame->gbuffer.layout != FNL_GBUFFER_DEFAULT) return true;
+    if (shading_layout(f) != FNL_GBUFFER_DEFAULT) return true;
     if (!decals_in_gbuffer(f) || f->frame->debug != FNL_DEBUG_NONE || f->frame->outputs & FNL_OUTPUT_SURFACE) return true;
     for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
         if (f->scene->geometry.buckets[i].blend) return true;

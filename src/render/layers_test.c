@@ -3,7 +3,9 @@
 #include "fanal/trace.h"
 #include "render/shading.h"
 #include "tests/coarse_cases.h"
+#include "tests/gltf_test_file.h"
 #include "tests/render_harness.h"
+#include "tests/vulkan_spy.h"
 
 /* ---- balls ---- */
 
@@ -128,7 +130,7 @@ static void test_layers_are_those_of_rays_MA_1(void **state) {
 /* White in white light: nothing gets lost between the layers, and nothing comes from nowhere. */
 static void test_layers_keep_a_white_furnace_white_MA_2(void **state) {
     UNUSED(state);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 8; i++) {
         fnl_scene *scene = coarse_scene();
         fnl_material_params m = fnl_material_params_default();
         const float roughness = 0.2f + 0.4f * (float)(i % 3);
@@ -140,6 +142,8 @@ static void test_layers_keep_a_white_furnace_white_MA_2(void **state) {
         m.roughness = i % 2 ? 0.3f : 0.8f;
         m.clearcoat = (fnl_clearcoat_params){.strength = 1, .roughness = roughness};
         if (i >= 3) m.sheen = (fnl_sheen_params){.color = {1, 1, 1}, .roughness = roughness};
+        if (i >= 6) m.anisotropy = (fnl_anisotropy_params){.strength = 0.8f, .rotation = 0.6f};
+        if (i >= 7) m.iridescence = (fnl_iridescence_params){.strength = 1, .ior = 1.4f, .thickness_maximum = 450};
         even.image = &image;
         assert_int_equal(fnl_scene_add_material(scene, &m, &id), FNL_OK);
         add_ball(scene, id, 0, 0);
@@ -149,10 +153,16 @@ static void test_layers_keep_a_white_furnace_white_MA_2(void **state) {
         s.frame.camera.position.z = 2;
         struct shot shot = stage_shoot(&s, &s.frame);
         const float *pixels = shot.radiance.pixels;
-        double worst = 0;
-        for (uint32_t k = 0; k < 40 * 40 * 4; k++) worst = fmax(worst, k % 4 == 3 ? 0 : fabs((double)pixels[k] - 1));
-        print_message("coat of roughness %.1f%s: %.4f off\n", (double)roughness, i >= 3 ? ", fibres" : "", worst);
-        assert_true(worst < 0.02);
+        double least = INFINITY, most = 0;
+        for (uint32_t k = 0; k < 40 * 40 * 4; k++) {
+            if (k % 4 == 3) continue;
+            least = fmin(least, (double)pixels[k]);
+            most = fmax(most, (double)pixels[k]);
+        }
+        print_message("coat of roughness %.1f%s%s%s: %.4f .. %.4f\n", (double)roughness, i >= 3 ? ", fibres" : "", i >= 6 ? ", anisotropy" : "", i >= 7 ? ", film" : "", least, most);
+        assert_true(most < 1.02);
+        /* Below a coloured film gets what its strongest colour leaves, as the specification says: a film dims. */
+        assert_true(least > (i >= 7 ? 0.7 : 0.98));
         shot_free(&shot);
         stage_close(&s);
     }
@@ -178,7 +188,8 @@ static void test_every_order_shades_layers_MA_3(void **state) {
             double worst = 0;
             for (int ball = COAT; ball < BALLS; ball++) worst = fmax(worst, difference(&shot.radiance, &want.radiance, ball));
             print_message("%s, %u samples: %.5f off\n", fnl_value_name(FNL_ENUM_SHADING, s.frame.shading), msaa, worst);
-            assert_true(worst < 0.001);
+            /* texturing rounds tangents; with several samples deferred shading lights surfaces at other points than forward shading, the core as well. */
+            assert_true(worst < (shading == FNL_SHADING_TEXTURING ? 0.003 : fmax(0.001, 1.5 * difference(&shot.radiance, &want.radiance, CORE))));
             shot_free(&shot);
         }
         shot_free(&want);
@@ -238,6 +249,223 @@ static void test_layers_cost_only_where_they_are_MA_5(void **state) {
     }
 }
 
+static fnl_scene *some_balls(const enum ball *kinds, uint32_t count) {
+    fnl_scene *scene = coarse_scene();
+    for (uint32_t i = 0; i < count; i++) {
+        const fnl_material_params p = material_of(kinds[i]);
+        fnl_material_id id;
+        assert_int_equal(fnl_scene_add_material(scene, &p, &id), FNL_OK);
+        add_ball(scene, id, -1.8f + 1.2f * (float)(kinds[i] % 4), kinds[i] < 4 ? 0.65f : -0.65f);
+    }
+    add_lights(scene);
+    return scene;
+}
+
+/* ---- what is off ---- */
+
+/* Each extension with nothing in it, in a file: the bits of a core material, and nothing that it had not. */
+static void test_extensions_at_their_defaults_are_core_MA_24(void **state) {
+    UNUSED(state);
+    static const char *const names[] = {"clearcoat", "sheen", "iridescence", "anisotropy", "transmission", "volume", "dispersion", "diffuse_transmission",
+                                        "ior", "specular", "emissive_strength"};
+    static const vec3 positions[3] = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+    static const fnl_shading shadings[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED};
+    static struct test_log log;
+    struct shot core[COUNT_OF(shadings)];
+    for (uint32_t i = 0; i <= COUNT_OF(names); i++) {
+        char json[1200], extension[100] = "";
+        fnl_scene *scene;
+        if (i) snprintf(extension, sizeof extension, ",\"extensions\":{\"KHR_materials_%s\":{}}", names[i - 1]);
+        snprintf(json, sizeof json,
+                 "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_materials_%s\"],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.7,0.4,0.2,1],"
+                 "\"metallicFactor\":0.3,\"roughnessFactor\":0.4},\"emissiveFactor\":[0.01,0.02,0.03]%s}],\"buffers\":[{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+                 "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"min\":[-1,-1,0],\"max\":[1,1,0]}],"
+                 "\"meshes\":[{\"primitives\":[{\"material\":0,\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}]}",
+                 i ? names[i - 1] : "ior", extension);
+        assert_int_equal(test_load(&log, json, positions, sizeof positions, &scene), FNL_OK);
+        if (log.count) fail_msg("%s", log.text);
+        scene->host = fnl_host_default(); /* the log is not the file's any more */
+        add_lights(scene);
+        struct stage s = open_balls(scene);
+        for (uint32_t k = 0; k < COUNT_OF(shadings); k++) {
+            s.frame.shading = shadings[k];
+            struct shot shot = stage_shoot(&s, &s.frame);
+            if (i == 0) {
+                core[k] = shot;
+                continue;
+            }
+            if (count_differing(&core[k].radiance, &shot.radiance)) fail_msg("%s changes the picture", names[i - 1]);
+            assert_int_equal(shot.stats.pipelines_made, 0); /* the device has those of the core material */
+            assert_int_equal(shot.stats.pass_count, core[k].stats.pass_count);
+            if (shadings[k] == FNL_SHADING_DEFERRED) assert_int_equal(counter(&shot.stats, "gbuffer.bytes"), 16 * 96 * 54);
+            shot_free(&shot);
+        }
+        stage_close(&s);
+    }
+    for (uint32_t k = 0; k < COUNT_OF(shadings); k++) shot_free(&core[k]);
+}
+
+/* The same of the API: values of a layer without strength are nothing. */
+static void test_layers_without_strength_are_core_MA_24(void **state) {
+    UNUSED(state);
+    struct shot shots[2];
+    for (int i = 0; i < 2; i++) {
+        fnl_scene *scene = coarse_scene();
+        fnl_material_params p = material_of(CORE);
+        fnl_material_id id;
+        if (i) {
+            p.clearcoat = (fnl_clearcoat_params){.roughness = 0.5f};
+            p.sheen = (fnl_sheen_params){.roughness = 0.4f};
+            p.iridescence = (fnl_iridescence_params){.ior = 1.6f, .thickness_maximum = 300};
+            p.anisotropy = (fnl_anisotropy_params){.rotation = 0.6f};
+            p.volume.thickness = 2;
+            p.dispersion = 0.5f;
+            p.diffuse_transmission.color[0] = 0.3f;
+        }
+        assert_int_equal(fnl_scene_add_material(scene, &p, &id), FNL_OK);
+        add_ball(scene, id, 0, 0);
+        add_lights(scene);
+        struct stage s = open_balls(scene);
+        s.frame.shading = FNL_SHADING_FORWARD;
+        shots[i] = stage_shoot(&s, &s.frame);
+        stage_close(&s);
+    }
+    assert_int_equal(count_differing(&shots[0].radiance, &shots[1].radiance), 0);
+    assert_int_equal(shots[0].stats.pass_count, shots[1].stats.pass_count);
+    for (int i = 0; i < 2; i++) shot_free(&shots[i]);
+}
+
+enum { PIPELINES_MAX = 8 };
+
+/* The pipelines of the pass "forward", each once. */
+static uint32_t forward_pipelines(const struct gpu_pipeline *out[PIPELINES_MAX]) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < spy.work_count; i++) {
+        uint32_t k = 0;
+        if (!strstr(spy.work[i].label, "forward") || !spy_graphics_params(spy.work[i].pipeline)) continue;
+        while (k < count && out[k] != spy.work[i].pipeline) k++;
+        if (k < count) continue;
+        assert_true(count < PIPELINES_MAX);
+        out[count++] = spy.work[i].pipeline;
+    }
+    return count;
+}
+
+/* Core materials beside layered ones are drawn by the very pipelines that they have alone; one more knows layers. */
+static void test_core_materials_keep_their_pipelines_MA_25(void **state) {
+    UNUSED(state);
+    static const enum ball kinds[] = {CORE, COAT, CLOTH, BRUSHED};
+    const struct gpu_pipeline *alone[PIPELINES_MAX], *beside[PIPELINES_MAX];
+    uint32_t count[2] = {0};
+    for (uint32_t i = 0; i < 2; i++) {
+        struct stage s = open_balls(some_balls(kinds, i ? COUNT_OF(kinds) : 1));
+        s.frame.shading = FNL_SHADING_FORWARD;
+        s.frame.record_threads = 1;
+        spy_begin(harness_device());
+        spy_clear();
+        struct shot shot = stage_shoot(&s, &s.frame);
+        count[i] = forward_pipelines(i ? beside : alone);
+        spy_end();
+        shot_free(&shot);
+        stage_close(&s);
+    }
+    assert_true(count[0] >= 1 && count[1] == count[0] + 1);
+    uint32_t same = 0;
+    for (uint32_t i = 0; i < count[1]; i++) {
+        bool known = false;
+        for (uint32_t k = 0; k < count[0]; k++) known |= beside[i] == alone[k];
+        assert_int_equal((spy_graphics_params(beside[i])->constants[LISTS_ID] & GPU_LIST_LAYERS) != 0, !known);
+        same += known;
+    }
+    assert_int_equal(same, count[0]);
+}
+
+/* ---- G-buffers ---- */
+
+static uint64_t items_forward(const fnl_frame_stats *stats) { return has_counter(stats, "gbuffer.items-forward") ? counter(stats, "gbuffer.items-forward") : 0; }
+
+/* The layout for them is taken where it helps, and holds them: no forward pass, no mask, the picture of forward shading within its rounding. */
+static void test_a_gbuffer_holds_coats_and_anisotropy_MA_22(void **state) {
+    UNUSED(state);
+    static const enum ball held[] = {CORE, COAT, BRUSHED}, others[] = {CORE, COAT, CLOTH, BRUSHED, ALL}, cores[] = {CORE};
+    static const struct {
+        const enum ball *kinds;
+        uint32_t count, forward, bytes;
+    } scenes[] = {{held, 3, 0, 28}, {others, 5, 2, 29}, {cores, 1, 0, 16}};
+    static const struct {
+        fnl_shading shading;
+        uint32_t msaa;
+        fnl_msaa_method method;
+        fnl_deferred_pass pass;
+        uint32_t blocks;
+        double most; /* off from forward shading */
+    } ways[] = {{FNL_SHADING_DEFERRED, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 0, 0.001}, {FNL_SHADING_DEFERRED, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 8, 0.001},
+                {FNL_SHADING_DEFERRED, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_FRAGMENT, 0, 0.001}, {FNL_SHADING_DEFERRED, 4, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 0, 0.02},
+                {FNL_SHADING_DEFERRED, 4, FNL_MSAA_AGGREGATE, FNL_DEFERRED_COMPUTE, 0, 0.05}, {FNL_SHADING_DEFERRED_VOLUMES, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 0, 0.001}};
+    for (uint32_t k = 0; k < COUNT_OF(scenes); k++) {
+        struct stage s = open_balls(some_balls(scenes[k].kinds, scenes[k].count));
+        for (uint32_t w = 0; w < (k ? 1 : COUNT_OF(ways)); w++) {
+            s.frame.msaa = ways[w].msaa;
+            s.frame.shading = FNL_SHADING_FORWARD;
+            struct shot want = stage_shoot(&s, &s.frame);
+            s.frame.shading = ways[w].shading;
+            s.frame.deferred.msaa_method = ways[w].method;
+            s.frame.deferred.pass = ways[w].pass;
+            s.frame.deferred.class_blocks = ways[w].blocks;
+            s.frame.count_lights = true;
+            struct shot shot = stage_shoot(&s, &s.frame);
+            double worst = 0, core = difference(&shot.radiance, &want.radiance, CORE);
+            for (uint32_t i = 0; i < scenes[k].count; i++) worst = fmax(worst, difference(&shot.radiance, &want.radiance, (int)scenes[k].kinds[i]));
+            print_message("scene %u, %s, %u samples, way %u: %.5f off, core %.5f\n", k, fnl_value_name(FNL_ENUM_SHADING, s.frame.shading), s.frame.msaa, w, worst, core);
+            assert_true(worst < ways[w].most);
+            assert_int_equal(items_forward(&shot.stats), scenes[k].forward);
+            assert_int_equal(counter(&shot.stats, "gbuffer.bytes"), (uint64_t)scenes[k].bytes * s.frame.msaa * 96 * 54);
+            assert_int_equal(has_pass(&s, "lit forward"), scenes[k].forward > 0);
+            s.frame.count_lights = false;
+            shot_free(&shot);
+            shot_free(&want);
+        }
+        s.frame.msaa = 1;
+        s.frame.shading = FNL_SHADING_DEFERRED;
+        s.frame.deferred = fnl_frame_default().deferred;
+        struct shot automatic = stage_shoot(&s, &s.frame);
+        s.frame.gbuffer.layout = FNL_GBUFFER_LAYERS;
+        struct shot asked = stage_shoot(&s, &s.frame);
+        assert_int_equal(count_differing(&automatic.radiance, &asked.radiance), 0);
+        assert_int_equal(counter(&asked.stats, "gbuffer.bytes"), (uint64_t)(scenes[k].forward ? 29 : 28) * 96 * 54);
+        s.frame.gbuffer.normals = FNL_NORMALS_FLOAT;
+        assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_ERROR_UNSUPPORTED);
+        s.frame.gbuffer = fnl_frame_default().gbuffer;
+        s.frame.gbuffer.chroma = true; /* another default: they are lit forward, as in each published layout */
+        struct shot chroma = stage_shoot(&s, &s.frame);
+        assert_int_equal(has_pass(&s, "lit forward"), scenes[k].kinds != cores);
+        assert_int_equal(counter(&chroma.stats, "gbuffer.bytes"), (uint64_t)(scenes[k].kinds == cores ? 14 : 15) * 96 * 54);
+        shot_free(&automatic);
+        shot_free(&asked);
+        shot_free(&chroma);
+        stage_close(&s);
+    }
+}
+
+/* These paths have no G-buffer of materials: what it cannot hold is no exception to them, and nothing is drawn over their picture. */
+static void test_paths_without_its_limits_draw_nothing_over_MA_23(void **state) {
+    UNUSED(state);
+    static const fnl_shading shadings[] = {FNL_SHADING_VISIBILITY, FNL_SHADING_TEXTURING, FNL_SHADING_DAIS, FNL_SHADING_LIGHT_PREPASS};
+    fnl_scene *scene = balls(true);
+    add_lights(scene);
+    struct stage s = open_balls(scene);
+    s.frame.timers = s.frame.count_lights = true;
+    for (uint32_t i = 0; i < COUNT_OF(shadings); i++) {
+        s.frame.shading = shadings[i];
+        struct shot shot = stage_shoot(&s, &s.frame);
+        const bool over = shadings[i] == FNL_SHADING_LIGHT_PREPASS;
+        assert_int_equal(has_pass(&s, "forward"), over);
+        assert_int_equal(items_forward(&shot.stats), over ? BALLS - 1 : 0);
+        shot_free(&shot);
+    }
+    stage_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_layers_are_those_of_rays_MA_1, harness_check),
@@ -245,6 +473,11 @@ int main(void) {
         cmocka_unit_test_teardown(test_every_order_shades_layers_MA_3, harness_check),
         cmocka_unit_test_teardown(test_core_materials_keep_their_bits_MA_4, harness_check),
         cmocka_unit_test_teardown(test_layers_cost_only_where_they_are_MA_5, harness_check),
+        cmocka_unit_test_teardown(test_extensions_at_their_defaults_are_core_MA_24, harness_check),
+        cmocka_unit_test_teardown(test_layers_without_strength_are_core_MA_24, harness_check),
+        cmocka_unit_test_teardown(test_core_materials_keep_their_pipelines_MA_25, spy_tear_down),
+        cmocka_unit_test_teardown(test_a_gbuffer_holds_coats_and_anisotropy_MA_22, harness_check),
+        cmocka_unit_test_teardown(test_paths_without_its_limits_draw_nothing_over_MA_23, harness_check),
     };
     return cmocka_run_group_tests_name("layers", tests, harness_begin, harness_end);
 }

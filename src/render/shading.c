@@ -100,8 +100,19 @@ struct light_list order_add_surface_lists(struct frame_state *f, graph_image dep
     return lists_add_surfaces(&context);
 }
 
+fnl_gbuffer shading_layout(const struct frame_state *f) {
+    const fnl_gbuffer_options *g = &f->frame->gbuffer;
+    const struct geometry_scene *scene = &f->scene->geometry;
+    if (!shading_is(f->frame->shading, SHADING_LAYOUTS) || g->layout != FNL_GBUFFER_DEFAULT || g->chroma || g->normals == FNL_NORMALS_FLOAT) return g->layout;
+    for (uint32_t i = 0; i < scene->bucket_count; i++) {
+        const uint32_t forward = scene->buckets[i].forward_layouts;
+        if (geometry_bucket_opaque(&scene->buckets[i]) && (forward >> FNL_GBUFFER_DEFAULT & 1) && !(forward >> FNL_GBUFFER_LAYERS & 1)) return FNL_GBUFFER_LAYERS;
+    }
+    return g->layout;
+}
+
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
-    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer.layout, f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
+    uint64_t bytes = gbuffer_bytes(shading_layout(f), f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
                      (f->gbuffer.mask.id ? 1 : 0) + extra_bytes;
     counters_note(f, "gbuffer.bytes", bytes * f->frame->width * f->frame->height * f->frame->msaa);
 }
@@ -178,7 +189,7 @@ static struct shade_input input_of(const struct frame_state *f) {
                                 .counters = f->counters,
                                 .environment = f->scene->lights.environment,
                                 .background = {background.x, background.y, background.z},
-                                .layout = f->frame->gbuffer.layout,
+                                .layout = shading_layout(f),
                                 .normals = f->frame->gbuffer.normals,
                                 .chroma = f->frame->gbuffer.chroma};
 }

@@ -44,6 +44,8 @@ bool shading_shows_sky(const struct frame_state *f);
 bool shading_has_glass(const struct frame_state *f);
 /** Whether layered materials are drawn over the order's picture. */
 bool shading_draws_layered(const struct frame_state *f);
+/** The layout of the frame's G-buffer: the default becomes FNL_GBUFFER_LAYERS where that holds more of the scene. */
+fnl_gbuffer shading_layout(const struct frame_state *f);
 /** The format of the radiance target. */
 VkFormat shading_format(const struct frame_state *f);
 

@@ -30,6 +30,34 @@ static void expect_lines(const char *const *lines, uint32_t count) {
     if (file_log.count != count) fail_msg("%u lines, not %u:\n%s", file_log.count, count, file_log.text);
 }
 
+/* ---- what is read ---- */
+
+/* What Khronos has ratified, and the extensions of others that are named in the documents. */
+static void test_ratified_extensions_are_full(void **state) {
+    UNUSED(state);
+    static const char *const names[] = {"KHR_animation_pointer", "KHR_draco_mesh_compression", "KHR_lights_punctual", "KHR_materials_anisotropy", "KHR_materials_clearcoat",
+                                        "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
+                                        "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit", "KHR_materials_variants",
+                                        "KHR_materials_volume", "KHR_mesh_quantization", "KHR_texture_basisu", "KHR_texture_transform", "KHR_xmp_json_ld",
+                                        "KHR_materials_diffuse_transmission", "KHR_meshopt_compression", "KHR_node_visibility", "EXT_lights_ies", "EXT_lights_image_based",
+                                        "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "MSFT_lod", "MSFT_texture_dds"};
+    char json[2000] = "{" ASSET ",\"extensionsUsed\":[";
+    for (uint32_t i = 0; i < COUNT_OF(names); i++) {
+        const size_t at = strlen(json);
+        snprintf(json + at, sizeof json - at, "%s\"%s\"", i ? "," : "", names[i]);
+    }
+    strcat(json, "]}");
+    fnl_scene *scene = load(json, NULL, 0);
+    for (uint32_t i = 0; i < COUNT_OF(names); i++) {
+        fnl_extension_info info;
+        assert_int_equal(fnl_scene_query_extension(scene, i, &info), FNL_OK);
+        assert_string_equal(info.name, names[i]);
+        /* A build without libdraco says so. */
+        if (strcmp(info.treatment, "full") != 0 && !(i == 1 && strstr(info.treatment, "built without libdraco"))) fail_msg("%s is %s", names[i], info.treatment);
+    }
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- KHR_materials_variants ---- */
 
 #define TRIANGLE                                                                                                            \
@@ -695,6 +723,7 @@ static void test_layers_by_the_api_MA_7(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_ratified_extensions_are_full),
         cmocka_unit_test(test_layers_of_materials_MA_7),
         cmocka_unit_test(test_layers_by_the_api_MA_7),
         cmocka_unit_test(test_variants_change_materials),

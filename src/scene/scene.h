@@ -414,6 +414,8 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
 struct scene_material scene_material_default(void);
 /** Whether it has more than glTF's core material with KHR_materials_ior and _specular. */
 bool scene_material_layered(const struct scene_material *material);
+/** Whether it has layers besides clearcoat and anisotropy. */
+bool scene_material_layered_besides(const struct scene_material *material);
 /** Whether what is behind shows through it, which makes it a layered one. */
 bool scene_material_transmissive(const struct scene_material *material);
 uint32_t scene_take_generation(fnl_scene *scene);

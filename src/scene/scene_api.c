@@ -79,10 +79,14 @@ static struct scene_material material_of(const fnl_material_params *p) {
     return material;
 }
 
-bool scene_material_layered(const struct scene_material *m) {
+bool scene_material_layered_besides(const struct scene_material *m) {
     const float *sheen = m->sheen.color;
-    return !m->unlit && (m->clearcoat.strength > 0 || sheen[0] > 0 || sheen[1] > 0 || sheen[2] > 0 || m->iridescence.strength > 0 ||
-                         m->anisotropy.strength > 0 || m->transmission.strength > 0 || m->diffuse_transmission.strength > 0);
+    return !m->unlit && (sheen[0] > 0 || sheen[1] > 0 || sheen[2] > 0 || m->iridescence.strength > 0 || m->transmission.strength > 0 ||
+                         m->diffuse_transmission.strength > 0);
+}
+
+bool scene_material_layered(const struct scene_material *m) {
+    return !m->unlit && (m->clearcoat.strength > 0 || m->anisotropy.strength > 0 || scene_material_layered_besides(m));
 }
 
 bool scene_material_transmissive(const struct scene_material *m) { return !m->unlit && m->transmission.strength > 0; }

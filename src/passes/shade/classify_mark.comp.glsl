@@ -29,7 +29,7 @@ void main() {
             float view_depth = view_depth_of(push.view, depth);
             vec3 position = gbuffer_position(push.view, ivec2(pixel), view_depth);
             surface s = gbuffer_surface(push.gbuffer, ivec2(pixel), position, vec3(0.0));
-            if (s.base_color != vec3(0.0) || s.dielectric_f0 != vec3(0.0) || s.dielectric_f90 != 0.0) {
+            if (s.base_color != vec3(0.0) || s.dielectric_f0 != vec3(0.0) || s.dielectric_f90 != 0.0 || s.layered) {
                 bits = shaded | SHADE_FULL;
                 light_cursor cursor = lights_begin(push.lights, light_point(pixel, view_depth, position, s.normal, LIGHT_NO_ITEM));
                 uint light;

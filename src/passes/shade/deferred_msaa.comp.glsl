@@ -25,6 +25,7 @@ surface mean_surface(ivec2 pixel, uint samples, vec3 position) {
     vec3 first_normal = mean.normal, normal = vec3(0.0);
     vec4 color = vec4(0.0), f0 = vec4(0.0), others = vec4(0.0);
     vec3 emissive = vec3(0.0);
+    vec2 strengths = vec2(0.0); // of the coat and of the anisotropy
     float part = 1.0 / float(bitCount(samples));
     for (uint i = 0u; i < SAMPLES; i++) {
         if ((samples >> i & 1u) == 0u) continue;
@@ -35,6 +36,14 @@ surface mean_surface(ivec2 pixel, uint samples, vec3 position) {
         float alpha = alpha_of(s.roughness);
         others += vec4(alpha * alpha, s.occlusion, 0.0, 0.0) * part;
         emissive += s.emissive * part;
+        if (!s.layered) continue;
+        if (!mean.layered) mean.layers = s.layers;
+        mean.layered = true;
+        strengths += vec2(s.layers.clearcoat, s.layers.anisotropy) * part;
+    }
+    if (mean.layered) {
+        mean.layers.clearcoat = strengths.x;
+        mean.layers.anisotropy = strengths.y;
     }
     float r2 = min(dot(normal, normal), 1.0), r = sqrt(r2);
     // Below that length only rounding differs.

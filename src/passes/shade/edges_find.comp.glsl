@@ -41,6 +41,15 @@ bool equal_bits(ivec2 pixel, uint a, uint b) {
     return stored_emission(pixel, a) == stored_emission(pixel, b);
 }
 
+bool like_layers(surface a, surface b) {
+    if (!a.layered && !b.layered) return true;
+    if (a.layered != b.layered) return false;
+    vec3 off = abs(vec3(a.layers.clearcoat - b.layers.clearcoat, a.layers.clearcoat_roughness - b.layers.clearcoat_roughness, a.layers.anisotropy - b.layers.anisotropy));
+    float near = 1.0 - 0.5 * push.tolerance * push.tolerance;
+    return max_component(off) <= push.tolerance && (a.layers.clearcoat == 0.0 || dot(a.layers.clearcoat_normal, b.layers.clearcoat_normal) >= near) &&
+           (a.layers.anisotropy == 0.0 || abs(dot(a.layers.tangent, b.layers.tangent)) >= near);
+}
+
 bool like_colors(sampled a, sampled b) {
     vec3 brighter = max(a.s.emissive, b.s.emissive);
     vec3 others = abs(vec3(a.s.roughness - b.s.roughness, a.s.metallic - b.s.metallic, a.s.occlusion - b.s.occlusion));
@@ -56,7 +65,7 @@ bool same_surface(ivec2 pixel, uint a, uint b) {
     bool equal = equal_bits(pixel, a, b);
     if (!equal && push.tolerance == 0.0) return false;
     sampled at_a = sample_at(pixel, a), at_b = sample_at(pixel, b);
-    if (!equal && !like_colors(at_a, at_b)) return false;
+    if (!equal && !(like_colors(at_a, at_b) && like_layers(at_a.s, at_b.s))) return false;
     return abs(dot(at_a.normal, at_b.s.position - at_a.s.position)) <= PLANE_WIDTHS * at_a.width;
 }
 

@@ -5,9 +5,10 @@
 #include "common.glsl"
 #include "view.glsl"
 #include "lights/iterate.glsl"
+#include "gbuffer.glsl"
+#define MATERIAL_LAYERS (GBUFFER_FORM_LAYOUT(GBUFFER_GIVEN) == GBUFFER_LAYERS)
 #include "material.glsl"
 #include "decals_raster.glsl"
-#include "gbuffer.glsl"
 #include "passes/shade/hybrid_shared.h"
 
 layout(push_constant, scalar) uniform push_block { gpu_gbuffer_push push; };

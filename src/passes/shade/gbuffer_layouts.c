@@ -3,7 +3,7 @@
 
 #include "base/check.h"
 
-_Static_assert((uint32_t)FNL_GBUFFER_COUNT == GBUFFER_LAYOUTS && (uint32_t)FNL_GBUFFER_DESTINY == GBUFFER_DESTINY &&
+_Static_assert((uint32_t)FNL_GBUFFER_COUNT == GBUFFER_LAYOUTS && (uint32_t)FNL_GBUFFER_LAYERS == GBUFFER_LAYERS &&
                    (uint32_t)FNL_NORMALS_COUNT == NORMALS_COUNT && (uint32_t)FNL_NORMALS_FLOAT == NORMALS_FLOAT,
                "gbuffer_shared.h has the values of fnl_gbuffer and fnl_normal_encoding");
 
@@ -17,6 +17,7 @@ _Static_assert((uint32_t)FNL_GBUFFER_COUNT == GBUFFER_LAYOUTS && (uint32_t)FNL_G
 #define RGBA16F VK_FORMAT_R16G16B16A16_SFLOAT
 #define RG16F VK_FORMAT_R16G16_SFLOAT
 #define RGB10 VK_FORMAT_A2B10G10R10_UNORM_PACK32
+#define RG16 VK_FORMAT_R16G16_UNORM
 
 const struct gbuffer_layout gbuffer_layouts[FNL_GBUFFER_COUNT] = {
     [FNL_GBUFFER_DEFAULT] =
@@ -174,6 +175,38 @@ const struct gbuffer_layout gbuffer_layouts[FNL_GBUFFER_COUNT] = {
                              .own = FNL_NORMALS_XYZ,
                              .encodings = BIT(XYZ),
                              .published_bits = 96},
+    [FNL_GBUFFER_LAYERS] = {.target_count = 5,
+                            .targets = {{"gbuffer color", RGB10},
+                                        {"gbuffer normal", RGBA16},
+                                        {"gbuffer dielectric", RGBA8},
+                                        {"gbuffer coat", RGBA16},
+                                        {"gbuffer anisotropy", RG16}},
+                            .field_count = 13,
+                            .fields = {{"base colour", 0, 30},
+                                       {"unused", 0, 2},
+                                       {"normal", 1, 32},
+                                       {"roughness", 1, 16},
+                                       {"metalness", 1, 8},
+                                       {"occlusion", 1, 8},
+                                       {"dielectric F0", 2, 24},
+                                       {"F90", 2, 8},
+                                       {"normal of the coat", 3, 32},
+                                       {"roughness of the coat", 3, 16},
+                                       {"strength of the coat", 3, 16},
+                                       {"strength of the anisotropy", 4, 16},
+                                       {"angle of the anisotropy", 4, 16}},
+                            .semantics = {GBUFFER_SEEN_COLOR, GBUFFER_SEEN_CHANNEL(3), GBUFFER_SEEN_NORMAL, GBUFFER_SEEN_ROUGHNESS,
+                                          GBUFFER_SEEN_METALLIC, GBUFFER_SEEN_OCCLUSION, GBUFFER_SEEN_F0, GBUFFER_SEEN_F90, GBUFFER_SEEN_COAT_NORMAL,
+                                          GBUFFER_SEEN_CHANNEL(2), GBUFFER_SEEN_CHANNEL(3), GBUFFER_SEEN_CHANNEL(0), GBUFFER_SEEN_CHANNEL(1)},
+                            .color_target = 0,
+                            .normal_target = 1,
+                            .own = FNL_NORMALS_OCTAHEDRAL,
+                            .encodings = TWO & ~BIT(FLOAT), /* there is no sixth target */
+                            .published_bits = 320, /* ours: depth 32, these 224, radiance 64 */
+                            .metallic = true,
+                            .strength = true,
+                            .tint = true,
+                            .layers = true},
 };
 
 uint32_t gbuffer_format_bits(VkFormat format) {
@@ -206,6 +239,7 @@ uint32_t gbuffer_form_of(fnl_gbuffer layout, fnl_normal_encoding normals, bool c
 
 bool gbuffer_holds(fnl_gbuffer layout, const struct gbuffer_material *m) {
     const struct gbuffer_layout *l = &gbuffer_layouts[layout];
+    if (m->layered && (!l->layers || m->other_layers)) return false;
     if (l->tint) return true;
     if (m->id >= l->id_count && l->id_count) return false;
     if (m->unlit) return true;

@@ -8,7 +8,7 @@
 #include "gpu/gpu.h"
 #include "passes/shade/gbuffer_view_shared.h"
 
-enum { GBUFFER_FIELDS = 12 };
+enum { GBUFFER_FIELDS = 13 };
 
 struct gbuffer_layout {
     uint32_t target_count, field_count;
@@ -24,6 +24,7 @@ struct gbuffer_layout {
     uint32_t encodings;            /* a bit for each fnl_normal_encoding that its field holds */
     uint32_t published_bits;       /* with depth, stencil and the light accumulation of the publication */
     bool metallic, strength, tint; /* held by the pixel, not by the material's entry: metalness, strength and colour of F0 */
+    bool layers;                   /* clearcoat and anisotropy are */
 };
 
 extern const struct gbuffer_layout gbuffer_layouts[FNL_GBUFFER_COUNT];
@@ -42,6 +43,7 @@ struct gbuffer_material {
     vec3 dielectric_f0;
     float specular;
     bool unlit, metallic_texture, specular_texture, specular_color_texture;
+    bool layered, other_layers; /* it has layers; of them some besides clearcoat and anisotropy */
 };
 bool gbuffer_holds(fnl_gbuffer layout, const struct gbuffer_material *material);
 /** The entry that layouts with an ID look up. */

@@ -66,6 +66,7 @@ static uint32_t rounding_of(VkFormat format) {
     case VK_FORMAT_R8G8B8A8_SRGB:
         return ROUND_SRGB8;
     case VK_FORMAT_R16G16B16A16_UNORM:
+    case VK_FORMAT_R16G16_UNORM:
         return ROUND_UNORM16;
     case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
         return ROUND_UNORM10;
@@ -105,6 +106,14 @@ static void make_cases(const struct gbuffer_layout *l) {
         if (vec3_dot(c->normal, to_view) < 0.02f) c->normal = to_view;
         c->id = l->id_count ? i % l->id_count : 0;
         const struct gpu_material_entry *e = &entries[c->id];
+        if (l->layers) {
+            vec3 other = {random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)};
+            c->coat = i % 4 ? pick(&random, i) : 0;
+            c->coat_roughness = pick(&random, i);
+            c->coat_normal = vec3_normalize(other);
+            c->anisotropy = i % 3 ? pick(&random, i) : 0;
+            c->tangent = vec3_normalize(vec3_cross(c->normal, i % 5 ? other : (vec3){(float)(i % 2), (float)(i / 2 % 2), 0.5f}));
+        }
         if (l->tint) {
             c->metallic = pick(&random, i);
             c->dielectric_f90 = pick(&random, i);
@@ -133,12 +142,12 @@ static double off(float a, float b) { return fabs((double)a - (double)b); }
 static double off3(vec3 a, vec3 b) { return fmax(off(a.x, b.x), fmax(off(a.y, b.y), off(a.z, b.z))); }
 
 struct field_errors {
-    double color, normal, roughness, metallic, occlusion, f0, f90, motion, position;
+    double color, normal, roughness, metallic, occlusion, f0, f90, motion, position, coat, coat_normal, anisotropy, tangent;
 };
 
 /* A component of a base colour on the scale on which the layout rounds it. */
 static double color_code(const struct gbuffer_layout *l, float c) {
-    return l == &gbuffer_layouts[FNL_GBUFFER_DEFAULT] ? sqrt((double)c) : srgb((double)c);
+    return l->tint ? sqrt((double)c) : srgb((double)c);
 }
 
 static struct field_errors measure(const struct gbuffer_layout *l) {
@@ -159,6 +168,13 @@ static struct field_errors measure(const struct gbuffer_layout *l) {
         if (q.x == 0 && q.y == 0) p.x = p.y = 0; /* the depth alone */
         e.position = fmax(e.position, off3(p, q) / -(double)c->position.z);
         assert_int_equal(r->id, c->id);
+        e.coat = fmax(e.coat, off(c->coat, r->coat));
+        e.anisotropy = fmax(e.anisotropy, off(c->anisotropy, r->anisotropy));
+        if (c->coat > 0) e.coat = fmax(e.coat, off(c->coat_roughness, r->coat_roughness));
+        if (c->coat > 0) e.coat_normal = fmax(e.coat_normal, degrees_between(c->coat_normal, r->coat_normal));
+        const double turned = c->anisotropy > 0 ? degrees_between(c->tangent, r->tangent) : 0;
+        e.tangent = fmax(e.tangent, fmin(turned, 180 - turned)); /* either way along it */
+        if (c->anisotropy > 0) assert_true(off(vec3_dot(r->tangent, r->normal), 0) < 1e-5 && off(vec3_length(r->tangent), 1) < 1e-5);
     }
     return e;
 }
@@ -178,6 +194,7 @@ static void test_fields_round_trip(void **state) {
         [FNL_GBUFFER_CLEAR_SKY] = {half, 3, half, none, 0.502 / 127, none, none, 2, 1e-3},
         [FNL_GBUFFER_ENGEL] = {half, 3, half, none, half, half, none, 2, none},
         [FNL_GBUFFER_DESTINY] = {half, 1.3, 2.0 / 255, none, half, none, none, 2, none},
+        [FNL_GBUFFER_LAYERS] = {half10, 0.004, step16, half, half, half, half, 2, none, step16, 0.004, step16, 0.008},
     };
     for (int layout = 0; layout < FNL_GBUFFER_COUNT; layout++) {
         const struct gbuffer_layout *l = &gbuffer_layouts[layout];
@@ -188,8 +205,8 @@ static void test_fields_round_trip(void **state) {
         struct field_errors e = measure(l);
         print_message(
             "%-10s colour %.2g, normal %.3g degrees, roughness %.2g, metalness %.2g, occlusion %.2g, F0 %.2g, F90 %.2g, "
-            "motion %.2g, position %.2g\n",
-            fnl_value_name(FNL_ENUM_GBUFFER, (uint32_t)layout), e.color, e.normal, e.roughness, e.metallic, e.occlusion, e.f0, e.f90, e.motion, e.position);
+            "motion %.2g, position %.2g, coat %.2g, its normal %.3g degrees, anisotropy %.2g, its direction %.3g degrees\n",
+            fnl_value_name(FNL_ENUM_GBUFFER, (uint32_t)layout), e.color, e.normal, e.roughness, e.metallic, e.occlusion, e.f0, e.f90, e.motion, e.position, e.coat, e.coat_normal, e.anisotropy, e.tangent);
         const double *got = &e.color, *limit = &most[layout].color;
         for (uint32_t k = 0; k < sizeof e / sizeof(double); k++)
             if (got[k] > limit[k]) fail_msg("%s: field %u is off by %g, not %g", fnl_value_name(FNL_ENUM_GBUFFER, (uint32_t)layout), k, got[k], limit[k]);
@@ -240,7 +257,7 @@ static const struct {
 } tolerances[FNL_GBUFFER_COUNT] = {
     [FNL_GBUFFER_DEFAULT] = {1, 0.15},   [FNL_GBUFFER_SIEGE] = {2, 0.15},   [FNL_GBUFFER_KILLZONE2] = {2, 0.15},
     [FNL_GBUFFER_FROSTBITE2] = {4, 0.3}, [FNL_GBUFFER_STALKER] = {2, 0.15}, [FNL_GBUFFER_CLEAR_SKY] = {2, 0.15},
-    [FNL_GBUFFER_ENGEL] = {2, 0.15},     [FNL_GBUFFER_DESTINY] = {4, 0.3},
+    [FNL_GBUFFER_ENGEL] = {2, 0.15},     [FNL_GBUFFER_DESTINY] = {4, 0.3},  [FNL_GBUFFER_LAYERS] = {1, 0.15},
 };
 
 static void check_lists(struct stage *stage, fnl_frame frame, const struct shot *all) {

@@ -41,6 +41,12 @@ void main() {
     s.emissive = vec3(0.0);
     s.dielectric_f0 = c.dielectric_f0;
     s.dielectric_f90 = c.dielectric_f90;
+    s.layered = c.coat > 0.0 || c.anisotropy > 0.0;
+    s.layers.clearcoat_normal = c.coat_normal;
+    s.layers.clearcoat = c.coat;
+    s.layers.clearcoat_roughness = c.coat_roughness;
+    s.layers.tangent = c.tangent;
+    s.layers.anisotropy = c.anisotropy;
     gbuffer_place at = gbuffer_place(normalize(-c.position), mat3(1.0), c.position);
     gpu_material_entry entry = push.entries.at[c.id];
     gbuffer g = gbuffer_pack(push.form, s, at, c.id, entry, c.motion, ivec2(index & 1u, 0));
@@ -60,5 +66,14 @@ void main() {
     r.occlusion = s.occlusion;
     r.position = layout_kind == GBUFFER_STALKER ? g.targets[0].xyz : layout_kind == GBUFFER_CLEAR_SKY ? vec3(0.0, 0.0, -g.targets[0].z) : c.position;
     r.id = gbuffer_unpack_material(push.form, g);
+    r.coat = r.anisotropy = r.coat_roughness = 0.0;
+    r.coat_normal = r.tangent = vec3(0.0);
+    if (s.layered) {
+        r.coat_normal = s.layers.clearcoat_normal;
+        r.coat = s.layers.clearcoat;
+        r.coat_roughness = s.layers.clearcoat_roughness;
+        r.tangent = s.layers.tangent;
+        r.anisotropy = s.layers.anisotropy;
+    }
     push.results.at[index] = r;
 }

@@ -23,6 +23,11 @@ struct gpu_gbuffer_case {
     float occlusion;
     vec3 position;   /* view space; out: what the layout stores of it */
     uint id;
+    vec3 coat_normal;
+    float coat;      /* 0, and anisotropy 0: no layers */
+    vec3 tangent;    /* at right angles to the normal */
+    float anisotropy;
+    float coat_roughness;
 };
 
 struct gpu_gbuffer_test_push {

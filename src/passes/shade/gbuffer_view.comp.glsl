@@ -34,6 +34,7 @@ vec3 seen(uint field, ivec2 pixel) {
     case GBUFFER_SEEN_MOTION: return gbuffer_unpack_motion_of(form, g) * 0.5 + 0.5;
     case GBUFFER_SEEN_POSITION: return fract(g.targets[0].xyz);
     case GBUFFER_SEEN_DEPTH: return vec3(1.0 / (1.0 + 0.05 * g.targets[0].z));
+    case GBUFFER_SEEN_COAT_NORMAL: return s.layered ? s.layers.clearcoat_normal * 0.5 + 0.5 : vec3(0.0);
     case GBUFFER_SEEN_FORWARD: return vec3(gbuffer_is_forward(push.gbuffer, pixel) ? 1.0 : 0.25);
     }
     return vec3(g.targets[push.from][field - GBUFFER_SEEN_CHANNEL(0u)]);

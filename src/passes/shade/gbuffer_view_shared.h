@@ -19,6 +19,7 @@
 #define GBUFFER_SEEN_DEPTH 10u
 #define GBUFFER_SEEN_FORWARD 11u
 #define GBUFFER_SEEN_CHANNEL(channel) (12u + (channel)) /* of the target, as it is stored */
+#define GBUFFER_SEEN_COAT_NORMAL 16u
 
 struct gpu_gbuffer_view_push {
     STRUCT(gpu_gbuffer) gbuffer;

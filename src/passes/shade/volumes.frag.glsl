@@ -49,8 +49,8 @@ void main() {
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
     surface s = gbuffer_surface_at(push.gbuffer, pixel, at, position, vec3(0.0));
     if (LIST_SHADOWED)
-        illuminance *= shadow_visibility(push.list, push.list.list.directional_count + in_light, shadowed_point_of(push.list, position, s.normal), to_light);
+        illuminance *= shadow_visibility(push.list, push.list.list.directional_count + in_light, shadowed_point_of(push.list, position, facing_normal(s)), to_light);
     count_rays(push.view, push.counters);
-    brdf_view b = brdf_prepare(s, to_viewer(push.view, position));
-    out_radiance = vec4(min(illuminance * brdf_cos(s, b, to_light), vec3(MOST)), 0.0);
+    layers_view b = layers_prepare(s, push.view, to_viewer(push.view, position));
+    out_radiance = vec4(min(illuminance * layers_cos(s, b, to_light), vec3(MOST)), 0.0);
 }

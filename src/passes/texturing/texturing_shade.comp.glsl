@@ -6,6 +6,9 @@
 #define MATERIAL_GRADIENTS
 #include "common.glsl"
 #include "shade.glsl"
+#ifndef MATERIAL_TEXEL
+#define MATERIAL_LAYERS LIST_LAYERS
+#endif
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "passes/texturing/texturing.glsl"

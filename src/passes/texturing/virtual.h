@@ -10,7 +10,7 @@
 #include "passes/texturing/virtual_shared.h"
 
 /* Bit of gpu_material.forward_layouts, behind those of the G-buffer layouts: the atlas cannot hold the material. */
-enum { VIRTUAL_FORWARD = 8 };
+enum { VIRTUAL_FORWARD = 9 };
 
 /** What is kept from frame to frame. */
 struct virtual_atlas {

@@ -43,15 +43,16 @@ static struct gbuffer_material gbuffer_material(const struct device_scene *d, co
                                      .unlit = m->unlit,
                                      .metallic_texture = blue < 0,
                                      .specular_texture = device_has_texture(d, m, SCENE_TEXTURE_SPECULAR),
-                                     .specular_color_texture = device_has_texture(d, m, SCENE_TEXTURE_SPECULAR_COLOR)};
+                                     .specular_color_texture = device_has_texture(d, m, SCENE_TEXTURE_SPECULAR_COLOR),
+                                     .layered = scene_material_layered(m),
+                                     .other_layers = scene_material_layered_besides(m)};
 }
 
 uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *m, uint32_t id) {
     struct gbuffer_material material = gbuffer_material(d, m, id);
     uint32_t bits = 0;
-    const bool layered = scene_material_layered(m);
-    for (uint32_t i = 0; i < FNL_GBUFFER_COUNT; i++) bits |= (uint32_t)(layered || !gbuffer_holds((fnl_gbuffer)i, &material)) << i;
-    if (layered) bits |= 1u << GEOMETRY_LAYERED;
+    for (uint32_t i = 0; i < FNL_GBUFFER_COUNT; i++) bits |= (uint32_t)!gbuffer_holds((fnl_gbuffer)i, &material) << i;
+    if (material.layered) bits |= 1u << GEOMETRY_LAYERED;
     if (scene_material_transmissive(m)) bits |= 1u << GEOMETRY_TRANSMISSIVE;
     if (!device_virtual_holds(d, m)) bits |= 1u << VIRTUAL_FORWARD;
     return bits;

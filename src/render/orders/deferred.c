@@ -28,8 +28,8 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
 /* What the layout cannot hold is shaded forward. */
 static void add_rest(struct frame_state *f, const struct shade_input *input, const struct gbuffer *gbuffer) {
     hybrid_add(f->graph, input, gbuffer, f->radiance);
-    f->forward_layouts = 1u << f->frame->gbuffer.layout;
-    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(f->frame->gbuffer.layout));
+    f->forward_layouts = 1u << input->layout;
+    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(input->layout));
 }
 
 /* Lists see all samples of the depth, but no normals. */

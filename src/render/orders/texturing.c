@@ -83,7 +83,7 @@ static const struct counter virtual_counters[] = {
 
 /* Approximate as visibility is, and because normals are rounded. */
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_APPROXIMATE | SHADING_SAMPLES };
-const struct order order_texturing = {.traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add};
+const struct order order_texturing = {.traits = TRAITS | SHADING_LAYERS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add};
 /* One view: a frame brings the pages of one camera into the atlas. */
 const struct order order_virtual_texturing = {.traits = TRAITS | SHADING_LAYERS,
                                               .check = check,
