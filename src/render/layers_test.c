@@ -188,8 +188,9 @@ static void test_every_order_shades_layers_MA_3(void **state) {
             double worst = 0;
             for (int ball = COAT; ball < BALLS; ball++) worst = fmax(worst, difference(&shot.radiance, &want.radiance, ball));
             print_message("%s, %u samples: %.5f off\n", fnl_value_name(FNL_ENUM_SHADING, s.frame.shading), msaa, worst);
-            /* texturing rounds tangents; with several samples deferred shading lights surfaces at other points than forward shading, the core as well. */
-            assert_true(worst < (shading == FNL_SHADING_TEXTURING ? 0.003 : fmax(0.001, 1.5 * difference(&shot.radiance, &want.radiance, CORE))));
+            /* texturing rounds tangents; with several samples deferred shading lights a surface at the middle of them, forward shading the centroid:
+               the core's matt highlight moves a little, those of coats and of brushed metal more. */
+            assert_true(worst < (shading == FNL_SHADING_TEXTURING ? 0.003 : fmax(0.001, 5 * difference(&shot.radiance, &want.radiance, CORE))));
             shot_free(&shot);
         }
         shot_free(&want);
@@ -400,10 +401,11 @@ static void test_a_gbuffer_holds_coats_and_anisotropy_MA_22(void **state) {
         uint32_t blocks;
         double most; /* off from forward shading */
     } ways[] = {{FNL_SHADING_DEFERRED, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 0, 0.001}, {FNL_SHADING_DEFERRED, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 8, 0.001},
-                {FNL_SHADING_DEFERRED, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_FRAGMENT, 0, 0.001}, {FNL_SHADING_DEFERRED, 4, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 0, 0.02},
+                {FNL_SHADING_DEFERRED, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_FRAGMENT, 0, 0.001}, {FNL_SHADING_DEFERRED, 4, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 0, 0.025},
                 {FNL_SHADING_DEFERRED, 4, FNL_MSAA_AGGREGATE, FNL_DEFERRED_COMPUTE, 0, 0.05}, {FNL_SHADING_DEFERRED_VOLUMES, 1, FNL_MSAA_COMPACT, FNL_DEFERRED_COMPUTE, 0, 0.001}};
     for (uint32_t k = 0; k < COUNT_OF(scenes); k++) {
         struct stage s = open_balls(some_balls(scenes[k].kinds, scenes[k].count));
+        s.frame.timers = true; /* passes are known by them */
         for (uint32_t w = 0; w < (k ? 1 : COUNT_OF(ways)); w++) {
             s.frame.msaa = ways[w].msaa;
             s.frame.shading = FNL_SHADING_FORWARD;
@@ -447,6 +449,28 @@ static void test_a_gbuffer_holds_coats_and_anisotropy_MA_22(void **state) {
     }
 }
 
+/* Blocks of pixels that need no light are skipped; what is black but for its coat needs it. */
+static void test_a_black_surface_with_a_coat_is_shaded_in_classes_MA_22(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = coarse_scene();
+    fnl_material_params p = material_of(COAT);
+    fnl_material_id id;
+    p.specular = p.base_color[0] = p.base_color[1] = p.base_color[2] = 0;
+    assert_int_equal(fnl_scene_add_material(scene, &p, &id), FNL_OK);
+    add_ball(scene, id, 0, 0);
+    add_lights(scene);
+    struct stage s = open_balls(scene);
+    s.frame.shading = FNL_SHADING_DEFERRED;
+    struct shot want = stage_shoot(&s, &s.frame);
+    s.frame.deferred.class_blocks = 8;
+    struct shot shot = stage_shoot(&s, &s.frame);
+    assert_int_equal(count_differing(&want.radiance, &shot.radiance), 0);
+    assert_true(((const float *)shot.radiance.pixels)[4 * (27 * 96 + 48)] > 0);
+    shot_free(&want);
+    shot_free(&shot);
+    stage_close(&s);
+}
+
 /* These paths have no G-buffer of materials: what it cannot hold is no exception to them, and nothing is drawn over their picture. */
 static void test_paths_without_its_limits_draw_nothing_over_MA_23(void **state) {
     UNUSED(state);
@@ -477,6 +501,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_layers_without_strength_are_core_MA_24, harness_check),
         cmocka_unit_test_teardown(test_core_materials_keep_their_pipelines_MA_25, spy_tear_down),
         cmocka_unit_test_teardown(test_a_gbuffer_holds_coats_and_anisotropy_MA_22, harness_check),
+        cmocka_unit_test_teardown(test_a_black_surface_with_a_coat_is_shaded_in_classes_MA_22, harness_check),
         cmocka_unit_test_teardown(test_paths_without_its_limits_draw_nothing_over_MA_23, harness_check),
     };
     return cmocka_run_group_tests_name("layers", tests, harness_begin, harness_end);
