@@ -282,8 +282,8 @@ gbuffer gbuffer_pack(uint form, surface s, gbuffer_place at, uint id, gpu_materi
 // The code of the normal, 0 .. 1 a component, from the target that holds it.
 uint gbuffer_normal_target(uint form) {
     if (GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT) return gbuffer_target_count(form) - 1u;
-    uint layout_kind = GBUFFER_FORM_LAYOUT(form);
-    return layout_kind == GBUFFER_DEFAULT || layout_kind == GBUFFER_STALKER || layout_kind == GBUFFER_DESTINY || layout_kind == GBUFFER_LAYERS ? 1u : 0u;
+    const uint SECOND = 1u << GBUFFER_DEFAULT | 1u << GBUFFER_STALKER | 1u << GBUFFER_DESTINY | 1u << GBUFFER_LAYERS; // of these layouts target 1, else target 0
+    return SECOND >> GBUFFER_FORM_LAYOUT(form) & 1u;
 }
 vec3 gbuffer_unpack_normal(uint form, vec4 stored, gbuffer_place at) {
     uint layout_kind = GBUFFER_FORM_LAYOUT(form), normals = GBUFFER_FORM_NORMALS(form);

@@ -609,13 +609,14 @@ static void warm_layers(fnl_device *device) {
     fnl_renderer *renderer = NULL;
     fnl_frame frame = fnl_frame_default();
     if (fnl_scene_load(NULL, "builtin:glass?lights=10", NULL, &scene) != FNL_OK) fail("glass");
-    for (uint32_t i = 0; i < 2; i++) {
+    for (uint32_t i = 0; i < 3; i++) { /* one that a G-buffer holds, glass, and one that is lit forward after it */
         fnl_entity_info entity;
         fnl_material_params params;
         if (fnl_scene_query_entity(scene, FNL_ENTITY_MATERIAL, i, &entity) != FNL_OK || fnl_scene_query_material(scene, i, &params) != FNL_OK) fail("no materials");
         params.alpha_mode = FNL_ALPHA_OPAQUE;
         params.clearcoat.strength = 1;
-        params.transmission.strength = (float)i;
+        params.transmission.strength = i == 1;
+        if (i == 2) params.sheen.color[0] = 0.5f;
         if (fnl_scene_set_material(scene, entity.id.material, &params) != FNL_OK) fail("no layers");
     }
     if (fnl_scene_query_framing_camera(scene, 16.0f / 9.0f, &frame.camera) != FNL_OK || fnl_renderer_create(device, scene, &renderer) != FNL_OK) fail("glass");

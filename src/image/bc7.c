@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* BC7 (Khronos Data Format Specification 1.3, 20.1): tables of modes, patterns and anchors are those of the specification. */
+#include "image/bc7.h"
 #include "image/bc6h.h"
-#include "image/blocks.h"
 
-static const struct mode {
-    uint8_t subsets, pattern_bits, rotation_bits, selection_bits, color_bits, alpha_bits, own_p, shared_p, index_bits, second_bits;
-} modes[8] = {
+const struct bc7_mode bc7_modes[8] = {
     {3, 4, 0, 0, 4, 0, 1, 0, 3, 0}, {2, 6, 0, 0, 6, 0, 0, 1, 3, 0}, {3, 6, 0, 0, 5, 0, 0, 0, 2, 0}, {2, 6, 0, 0, 7, 0, 1, 0, 2, 0},
     {1, 0, 2, 1, 5, 6, 0, 0, 2, 3}, {1, 0, 2, 0, 7, 8, 0, 0, 2, 2}, {1, 0, 0, 0, 7, 7, 1, 0, 4, 0}, {2, 6, 0, 0, 5, 5, 1, 0, 2, 0},
 };
@@ -32,26 +30,26 @@ static const uint8_t three_anchors[2][64] = {
      15, 3, 15, 10, 10, 8,  9, 10, 6,  15, 8,  15, 3,  6,  6,  8,  15, 3, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 3,  15, 15, 8},
 };
 
-static uint32_t subset_of(uint32_t subsets, uint32_t pattern, uint32_t texel) {
+uint32_t bc7_subset_of(uint32_t subsets, uint32_t pattern, uint32_t texel) {
     if (subsets == 3) return three_subsets[pattern] >> 2 * texel & 3;
     if (subsets == 2) return (pattern < BC6H_PATTERNS ? bc6h_pattern(pattern) : two_subsets[pattern - BC6H_PATTERNS]) >> texel & 1;
     return 0;
 }
 
-static uint32_t anchor_of(uint32_t subsets, uint32_t pattern, uint32_t subset) {
+uint32_t bc7_anchor_of(uint32_t subsets, uint32_t pattern, uint32_t subset) {
     if (subset == 0) return 0;
     if (subsets == 3) return three_anchors[subset - 1][pattern];
     return pattern < BC6H_PATTERNS ? bc6h_anchor(pattern) : two_anchors[pattern - BC6H_PATTERNS];
 }
 
-static uint8_t interpolate(uint32_t a, uint32_t b, uint32_t index, uint32_t bits) {
+uint8_t bc7_interpolate(uint32_t a, uint32_t b, uint32_t index, uint32_t bits) {
     static const uint8_t weights[3][16] = {{0, 21, 43, 64}, {0, 9, 18, 27, 37, 46, 55, 64}, {0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64}};
     uint32_t weight = weights[bits - 2][index];
     return (uint8_t)((a * (64 - weight) + b * weight + 32) >> 6);
 }
 
 /* Of all subsets two ends each, as 8 bits. */
-static void read_ends(struct block_bits *bits, const struct mode *m, uint32_t ends[6][4]) {
+static void read_ends(struct block_bits *bits, const struct bc7_mode *m, uint32_t ends[6][4]) {
     const uint32_t count = 2u * m->subsets, p = m->own_p | m->shared_p;
     for (uint32_t c = 0; c < 4; c++)
         for (uint32_t i = 0; i < count; i++) ends[i][c] = c < 3 ? block_take(bits, m->color_bits) : m->alpha_bits ? block_take(bits, m->alpha_bits) : 255;
@@ -74,21 +72,21 @@ void bc7_decode(const unsigned char block[16], uint8_t texels[16][4]) {
         memset(texels, 0, 16 * 4);
         return;
     }
-    const struct mode *m = &modes[mode];
+    const struct bc7_mode *m = &bc7_modes[mode];
     uint32_t pattern = block_take(&bits, m->pattern_bits), rotation = block_take(&bits, m->rotation_bits), swap = block_take(&bits, m->selection_bits);
     uint32_t ends[6][4], indices[2][16] = {0};
     read_ends(&bits, m, ends);
     for (uint32_t i = 0; i < 16; i++) {
-        bool anchor = anchor_of(m->subsets, pattern, subset_of(m->subsets, pattern, i)) == i;
+        bool anchor = bc7_anchor_of(m->subsets, pattern, bc7_subset_of(m->subsets, pattern, i)) == i;
         indices[0][i] = block_take(&bits, m->index_bits - anchor);
     }
     for (uint32_t i = 0; m->second_bits && i < 16; i++) indices[1][i] = block_take(&bits, m->second_bits - (i == 0));
     const uint32_t sizes[2] = {m->index_bits, m->second_bits};
     for (uint32_t i = 0; i < 16; i++) {
-        const uint32_t *a = ends[2 * subset_of(m->subsets, pattern, i)], *b = a + 4;
+        const uint32_t *a = ends[2 * bc7_subset_of(m->subsets, pattern, i)], *b = a + 4;
         for (uint32_t c = 0; c < 4; c++) {
             uint32_t which = m->second_bits ? (c == 3) ^ swap : 0;
-            texels[i][c] = interpolate(a[c], b[c], indices[which][i], sizes[which]);
+            texels[i][c] = bc7_interpolate(a[c], b[c], indices[which][i], sizes[which]);
         }
         if (rotation) {
             uint8_t alpha = texels[i][3];

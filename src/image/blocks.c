@@ -74,7 +74,7 @@ bool block_decode(enum texture_format format, const unsigned char *block, uint8_
         bc7_decode(block, texels);
         return true;
     case TEXTURE_UASTC:
-        return uastc_decode(block, texels);
+        return uastc_decode(block, texels, NULL);
     default:
         return false;
     }

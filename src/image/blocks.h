@@ -14,7 +14,15 @@ uint32_t block_bytes(enum texture_format format);
 bool block_decode(enum texture_format format, const unsigned char *block, uint8_t texels[16][4]);
 
 void bc7_decode(const unsigned char block[16], uint8_t texels[16][4]);
-bool uastc_decode(const unsigned char block[16], uint8_t texels[16][4]);
+
+/** How a block is made up: texels of a subset lie on one line; the channel `lone` (0 to 3; 4: none) has indices of its own. */
+struct block_structure {
+    uint8_t subsets[16], lone;
+};
+/** `structure` may be NULL. */
+bool uastc_decode(const unsigned char block[16], uint8_t texels[16][4], struct block_structure *structure);
+/** A block of BC7 with the subsets or the channel of its own that `structure` has, or with one line, by least error. NULL: one line. */
+void bc7_encode(const uint8_t texels[16][4], const struct block_structure *structure, unsigned char block[16]);
 
 /** Bits of a block of 16 bytes, from the lowest one on. */
 struct block_bits {

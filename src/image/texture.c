@@ -331,6 +331,40 @@ static fnl_result decode_mips(struct reader *r, bool normals, struct texture *ou
     return result;
 }
 
+/* UASTC and ETC1S as BC7: a quarter of the device's memory. */
+static fnl_result transcode_mips(struct reader *r, struct texture *out) {
+    const struct texture *from = &r->layout.texture;
+    struct texture texture = *from;
+    texture.format = TEXTURE_BC7;
+    if (texture_allocate(r->source.host, &texture) != FNL_OK) return image_fail(&r->source, FNL_ERROR_MEMORY, "out of memory");
+    fnl_result result = FNL_OK;
+    for (uint32_t mip = 0; mip < texture.mips && result == FNL_OK; mip++) {
+        const uint32_t width = texture_side(texture.width, mip), height = texture_side(texture.height, mip), across = DIVIDE_UP(width, 4u);
+        const unsigned char *bytes;
+        unsigned char *to = texture.bytes + texture_offset(&texture, mip, 0);
+        result = reader_face(r, mip, 0, &bytes);
+        for (uint32_t i = 0; result == FNL_OK && i < across * DIVIDE_UP(height, 4u); i++, to += 16) {
+            uint8_t texels[16][4];
+            struct block_structure structure = {.lone = 3}; /* ETC1S: one line, and alpha has a block of its own */
+            if (from->format == TEXTURE_UASTC) {
+                if (!uastc_decode(bytes + (size_t)16 * i, texels, &structure))
+                    result = image_fail(&r->source, FNL_ERROR_FORMAT, "broken KTX2: mip %u has a block that is none of UASTC", mip);
+            } else { /* RGBA8 of ETC1S; over the edge the last texels are repeated */
+                for (uint32_t k = 0; k < 16; k++) {
+                    const uint32_t x = MIN(i % across * 4 + k % 4, width - 1), y = MIN(i / across * 4 + k / 4, height - 1);
+                    memcpy(texels[k], bytes + 4 * ((size_t)y * width + x), 4);
+                }
+            }
+            bc7_encode((const uint8_t(*)[4])texels, from->format == TEXTURE_UASTC || r->layout.alpha ? &structure : NULL, to);
+        }
+    }
+    if (result == FNL_OK)
+        *out = texture;
+    else
+        texture_free(r->source.host, &texture);
+    return result;
+}
+
 static fnl_result decode_reader(struct reader *r, const struct texture_use *use, struct texture *out) {
     const struct texture_layout *layout = &r->layout;
     const bool whole = layout->texture.mips == texture_mips(layout->texture.width, layout->texture.height);
@@ -338,6 +372,8 @@ static fnl_result decode_reader(struct reader *r, const struct texture_use *use,
     TRY(check_use(&r->source, &layout->texture));
     const bool normals = use->normals && has_two_channels(layout->texture.format);
     if (use->mips && whole && plain && !normals && use->keep >> layout->texture.format & 1) return read_whole(r, out);
+    const bool packed = layout->texture.format == TEXTURE_UASTC || r->etc1s;
+    if (use->mips && whole && plain && packed && use->keep >> TEXTURE_BC7 & 1) return transcode_mips(r, out);
     struct texture texture = layout->texture;
     texture.format = TEXTURE_RGBA8;
     if (!use->mips || !whole) texture.mips = 1;

@@ -59,7 +59,7 @@ fnl_result texture_load(const fnl_host *host, const char *path, struct texture *
 struct texture_use {
     bool mips;     /* all of them down to 1 x 1, if the file has all; else one */
     bool normals;  /* of two channels (RG8, BC5) blue becomes the z of the normal */
-    uint32_t keep; /* bit 1 << format: formats of blocks that may stay as they are, where the file has all mips */
+    uint32_t keep; /* bit 1 << format: formats of blocks that may stay as they are, where the file has all mips; BC7: UASTC and ETC1S become that */
 };
 /** A picture of any kind of file as materials use it, RGBA8. Those of floats and cube maps are refused. Logs as image_decode() does. Thread-safe. */
 fnl_result texture_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, const struct texture_use *use, struct texture *out);

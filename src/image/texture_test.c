@@ -3,6 +3,7 @@
  * KTX2 and DDS as textures of materials. tests/textures holds the picture of `source_picture` as Basis Universal's encoder (2.x) writes it; the hashes are those
  * of what its transcoder makes of these files, and of the blocks below, as RGBA8.
  */
+#include "image/bc7.h"
 #include "image/texture.h"
 
 #include "tests/test_memory.h"
@@ -105,6 +106,84 @@ static void test_files_of_basis_universal_MA_8(void **state) {
         file_free(&host, &view);
     }
     assert_int_equal(atomic_load(&memory.live_bytes), 0);
+}
+
+/* ---- BC7 of UASTC and ETC1S ---- */
+
+/* Of all mips: what BC7 shows against RGBA8. */
+static double psnr_of_blocks(const struct texture *blocks, const struct texture *plain) {
+    double sum = 0, count = 0;
+    for (uint32_t mip = 0; mip < plain->mips; mip++) {
+        const uint32_t width = texture_side(plain->width, mip), height = texture_side(plain->height, mip);
+        const unsigned char *block = blocks->bytes + texture_offset(blocks, mip, 0), *want = plain->bytes + texture_offset(plain, mip, 0);
+        for (uint32_t y = 0; y < height; y++)
+            for (uint32_t x = 0; x < width; x++) {
+                uint8_t texels[16][4];
+                block_decode(TEXTURE_BC7, block + (size_t)16 * (y / 4 * DIVIDE_UP(width, 4u) + x / 4), texels);
+                for (uint32_t c = 0; c < 4; c++) {
+                    const double d = texels[y % 4 * 4 + x % 4][c] - want[4 * ((size_t)y * width + x) + c];
+                    sum += d * d;
+                    count++;
+                }
+            }
+    }
+    return sum > 0 ? 10 * log10(255 * 255 * count / sum) : 99;
+}
+
+static void test_files_of_basis_universal_become_BC7_MA_8(void **state) {
+    UNUSED(state);
+    static const double least[] = {40, 40, 44}; /* dB, against RGBA8 */
+    const struct texture_use use = {.mips = true, .keep = 1u << TEXTURE_BC7};
+    fnl_host host = counting_host();
+    for (uint32_t i = 0; i < COUNT_OF(samples); i++) {
+        struct file_view view;
+        struct texture blocks, plain;
+        assert_int_equal(file_load(&host, samples[i].path, &view), FNL_OK);
+        assert_int_equal(texture_decode(&host, view.data, view.size, samples[i].path, &use, &blocks), FNL_OK);
+        assert_int_equal(texture_decode(&host, view.data, view.size, samples[i].path, &whole, &plain), FNL_OK);
+        if (plain.mips == 1) { /* not all mips: those that are made need RGBA8 */
+            assert_int_equal(blocks.format, TEXTURE_RGBA8);
+        } else {
+            assert_true(blocks.format == TEXTURE_BC7 && blocks.width == plain.width && blocks.height == plain.height && blocks.mips == plain.mips);
+            assert_true(texture_face_bytes(&blocks, 0) == (size_t)DIVIDE_UP(plain.width, 4u) * DIVIDE_UP(plain.height, 4u) * 16);
+            const double found = psnr_of_blocks(&blocks, &plain);
+            print_message("%s: BC7 is %.1f dB from RGBA8\n", samples[i].path, found);
+            assert_true(found > least[i]);
+        }
+        texture_free(&host, &blocks);
+        texture_free(&host, &plain);
+        file_free(&host, &view);
+    }
+    assert_int_equal(atomic_load(&memory.live_bytes), 0);
+}
+
+/* Texels that lie as a mode of BC7 has them come back nearly as they were. */
+static void test_structures_of_blocks_become_those_of_BC7_MA_8(void **state) {
+    UNUSED(state);
+    random_state = 7;
+    double worst[3] = {0};
+    for (uint32_t n = 0; n < 3000; n++) {
+        struct block_structure structure = {.lone = 4};
+        const uint32_t kind = n % 3; /* two subsets; three; a channel of its own */
+        uint8_t texels[16][4], ends[3][2][4], decoded[16][4];
+        unsigned char block[16];
+        if (kind == 2) structure.lone = (uint8_t)(random_next() % 4);
+        const uint32_t pattern = random_next() % (kind ? 16 : 64);
+        for (uint32_t i = 0; kind < 2 && i < 16; i++) structure.subsets[i] = (uint8_t)bc7_subset_of(kind + 2, pattern, i);
+        for (uint32_t i = 0; i < sizeof ends; i++) ((uint8_t *)ends)[i] = (uint8_t)random_next();
+        for (uint32_t i = 0; i < 16; i++) {
+            const uint32_t s = structure.subsets[i], t = random_next() % 4, own = random_next() % 4;
+            for (uint32_t c = 0; c < 4; c++) texels[i][c] = (uint8_t)((ends[s][0][c] * (3 - (c == structure.lone ? own : t)) + ends[s][1][c] * (c == structure.lone ? own : t)) / 3);
+            if (kind < 2) texels[i][3] = 255;
+        }
+        bc7_encode((const uint8_t(*)[4])texels, &structure, block);
+        bc7_decode(block, decoded);
+        double sum = 0;
+        for (uint32_t i = 0; i < 64; i++) sum += pow(((uint8_t *)texels)[i] - ((uint8_t *)decoded)[i], 2);
+        worst[kind] = fmax(worst[kind], sqrt(sum / 64));
+    }
+    print_message("two subsets are at most %.2f off, three %.2f, a channel of its own %.2f (root of the mean square)\n", worst[0], worst[1], worst[2]);
+    assert_true(worst[0] < 5 && worst[1] < 6 && worst[2] < 5); /* ends of 6, 5 and 7 bits */
 }
 
 /* 12288 blocks of random bits, of all modes and patterns. */
@@ -515,6 +594,8 @@ static void test_broken_files_MA_8(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_files_of_basis_universal_MA_8),
+        cmocka_unit_test(test_files_of_basis_universal_become_BC7_MA_8),
+        cmocka_unit_test(test_structures_of_blocks_become_those_of_BC7_MA_8),
         cmocka_unit_test(test_blocks_of_UASTC_MA_8),
         cmocka_unit_test(test_formats_of_KTX2_MA_8),
         cmocka_unit_test(test_mips_are_whole_or_none_MA_8),

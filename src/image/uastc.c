@@ -98,10 +98,11 @@ static void read_weights(struct block_bits *bits, const struct mode *m, const ui
 
 static uint8_t interpolate(uint32_t a, uint32_t b, uint32_t weight) { return (uint8_t)((a * 257 * (64 - weight) + b * 257 * weight + 32) >> 14); }
 
-bool uastc_decode(const unsigned char block[16], uint8_t texels[16][4]) {
+bool uastc_decode(const unsigned char block[16], uint8_t texels[16][4], struct block_structure *structure) {
     uint32_t mode = 0;
     while (mode < MODES && (block[0] & ((1u << modes[mode].code_bits) - 1)) != modes[mode].code) mode++;
     memset(texels, 0, 16 * 4);
+    if (structure) *structure = (struct block_structure){.lone = 4};
     if (mode == MODES) return false;
     const struct mode *m = &modes[mode];
     struct block_bits bits = block_bits(block);
@@ -114,6 +115,10 @@ bool uastc_decode(const unsigned char block[16], uint8_t texels[16][4]) {
     uint8_t subsets[16], ends[18], weights[16][2];
     if (!read_pattern(&bits, mode, subsets)) return false;
     uint32_t lone = m->planes == 1 ? 4 : m->channels == 2 ? 3 : block_take(&bits, 2); /* the channel of the second plane */
+    if (structure) {
+        memcpy(structure->subsets, subsets, sizeof subsets);
+        structure->lone = (uint8_t)lone;
+    }
     read_ends(&bits, m, ends);
     read_weights(&bits, m, subsets, weights);
     for (uint32_t i = 0; i < 16; i++) {

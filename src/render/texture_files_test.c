@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Frames with textures of KTX2 files: which mips they show, and that blocks which stay compressed on the device look as they do decoded. */
+#include "base/file.h"
 #include "image/blocks.h"
 #include "image/texture.h"
 #include "ray/texture.h"
@@ -254,12 +255,47 @@ static void test_blocks_stay_compressed_MA_8(void **state) {
     }
 }
 
+/* Files of Basis Universal are BC7 on a device that samples it: a quarter of the bytes, the picture within its rounding. */
+static void test_basis_universal_is_BC7_MA_8(void **state) {
+    UNUSED(state);
+    static const char *const paths[] = {"tests/textures/uastc_zstd.ktx2", "tests/textures/etc1s.ktx2"};
+    const fnl_host host = quiet_host();
+    const bool able = gpu_info(harness_device())->texture_compression;
+    for (uint32_t i = 0; i < COUNT_OF(paths); i++) {
+        struct file_view view;
+        struct texture plain;
+        assert_int_equal(file_load(&host, paths[i], &view), FNL_OK);
+        assert_int_equal(texture_decode(&host, view.data, view.size, paths[i], &(struct texture_use){.mips = true}, &plain), FNL_OK);
+        struct bytes file = {(unsigned char *)view.data, view.size, plain.width, plain.height}, decoded = make_file(&plain, 43);
+        uint64_t uploaded[2];
+        struct shot shots[2];
+        for (uint32_t k = 0; k < 2; k++) {
+            struct stage stage = open_stage(&(struct board){.file = k ? &decoded : &file, .color = true});
+            shots[k] = stage_shoot(&stage, &stage.frame);
+            assert_int_equal(device_image(&stage)->params.format, able && !k ? VK_FORMAT_BC7_UNORM_BLOCK : VK_FORMAT_R8G8B8A8_UNORM);
+            uploaded[k] = stage.renderer->device_scene->bytes_uploaded;
+            stage_close(&stage);
+        }
+        const uint64_t texels = texture_offset(&plain, plain.mips, 0) / 4;
+        struct texture blocks = plain;
+        blocks.format = TEXTURE_BC7;
+        assert_int_equal(uploaded[1] - uploaded[0], able ? 4 * texels - texture_offset(&blocks, blocks.mips, 0) : 0);
+        assert_true(texture_face_bytes(&blocks, 0) * 4 == texture_face_bytes(&plain, 0));
+        expect_near(&shots[0], &shots[1], 4, paths[i]);
+        for (uint32_t k = 0; k < 2; k++) shot_free(&shots[k]);
+        free(decoded.data);
+        texture_free(&host, &plain);
+        file_free(&host, &view);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_one_mip_is_as_pixels_MA_8, harness_check),
         cmocka_unit_test_teardown(test_mips_are_those_of_the_file_MA_8, harness_check),
         cmocka_unit_test_teardown(test_mips_come_in_parts_MA_8, harness_check),
         cmocka_unit_test_teardown(test_blocks_stay_compressed_MA_8, harness_check),
+        cmocka_unit_test_teardown(test_basis_universal_is_BC7_MA_8, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

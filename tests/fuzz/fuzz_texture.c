@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     if (result == FNL_OK && (texture.width != info.width || texture.height * texture.faces != info.height)) abort();
     if (result == FNL_OK && !packed && texture_offset(&texture, texture.mips, 0) > size) abort();
     texture_free(&host, &texture);
-    result = texture_decode(&host, bytes, size, "input", &(struct texture_use){.mips = true, .normals = bytes[size - 1] & 2, .keep = bytes[size - 1] & 1 ? UINT32_MAX : 0}, &texture);
+    result = texture_decode(&host, bytes, size, "input", &(struct texture_use){.mips = true, .normals = bytes[size - 1] & 2, .keep = bytes[size - 1] & 1 ? UINT32_MAX : bytes[size - 1] & 4 ? 1u << TEXTURE_BC7 : 0}, &texture);
     if (result == FNL_OK && (info.cube || info.is_float)) abort();
     if (result == FNL_OK && texture.mips > 1 && texture.mips != texture_mips(info.width, info.height)) abort();
     texture_free(&host, &texture);
