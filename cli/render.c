@@ -70,8 +70,8 @@ static void print_help(void) {
          "  --exposure EV|auto|none    EV100 (auto)\n"
          WORLD_SURROUNDINGS_HELP
          "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion,object\n"
-         "  --supersample N            averages N frames with different sample positions: a reference for antialiasing\n"
-         "\n"
+         "  --supersample N            averages N frames with different sample positions: a reference for antialiasing");
+    puts("\n"
          "Scene\n"
          WORLD_SCENE_HELP "\n"
          "Method (with --msaa and without --shading: forward-prepass)");
