@@ -131,7 +131,9 @@ void view_panel_frame(struct view *v) {
     float highest = 1;
     for (uint32_t i = 0; i < v->pass_count; i++) most = fmax(most, v->passes[i].milliseconds);
     for (uint32_t i = 0; i < VIEW_HISTORY; i++) highest = fmaxf(highest, v->history[i]);
-    ui_text("%.1f ms in passes, %.1f ms from end to end, %.2f ms to record", s->gpu_milliseconds, v->frame_seconds * 1e3, s->cpu_milliseconds);
+    ui_text("%.1f ms in passes, %.1f from end to end", s->gpu_milliseconds, v->frame_seconds * 1e3);
+    ui_tooltip("The passes on the GPU; the whole frame of the window, with panels and waiting");
+    ui_text("%.2f ms of the CPU to record it", s->cpu_milliseconds);
     ui_plot("##history", v->history, VIEW_HISTORY, v->history_at, highest, 50);
     ui_tooltip("Milliseconds of the last frames");
     ui_text("%s, lists %s%s", fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists), s->choosing ? " (choosing)" : "");
