@@ -77,6 +77,7 @@ static void add_run(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "choose_seconds", json_real(o->choose_seconds));
     json_object_set_new(json, "stats", text(o->stats));
     json_object_set_new(json, "trace_file", text(o->trace_file));
+    json_object_set_new(json, "save_scene", text(o->save_scene));
     const fnl_pixel_query *pixel = &o->frame.pixel;
     json_object_set_new(json, "pixel", pixel->asked ? json_pack("[i,i,i]", (int)pixel->x, (int)pixel->y, (int)pixel->view) : json_null());
     json_object_set_new(json, "plan", text(render_plan_name((int)o->plan)));

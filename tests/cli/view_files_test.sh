@@ -49,6 +49,9 @@ triangle "$narrow"
 # ---- the scene is saved; pictures of another size; sequences ----
 
 cat >save.txt <<'EOF'
+key 87 down 0
+frames 1
+key 87 up 0
 click add one
 savescene changed.glb
 settle
@@ -86,13 +89,13 @@ for i in 0 1 2; do same picture-000$i.png turn-$i.png 'the turntable'; done
 cat >fly.txt <<'EOF'
 save small.png 96 54
 click sequences
-key 82 down 0
-key 82 up 0
+key 86 down 0
+key 86 up 0
 key 87 down 0
 frames 1
 key 87 up 0
-key 82 down 0
-key 82 up 0
+key 86 down 0
+key 86 up 0
 click render the path
 command path.sh
 EOF

@@ -443,7 +443,7 @@ static void test_shaders_sample_each_texture_once(void **state) {
     static const struct {
         const struct gpu_shader *shader;
         uint32_t textures; /* that it looks at */
-    } drawing[] = {{&shader_gbuffer_frag, GPU_TEXTURE_COUNT},
+    } drawing[] = {{&shader_gbuffer_frag, GPU_TEXTURE_COUNT + 4}, /* and those of clearcoat and anisotropy, for the layout that holds them */
                    {&shader_forward_frag, ALL},
                    {&shader_forward_early_frag, ALL},
                    {&shader_light_prepass_surfaces_frag, GPU_TEXTURE_COUNT - 2}, /* no occlusion, no emission */
