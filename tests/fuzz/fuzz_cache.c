@@ -4,6 +4,9 @@
 #define gpu_pipeline_cache_save fuzz_pipeline_cache_save
 #define gpu_cache_load fuzz_cache_load
 #define gpu_cache_save fuzz_cache_save
+#define gpu_cache_open fuzz_cache_open
+#define gpu_cache_has_folder fuzz_cache_has_folder
+#define gpu_cache_trim fuzz_cache_trim
 #include "gpu/pipeline_cache.c"
 
 #include "render/chooser.h"
