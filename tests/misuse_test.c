@@ -110,6 +110,8 @@ static fnl_probe_params probe;
 static fnl_environment_params surroundings;
 static fnl_probe_id probe_id;
 static fnl_camera camera;
+static const fnl_rigid_pose head = {{0, 0, 0}, {0, 0, 0, 1}};
+static const fnl_eye eye = {{{0, 0, 0}, {0, 0, 0, 1}}, -1, 1, -1, 1};
 static fnl_frame_stats stats;
 static fnl_pixel_info pixel_info;
 static fnl_scene_info info;
@@ -171,6 +173,10 @@ static fnl_loaded loaded;
     X(fnl_enumerate_devices, SILENT(fnl_enumerate_devices(NULL, NULL, 0, &number));                                         \
       SILENT(fnl_enumerate_devices(&host, NULL, 0, &number));                                                               \
       NULLED("out_count", fnl_enumerate_devices(NULL, NULL, 0, NULL)))                                                      \
+    X(fnl_eye_query_camera, NULLED("eye", fnl_eye_query_camera(NULL, NULL, &head, 1, 1, 1, &camera));                       \
+      NULLED("eye", fnl_eye_query_camera(&host, NULL, &head, 1, 1, 1, &camera));                                            \
+      NULLED("head", fnl_eye_query_camera(NULL, &eye, NULL, 1, 1, 1, &camera));                                             \
+      NULLED("out", fnl_eye_query_camera(NULL, &eye, &head, 1, 1, 1, NULL)))                                                \
     X(fnl_exr_save, NULLED("path", fnl_exr_save(NULL, NULL, 1, 1, &channel, 1));                                            \
       NULLED("path", fnl_exr_save(&host, NULL, 1, 1, &channel, 1));                                                         \
       NULLED("channels", fnl_exr_save(&host, "x.exr", 1, 1, NULL, 1)))                                                      \
@@ -596,6 +602,7 @@ static void test_other_arguments(void **state) {
     scatter = fnl_scatter_params_default();
     SAYS("fnl_image_difference_picture", "gain is -1, must be at least 0 and finite",
          fnl_image_difference_picture(NULL, &picture, &other, -1, &difference_image));
+    SAYS("fnl_eye_query_camera", "width is 0, must be 1 .. 16384", fnl_eye_query_camera(NULL, &eye, &head, 0, 1, 1, &camera));
     SAYS("fnl_exr_save", "width is 0, must be 1 .. 32768", fnl_exr_save(NULL, "x.exr", 0, 1, &channel, 1));
     SAYS("fnl_exr_save", "channels[0].name is NULL",
          fnl_exr_save(NULL, "x.exr", 1, 1, &(fnl_exr_channel){.values = (const float[]){1}, .stride = 1}, 1));

@@ -14,7 +14,7 @@ struct ray_camera ray_camera_make(const fnl_camera *camera, uint32_t width, uint
     c.forward = dvec3_normalize(dvec3_sub(dvec3_from(camera->target), c.eye));
     c.right = dvec3_normalize(dvec3_cross(c.forward, up));
     c.up = dvec3_cross(c.right, c.forward);
-    double aspect = (double)width / (double)height;
+    double aspect = (double)width / (double)height * (double)camera->pixel_aspect;
     c.scale[1] = camera->orthographic ? (double)camera->vertical_extent / 2 : tan((double)camera->vertical_fov / 2);
     c.scale[0] = c.scale[1] * aspect;
     c.offset[0] = -(double)camera->shift.x * c.scale[0];

@@ -20,7 +20,7 @@ static vec3 direction_of(const fnl_camera *camera) { return vec3_normalize(vec3_
 static bool see_the_same(const fnl_renderer *r, const fnl_camera *a, const fnl_camera *b) {
     const struct box *bounds = &r->device_scene->bounds;
     if (box_is_empty(bounds) || a->orthographic != b->orthographic || a->vertical_fov != b->vertical_fov ||
-        a->vertical_extent != b->vertical_extent)
+        a->vertical_extent != b->vertical_extent || a->pixel_aspect != b->pixel_aspect)
         return false;
     const float cos_10_degrees = 0.98480775f;
     return vec3_dot(direction_of(a), direction_of(b)) >= cos_10_degrees &&

@@ -17,7 +17,7 @@ struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint3
                          .orthographic = camera->orthographic,
                          .size = {width, height},
                          .inverse_size = {1 / (float)width, 1 / (float)height}};
-    float aspect = (float)width / (float)height, near = camera->near_distance, far = camera->far_distance;
+    float aspect = (float)width / (float)height * camera->pixel_aspect, near = camera->near_distance, far = camera->far_distance;
     float *p = v.view_to_clip.m;
     if (camera->orthographic) {
         p[5] = 2 / camera->vertical_extent;

@@ -153,6 +153,7 @@ static uint32_t camera_of(struct glb *g, const struct scene_camera *camera) {
     const fnl_camera *c = &camera->camera;
     json_t *object = json_object();
     const float half = c->vertical_extent / 2;
+    if (c->pixel_aspect != 1) glb_left_out(g, "the pixel aspect of camera '%.60s'", camera->name);
     if (c->shift.x != 0 || c->shift.y != 0) glb_left_out(g, "the shift of camera '%.60s'", camera->name);
     glb_set(g, object, "type", json_string(c->orthographic ? "orthographic" : "perspective"));
     if (c->orthographic) {

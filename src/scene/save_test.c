@@ -313,7 +313,7 @@ static void test_pictures_and_materials_of_calls(void **state) {
     assert_int_equal(fnl_scene_add_mesh(scene, &p, &mesh), FNL_OK);
     assert_int_equal(fnl_scene_add_instance(scene, mesh, &place, &instance), FNL_OK);
     assert_int_equal(fnl_scene_set_instance_visible(scene, instance, false), FNL_OK);
-    assert_int_equal(fnl_scene_add_camera(scene, "eye", &(fnl_camera){.position = {1, 2, 3}, .up = {0, 1, 0}, .orthographic = true, .vertical_extent = 7, .near_distance = 0.5f, .far_distance = 9}), FNL_OK);
+    assert_int_equal(fnl_scene_add_camera(scene, "eye", &(fnl_camera){.position = {1, 2, 3}, .up = {0, 1, 0}, .orthographic = true, .vertical_extent = 7, .near_distance = 0.5f, .far_distance = 9, .pixel_aspect = 1}), FNL_OK);
     save(scene);
     json_decref(validate(true));
     again = load(saved);
