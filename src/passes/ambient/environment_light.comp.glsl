@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Irradiance as spherical harmonics (environment_maps_shared.h). One work group; sums are added in a fixed order.
 #include "passes/ambient/environment_texels.glsl"
 
@@ -31,9 +32,10 @@ void main() {
         for (uint b = 0u; b < 9u; b++) sums[b] += color * values[b];
         angle += solid;
     }
-    for (uint b = 0u; b < 9u; b++) {
+    /* Unrolled, these loops have 81 barriers, and CPU drivers take seconds to compile them. */
+    [[dont_unroll]] for (uint b = 0u; b < 9u; b++) {
         parts[gl_LocalInvocationIndex] = vec4(sums[b], angle);
-        for (uint half_count = ENVIRONMENT_LIGHT_THREADS / 2u; half_count > 0u; half_count /= 2u) {
+        [[dont_unroll]] for (uint half_count = ENVIRONMENT_LIGHT_THREADS / 2u; half_count > 0u; half_count /= 2u) {
             barrier();
             if (gl_LocalInvocationIndex < half_count) parts[gl_LocalInvocationIndex] += parts[gl_LocalInvocationIndex + half_count];
         }
