@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Puts the lights of each cell into ascending order: one work group a cell. Short lists by rank, long ones by radix: n log(lights).
 #include "common.glsl"
 #include "passes/lights/bvh.glsl"
@@ -64,10 +65,9 @@ void main() {
             sort_by_rank(first, count);
         } else {
             for (uint step = 0u; step < push.steps; step++) {
-                if ((step & 1u) == 0u)
-                    move_digits(push.first, push.second, first, count, step * RADIX_BITS);
-                else
-                    move_digits(push.second, push.first, first, count, step * RADIX_BITS);
+                coherent_uint_array from = push.first, to = push.second;
+                if ((step & 1u) == 1u) from = push.second, to = push.first;
+                move_digits(from, to, first, count, step * RADIX_BITS); // one call, as it is inlined
                 memoryBarrierBuffer();
                 barrier();
             }

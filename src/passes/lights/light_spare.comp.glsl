@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Makes the spare list (lights_shared.h), if cells have overflowed or it is asked for. A work group takes 32 lights, a word of every row; each
 // thread writes that of its row.
 #include "common.glsl"
@@ -37,7 +38,7 @@ void main() {
         if (row < 32u) take_light(row, word * 32u + row);
         barrier();
         uint mask = 0u;
-        for (uint i = 0u; i < 32u; i++) {
+        [[dont_unroll]] for (uint i = 0u; i < 32u; i++) { // unrolled, it takes a CPU driver over a second to compile
             bool holds = row < tile_count ? all(lessThanEqual(tiles[i].xy, tile)) && all(lessThanEqual(tile, tiles[i].zw))
                                           : bins[i].x <= bin && bin <= bins[i].y;
             if (holds) mask |= 1u << i;

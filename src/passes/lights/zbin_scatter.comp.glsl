@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Every light goes to the tiles, of each zone, and the bins that it touches: a work group takes the 32 lights of a word and deals their cells out to its
 // threads. The first time which words there are is noted, the second time the words are filled. Bits are or'ed together, so the order of
 // the threads does not matter.
@@ -64,7 +65,7 @@ void main() {
     barrier();
     if (thread == 0u) {
         uint sum = 0u;
-        for (uint i = 0u; i < 32u; i++) {
+        [[dont_unroll]] for (uint i = 0u; i < 32u; i++) {
             uint cells = begins[i];
             begins[i] = sum;
             sum += cells;

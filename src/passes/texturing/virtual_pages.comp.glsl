@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Decides which pages are resident, in one work group: of those that the last frame wanted, coarse ones first, as many as there is room
 // for. Pages that nobody wants stay until their place is needed.
 #include "common.glsl"
@@ -20,7 +21,7 @@ uint sum_before(uint value, out uint total) {
     uint t = gl_LocalInvocationIndex;
     barrier();
     sums[t] = value;
-    for (uint step = 1u; step < THREADS; step *= 2u) {
+    [[dont_unroll]] for (uint step = 1u; step < THREADS; step *= 2u) {
         barrier();
         uint other = t >= step ? sums[t - step] : 0u;
         barrier();
