@@ -115,8 +115,10 @@ shaders) setup --tests; build build shader_report -DFANAL_TESTS=ON; if [ -n "$re
 fuzz)
     setup --clang
     build_command fanal_shader_files
+    # As is usual for fuzzers: what the sanitizers add is not worth more optimisation, and they name lines.
+    flags='-O1 -gline-tables-only -DNDEBUG'
     build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON -DFANAL_SANITIZE=address,undefined \
-        "-DFANAL_SHADERS=$PWD/build/generated"
+        "-DFANAL_SHADERS=$PWD/build/generated" "-DCMAKE_C_FLAGS_RELWITHDEBINFO=$flags" "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=$flags"
     tools/fuzz.sh build/fuzz "$seconds"
     ;;
 bench)
