@@ -19,8 +19,8 @@ static inline void order_scenes(order_check *check) {
     for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
         struct stage stage = stage_open(scenes[i].source, 0);
         stage.frame.ev = scenes[i].ev;
-        stage.frame.width = 129;
-        stage.frame.height = 73;
+        stage.frame.width = 73;
+        stage.frame.height = 41;
         check(&stage, scenes[i].source);
         stage_close(&stage);
     }
@@ -30,8 +30,8 @@ static inline void order_cameras(order_check *check) {
     static const char *const names[] = {"in many lights", "orthographic", "off axis", "upside down and wide",
                                         "one pixel",      "at the rim",   "odd size"};
     struct stage stage = stage_open("builtin:spheres?lights=80", 0);
-    stage.frame.width = 97;
-    stage.frame.height = 55;
+    stage.frame.width = 61;
+    stage.frame.height = 37;
     const fnl_frame start = stage.frame;
     for (uint32_t kind = 0; kind < COUNT_OF(names); kind++) {
         stage.frame = start;
@@ -53,8 +53,8 @@ static inline void order_cameras(order_check *check) {
         } else if (kind == 4) {
             stage.frame.width = stage.frame.height = 1;
         } else {
-            stage.frame.width = 77;
-            stage.frame.height = 119;
+            stage.frame.width = 43;
+            stage.frame.height = 67;
         }
         check(&stage, names[kind]);
     }

@@ -36,8 +36,8 @@ static void test_odd_size(void **state) {
                  {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED_CPU}};
     struct stage stage = stage_open("builtin:spheres?lights=24", 0);
     fnl_frame frame = stage.frame;
-    frame.width = 641;
-    frame.height = 359;
+    frame.width = 161;
+    frame.height = 91;
     struct shot all = {0};
     for (uint32_t i = 0; i < COUNT_OF(pairs); i++) {
         frame.shading = pairs[i].shading;
