@@ -43,7 +43,7 @@ static void run(bool quiet, double seconds, char *text, size_t capacity) {
     assert_true(child >= 0);
     if (child == 0) {
         dup2(ends[1], STDERR_FILENO);
-        progress_begin(quiet, 0.5);
+        progress_begin(quiet, 1);
         progress_show("working", 1, 4);
         usleep((useconds_t)(seconds * 1e6));
         progress_end();
@@ -66,11 +66,11 @@ static void test_off_a_terminal(void **state) {
     char text[1024];
     run(false, 0.2, text, sizeof text);
     assert_string_equal(text, "");
-    run(false, 0.8, text, sizeof text);
+    run(false, 1.5, text, sizeof text);
     assert_ptr_equal(strstr(text, "fanal: working 1/4, "), text);
     assert_null(strpbrk(text, "\r\033"));
     assert_ptr_equal(strchr(text, '\n'), text + strlen(text) - 1); /* one line */
-    run(true, 0.8, text, sizeof text);
+    run(true, 1.5, text, sizeof text);
     assert_string_equal(text, "");
 }
 

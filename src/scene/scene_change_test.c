@@ -40,7 +40,7 @@ static void expect_misuse(fnl_result result, const char *words) {
 
 static double seconds(void) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now); /* whatever else the machine does */
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 

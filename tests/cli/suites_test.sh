@@ -158,9 +158,11 @@ holds "$results" 'shadows: more lights, more pages' "$of"'[of("maps")] | group_b
 holds "$results" 'shadows: light on the wrong side' "$of"'[of("rays").leak == 0] + [[.shadows[] | select(.shadows == "maps" or .shadows == "off")] | group_by(.scene)[] |
     group_by(.lights)[] | map({key: .shadows, value: .leak}) | from_entries | .maps > 0 and .maps < 0.1 and .maps < .off] | length == 12 and all' \
     '[.shadows[] | [.scene, .lights, .shadows, .leak]]'
-# By a factor that no busy machine makes up for.
-holds "$results" 'shadows: rays take longer' "$of"'[of("rays") | select(.lights == 256).shading_ms] as $rays | [of("maps") | select(.lights == 256).shading_ms] as $maps |
-    [range(2)] | all($rays[.] > 4 * $maps[.])' '[.shadows[] | [.scene, .lights, .shadows, .shading_ms]]'
+# By a factor that a busy machine hardly makes up for in one frame, and not in most of twelve.
+rays_take_longer="$of"'[of("rays") | select(.lights == 256).shading_ms] as $rays | [of("maps") | select(.lights == 256).shading_ms] as $maps |
+    [range(2)] | all($rays[.] > 4 * $maps[.])'
+jq -e "$rays_take_longer" "$results" >/dev/null || suite shadows --sizes 64x36 --frames 12 --warm-up 0
+holds "$results" 'shadows: rays take longer' "$rays_take_longer" '[.shadows[] | [.scene, .lights, .shadows, .shading_ms]]'
 head -n 1 "$work/shadows/results.csv" | grep -q 'shadows_ms_median.*shadows\.wanted' || fail 'shadows: the columns of the CSV'
 grep -qE 'Of 672 lights with shadow maps 0 found no room' "$work/out" || fail "shadows: the table: $(tail -c 600 "$work/out")"
 
