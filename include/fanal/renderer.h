@@ -30,7 +30,7 @@ FNL_API fnl_result fnl_renderer_render(fnl_renderer *renderer, const fnl_frame *
  * Compiles the pipelines of frames like `frame` ahead of time, on the device's job threads (at most eight), so that the first such frame
  * compiles none (fnl_frame_stats.pipelines_made is 0). Nothing is rendered and the results of the last frame stay; the scene is uploaded
  * if it has changed. Size and camera of the frame do not matter; `auto` is resolved as with pin_choice. `target` (fanal/vulkan.h; or
- * NULL): for frames that fnl_renderer_render_to will draw to images of its format and size; its other fields are not read. With `wait` the call
+ * NULL): for frames that fnl_renderer_render_to will draw to images of its format and size, with depth if `depth` is not VK_NULL_HANDLE; its other fields are not read. With `wait` the call
  * returns when all pipelines are there. Otherwise they are compiled in the background, and `out_pending` (may be NULL) says how many are
  * missing: call again until it is 0. A frame that is rendered earlier compiles what it needs itself.
  */

@@ -86,6 +86,15 @@ typedef struct fnl_vulkan_target {
      * and has the first's final_layout as its initial_layout. `fitted`: frames of one view, unless the part has the frame's size.
      */
     fnl_vulkan_part part;
+    /**
+     * Gets the depth of what is seen, for compositors that move the picture to a newer pose; or VK_NULL_HANDLE. 2D, D32_SFLOAT, one sample, one mip, usage
+     * TRANSFER_DST, of the size and with the layers of `image`, of which the same part is written. For perspective cameras it is their near distance by the
+     * view depth: 1 at the near distance, 0 at infinity and where nothing is. Blended surfaces have none. With MSAA that of the first sample. Not
+     * where the picture is scaled.
+     */
+    VkImage depth;
+    VkImageLayout depth_initial_layout, depth_final_layout; /**< as those of `image` */
+    bool depth_forward; /**< 1 minus the above: 0 at the near distance. Less precise far away */
 } fnl_vulkan_target;
 
 /**

@@ -50,6 +50,16 @@ static void execute_copy_image(const struct graph_context *context, const void *
     gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to), &d->copy);
 }
 
+/* Depth goes where the picture does. */
+static void add_target_depth(struct frame_state *f, const struct gpu_image_copy *part) {
+    const struct frame_target *target = f->target;
+    struct copy_image_data copy = {depth_picture_add(f->graph, f->depth, target->depth_forward),
+                                   graph_import_image(f->graph, target->depth, target->depth_initial_layout, target->depth_final_layout), *part};
+    struct graph_pass *pass = graph_add_pass(f->graph, "copy depth to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
+    graph_use_image(pass, copy.from, GRAPH_COPY_FROM);
+    graph_use_image(pass, copy.to, GRAPH_COPY_TO);
+}
+
 void frame_add_target(struct frame_state *f) {
     const fnl_vulkan_part *part = &f->target->part;
     struct copy_image_data copy = {
@@ -63,4 +73,5 @@ void frame_add_target(struct frame_state *f) {
         graph_add_pass(f->graph, "copy to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
     graph_use_image(pass, copy.from, GRAPH_COPY_FROM);
     graph_use_image(pass, copy.to, GRAPH_COPY_TO);
+    if (f->target->depth) add_target_depth(f, &copy.copy);
 }

@@ -404,15 +404,32 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
                                       .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     TRY(renderer_check_target(call, target->format));
     struct gpu_image image = {.params = params};
-    struct frame_target frame_target = {&image, target->initial_layout, target->final_layout, target->part};
+    struct gpu_image_params depth_params = params;
+    depth_params.name = "target depth";
+    depth_params.format = GEOMETRY_DEPTH_FORMAT;
+    struct gpu_image depth;
+    struct frame_target frame_target = {.image = &image,
+                                        .initial_layout = target->initial_layout,
+                                        .final_layout = target->final_layout,
+                                        .part = target->part,
+                                        .depth_initial_layout = target->depth_initial_layout,
+                                        .depth_final_layout = target->depth_final_layout,
+                                        .depth_forward = target->depth_forward};
     TRY(check_part(call, &image, &frame_target.part));
     const struct gpu_extent size = frame_target_size(&frame_target);
     if (frame.view_count > 1 && (size.width != frame.width || size.height != frame.height))
         return unsupported(call, "frames of several views are not scaled: the target must have the frame's size");
+    if (target->depth && (target->depth_final_layout == VK_IMAGE_LAYOUT_UNDEFINED || target->depth_final_layout == VK_IMAGE_LAYOUT_PREINITIALIZED))
+        return misuse(call, "depth_final_layout is %d, must not be UNDEFINED or PREINITIALIZED", (int)target->depth_final_layout);
+    if (target->depth && (size.width != frame.width || size.height != frame.height))
+        return unsupported(call, "depth is not scaled: the target must have the frame's size");
     TRY(gpu_image_import(r->device, target->image, &params, &image));
     frame_target.image = &image;
+    fnl_result result = target->depth ? gpu_image_import(r->device, target->depth, &depth_params, &depth) : FNL_OK;
+    if (target->depth) frame_target.depth = &depth;
     struct gpu_external_semaphores external = {target->wait, target->signal, target->wait_value, target->signal_value};
-    fnl_result result = render(call, r, &frame, &frame_target, &external);
+    if (result == FNL_OK) result = render(call, r, &frame, &frame_target, &external);
     gpu_image_destroy(r->device, &image);
+    if (target->depth) gpu_image_destroy(r->device, &depth);
     return result;
 }

@@ -186,6 +186,9 @@ struct frame_target {
     const struct gpu_image *image;
     VkImageLayout initial_layout, final_layout;
     fnl_vulkan_part part; /* not 0 x 0 */
+    const struct gpu_image *depth; /* NULL: none is wanted */
+    VkImageLayout depth_initial_layout, depth_final_layout;
+    bool depth_forward;
 };
 
 /** The size that the picture is scaled to. */

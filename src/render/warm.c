@@ -102,8 +102,16 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
         .sampled_index = GPU_NO_INDEX,
         .storage_index = GPU_NO_INDEX,
         .srgb_index = GPU_NO_INDEX};
-    const struct frame_target frame_target = {&image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL,
-                                               {.width = image.params.width, .height = image.params.height}};
+    struct gpu_image depth = image;
+    depth.params.format = GEOMETRY_DEPTH_FORMAT;
+    const struct frame_target frame_target = {.image = &image,
+                                              .initial_layout = VK_IMAGE_LAYOUT_UNDEFINED,
+                                              .final_layout = VK_IMAGE_LAYOUT_GENERAL,
+                                              .part = {.width = image.params.width, .height = image.params.height},
+                                              .depth = target && target->depth ? &depth : NULL,
+                                              .depth_initial_layout = VK_IMAGE_LAYOUT_UNDEFINED,
+                                              .depth_final_layout = VK_IMAGE_LAYOUT_GENERAL,
+                                              .depth_forward = target && target->depth_forward};
     uint64_t ticket = 0;
     fnl_result result = overlay_prepare(r, &frame);
     if (result == FNL_OK) result = renderer_prepare(r, &frame);

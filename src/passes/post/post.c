@@ -89,3 +89,41 @@ void resolve_add(struct graph *graph, graph_image radiance, graph_image target) 
                               GRAPH_PUSH(push),
                               GRAPH_ROWS(graph_samples(&push.radiance, radiance), graph_stores(&push.target, target))});
 }
+
+/* ---- depth ---- */
+
+struct depth_picture_data {
+    graph_image depth;
+    VkFormat format;
+    uint32_t samples, forward;
+};
+
+static void execute_depth_picture(const struct graph_context *context, const void *data) {
+    const struct depth_picture_data *d = data;
+    struct gpu_graphics_params params = {.vertex = &shader_screen_vert,
+                                         .fragment = &shader_depth_picture_frag,
+                                         .constant_count = 1,
+                                         .constants = {d->samples},
+                                         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                         .depth_format = d->format,
+                                         .depth_test = true,
+                                         .depth_write = true,
+                                         .depth_compare = VK_COMPARE_OP_ALWAYS,
+                                         .samples = 1};
+    struct gpu_depth_picture_push push = {graph_sampled(context, d->depth), d->forward};
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_draw(context->commands, 3, 1, 0, 0);
+}
+
+graph_image depth_picture_add(struct graph *graph, graph_image depth, bool forward) {
+    const struct graph_image_params from = graph_image_info(graph, depth);
+    if (from.samples <= 1 && !forward) return depth;
+    const struct depth_picture_data data = {depth, from.format, MAX(from.samples, 1u), forward};
+    const graph_image out =
+        graph_create_image(graph, &(struct graph_image_params){.name = "depth picture", .format = from.format, .width = from.width, .height = from.height});
+    struct graph_pass *pass = graph_add_pass(graph, "depth picture", GRAPH_QUEUE_GRAPHICS, execute_depth_picture, &data, sizeof data);
+    graph_use_image(pass, depth, GRAPH_SAMPLE_FRAGMENT);
+    graph_depth(pass, out, VK_ATTACHMENT_LOAD_OP_DONT_CARE, 0);
+    return out;
+}

@@ -26,6 +26,11 @@ enum display_format { DISPLAY_LINEAR, DISPLAY_ABGR10, DISPLAY_ARGB10 }; /* GPU_D
  */
 graph_image display_add(struct graph *graph, graph_image picture, enum display_format format, bool decode);
 
+/**
+ * The depth of each pixel's first sample as an image of one sample; with `forward` 1 minus it. `depth` itself where that is the same.
+ */
+graph_image depth_picture_add(struct graph *graph, graph_image depth, bool forward);
+
 /** Averages the samples of `radiance` into `target` (RGBA32F), in linear light. */
 void resolve_add(struct graph *graph, graph_image radiance, graph_image target);
 

@@ -36,6 +36,11 @@ struct gpu_tonemap_push {
     uint tonemap;
 };
 
+struct gpu_depth_picture_push {
+    uint depth;   /* sampled, SAMPLES a pixel */
+    uint forward; /* 1: 1 minus it */
+};
+
 struct gpu_resolve_push {
     uint radiance; /* sampled, SAMPLES a pixel */
     uint target;   /* storage */
