@@ -14,5 +14,8 @@ int command_trace(int argc, char **argv);
 #ifdef FANAL_VIEW
 int command_view(int argc, char **argv);
 #endif
+#ifdef FANAL_XR
+int command_xr(int argc, char **argv);
+#endif
 
 #endif

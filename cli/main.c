@@ -15,6 +15,9 @@ static const struct {
 #ifdef FANAL_VIEW
     {"view", "show a scene in a window", command_view},
 #endif
+#ifdef FANAL_XR
+    {"xr", "show a scene in a headset, by OpenXR", command_xr},
+#endif
     {"trace", "trace a scene with rays on the CPU: the truth to compare pictures with", command_trace},
     {"bench", "measure light lists and shading paths side by side", command_bench},
     {"info", "print what a scene consists of", command_info},
