@@ -87,6 +87,8 @@ struct xr_numbers {
     uint32_t last_count, last_width[XR_VIEWS], last_height[XR_VIEWS];
     fnl_camera last_cameras[XR_VIEWS];
     fnl_rigid_pose last_rig;
+    double last_hidden[XR_VIEWS]; /* part of the view that the mask covers */
+    fnl_vec3 last_light;          /* where the light that was moved last is now */
 };
 
 struct xr {
@@ -157,6 +159,8 @@ struct xr {
 bool xr_good(struct xr *x, const char *function, XrResult result);
 /** The same for what can be done without: where it fails, a warning says what is left out. */
 bool xr_may(struct xr *x, const char *function, XrResult result, const char *left_out);
+/** Whether the end of something has worked: otherwise only a warning, as it is over anyway. */
+void xr_note_end(const struct xr *x, const char *function, XrResult result);
 const char *xr_result_text(XrResult result);
 /** Instance, system, device, session, space. */
 bool xr_connect(struct xr *x);

@@ -198,13 +198,18 @@ bool xr_connect(struct xr *x) {
     return x->end == XR_RUNS;
 }
 
+void xr_note_end(const struct xr *x, const char *function, XrResult result) {
+    /* After a loss it is no news. */
+    if (XR_FAILED(result) && !is_loss(result) && x->end != XR_LOST) fprintf(stderr, "fanal: warning: %s: %s\n", function, xr_result_text(result));
+}
+
 void xr_disconnect(struct xr *x) {
     for (uint32_t i = 0; i < x->group_count; i++) fnl_renderer_destroy(&x->groups[i].renderer); /* waits for the device */
     xr_free_images(x);
     xr_free_masks(x);
-    if (x->session) xrDestroySession(x->session); /* and its spaces */
+    if (x->session) xr_note_end(x, "xrDestroySession", xrDestroySession(x->session)); /* and its spaces */
     xr_close_device(x);
-    if (x->instance) xrDestroyInstance(x->instance); /* and its actions */
+    if (x->instance) xr_note_end(x, "xrDestroyInstance", xrDestroyInstance(x->instance)); /* and its actions */
     x->instance = XR_NULL_HANDLE;
     x->session = XR_NULL_HANDLE;
     x->space = x->head_space = XR_NULL_HANDLE;

@@ -131,6 +131,7 @@ static bool render(struct xr *x, struct xr_group *group, const struct located *l
     struct xr_numbers *n = &x->numbers;
     for (uint32_t i = 0; i < group->count; i++) {
         n->last_cameras[group->first + i] = cameras[i];
+        n->last_hidden[group->first + i] = xr_mask_area(&x->masks[group->first + i], &l->views[group->first + i].fov);
         n->last_width[group->first + i] = frame.width;
         n->last_height[group->first + i] = frame.height;
     }

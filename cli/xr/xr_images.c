@@ -83,8 +83,8 @@ bool xr_make_images(struct xr *x) {
 
 void xr_free_images(struct xr *x) {
     for (uint32_t i = 0; i < x->group_count; i++) {
-        if (x->groups[i].color) xrDestroySwapchain(x->groups[i].color);
-        if (x->groups[i].depth) xrDestroySwapchain(x->groups[i].depth);
+        if (x->groups[i].color) xr_note_end(x, "xrDestroySwapchain", xrDestroySwapchain(x->groups[i].color));
+        if (x->groups[i].depth) xr_note_end(x, "xrDestroySwapchain", xrDestroySwapchain(x->groups[i].depth));
         x->groups[i].color = x->groups[i].depth = XR_NULL_HANDLE;
     }
 }

@@ -114,8 +114,9 @@ static void carry(struct xr *x, struct xr_hand *hand) {
     light.position = add3(hand->pose.position, quat_turn(turn, sub3(hand->held.position, hand->held_by.position)));
     light.direction = quat_turn(turn, hand->held.direction);
     light.up = quat_turn(turn, hand->held.up);
-    if (fnl_scene_set_light(x->scene, hand->light, &light) == FNL_OK) x->numbers.light_moves++;
-    else hand->holds = false;
+    hand->holds = fnl_scene_set_light(x->scene, hand->light, &light) == FNL_OK;
+    x->numbers.light_moves += hand->holds;
+    x->numbers.last_light = light.position;
 }
 
 static bool pressed(struct xr *x, const struct xr_hand *hand, XrAction action) {

@@ -80,10 +80,10 @@ static json_t *last_json(const struct xr_numbers *n) {
     json_t *views = json_array();
     for (uint32_t i = 0; i < n->last_count; i++) {
         const fnl_camera *c = &n->last_cameras[i];
-        json_array_append_new(views, json_pack("{s:[i,i],s:o,s:o,s:o,s:f,s:[f,f],s:f,s:f}", "size", (int)n->last_width[i], (int)n->last_height[i], "position",
+        json_array_append_new(views, json_pack("{s:[i,i],s:o,s:o,s:o,s:f,s:[f,f],s:f,s:f,s:f}", "size", (int)n->last_width[i], (int)n->last_height[i], "position",
                                                vector(c->position), "target", vector(c->target), "up", vector(c->up), "vertical_fov", (double)c->vertical_fov,
                                                "shift", (double)c->shift.x, (double)c->shift.y, "pixel_aspect", (double)c->pixel_aspect, "near_distance",
-                                               (double)c->near_distance));
+                                               (double)c->near_distance, "hidden", n->last_hidden[i]));
     }
     const fnl_vec4 r = n->last_rig.rotation;
     return json_pack("{s:I,s:{s:o,s:[f,f,f,f]},s:o}", "display_time", (json_int_t)n->last_display, "rig", "position", vector(n->last_rig.position), "rotation",
@@ -117,7 +117,8 @@ static json_t *all_json(const struct xr *x) {
     json_object_set_new(j, "resolution", json_pack("{s:f,s:f,s:i}", "scale", (double)x->scale, "least", (double)n->least_scale, "changes", (int)n->scale_changes));
     json_object_set_new(j, "prediction", prediction_json(n));
     json_object_set_new(j, "mask", json_pack("{s:i,s:i,s:i}", "reads", (int)n->mask_reads, "changes", (int)n->mask_changes, "frames", (int)n->mask_frames));
-    json_object_set_new(j, "input", json_pack("{s:i,s:i,s:i}", "teleports", (int)n->teleports, "grabs", (int)n->grabs, "light_moves", (int)n->light_moves));
+    json_object_set_new(j, "input", json_pack("{s:i,s:i,s:i,s:o}", "teleports", (int)n->teleports, "grabs", (int)n->grabs, "light_moves", (int)n->light_moves, "light",
+                                            n->light_moves ? vector(n->last_light) : json_null()));
     json_object_set_new(j, "last", last_json(n));
     return j;
 }

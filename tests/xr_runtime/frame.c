@@ -65,11 +65,11 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateSwapchain(XrSession session, con
     if (is_lost(&lost_)) return lost_
 
 static XRAPI_ATTR XrResult XRAPI_CALL callDestroySwapchain(XrSwapchain handle) {
-    ENTER();
+    const XrResult injected = enter(__func__ + 4); /* what is destroyed is gone even then */
     struct object *object = find_object(handle, KIND_SWAPCHAIN);
     if (!object) return mistake(XR_ERROR_HANDLE_INVALID, "the swapchain is none");
     destroy_object(object);
-    return XR_SUCCESS;
+    return injected;
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callEnumerateSwapchainImages(XrSwapchain handle, uint32_t capacity, uint32_t *count, XrSwapchainImageBaseHeader *out) {

@@ -43,11 +43,11 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateActionSet(XrInstance instance, c
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callDestroyActionSet(XrActionSet set) {
-    ENTER();
+    const XrResult injected = enter(__func__ + 4); /* what is destroyed is gone even then */
     struct object *object = find_object(set, KIND_ACTION_SET);
     if (!object) return mistake(XR_ERROR_HANDLE_INVALID, "the action set is none");
     destroy_object(object);
-    return XR_SUCCESS;
+    return injected;
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callCreateAction(XrActionSet set, const XrActionCreateInfo *info, XrAction *out) {
@@ -68,11 +68,11 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateAction(XrActionSet set, const Xr
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callDestroyAction(XrAction action) {
-    ENTER();
+    const XrResult injected = enter(__func__ + 4); /* what is destroyed is gone even then */
     struct object *object = find_object(action, KIND_ACTION);
     if (!object) return mistake(XR_ERROR_HANDLE_INVALID, "the action is none");
     destroy_object(object);
-    return XR_SUCCESS;
+    return injected;
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callSuggestInteractionProfileBindings(XrInstance instance, const XrInteractionProfileSuggestedBinding *info) {

@@ -50,7 +50,10 @@ XrResult enter(const char *function) {
             note("injected xr%s %s", function, result_name(f->result));
             if (f->result == XR_ERROR_SESSION_LOST) rt.session_lost = true;
             if (f->result == XR_ERROR_INSTANCE_LOST) rt.instance_lost = true;
-            if (f->result == XR_SESSION_LOSS_PENDING) set_state(XR_SESSION_STATE_LOSS_PENDING);
+            if (f->result == XR_SESSION_LOSS_PENDING) { /* a success: the call does its work */
+                set_state(XR_SESSION_STATE_LOSS_PENDING);
+                return XR_SUCCESS;
+            }
             return f->result;
         }
     }
@@ -171,13 +174,13 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateInstance(const XrInstanceCreateI
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callDestroyInstance(XrInstance instance) {
-    ENTER();
+    const XrResult injected = enter(__func__ + 4); /* what is destroyed is gone even then */
     struct object *object = find_object(instance, KIND_INSTANCE);
     if (!object) return mistake(XR_ERROR_HANDLE_INVALID, "the instance is none");
     if (rt.session && rt.session->kind) mistake(XR_SUCCESS, "a session is still there");
     destroy_object(object);
     note("instance destroyed, %u mistakes", rt.errors);
-    return XR_SUCCESS;
+    return injected;
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callGetInstanceProperties(XrInstance instance, XrInstanceProperties *out) {
@@ -334,13 +337,13 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateSession(XrInstance instance, con
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callDestroySession(XrSession session) {
-    ENTER();
+    const XrResult injected = enter(__func__ + 4); /* what is destroyed is gone even then */
     struct object *object = find_object(session, KIND_SESSION);
     if (!object) return mistake(XR_ERROR_HANDLE_INVALID, "the session is none");
     destroy_object(object);
     vulkan_forget();
     note("session destroyed");
-    return XR_SUCCESS;
+    return injected;
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callBeginSession(XrSession session, const XrSessionBeginInfo *info) {
@@ -424,11 +427,11 @@ static XRAPI_ATTR XrResult XRAPI_CALL callGetReferenceSpaceBoundsRect(XrSession 
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callDestroySpace(XrSpace space) {
-    ENTER();
+    const XrResult injected = enter(__func__ + 4); /* what is destroyed is gone even then */
     struct object *object = find_object(space, KIND_SPACE);
     if (!object) return mistake(XR_ERROR_HANDLE_INVALID, "the space is none");
     destroy_object(object);
-    return XR_SUCCESS;
+    return injected;
 }
 
 static XRAPI_ATTR XrResult XRAPI_CALL callLocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation *out) {

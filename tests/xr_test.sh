@@ -1,0 +1,212 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# xr_test.sh BUILD: `fanal xr` against a scripted OpenXR runtime (tests/xr_runtime) that checks every call. Exit status 77: built without OpenXR.
+set -u
+build=$(cd "$1" && pwd)
+fanal=$build/fanal
+"$fanal" xr --help >/dev/null 2>&1 || { echo "SKIPPED: built without 'fanal xr' (Debian: libopenxr-dev)"; exit 77; }
+work=$(mktemp -d)
+failures=0
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+export XR_RUNTIME_JSON=$build/tests/xr_runtime/xr_runtime.json XDG_CACHE_HOME=$work/cache
+plain=(--shading forward --lists all --shadows off --exposure 5 --resolution 1) # what costs least
+fail() { echo "FAILED: $name: $*" >&2; head -c 2000 "$name.out" >&2; failures=$((failures + 1)); }
+
+# run STATUS NAME SCENE OPTION…, with the script on stdin. The runtime must have no complaint.
+run() {
+    local wanted=$1 status
+    name=$2
+    shift 2
+    cat >"$name.txt"
+    FANAL_XR_SCRIPT=$name.txt FANAL_XR_LOG=$name.log timeout 120 "$fanal" xr "$@" --stats "$name.json" >"$name.out" 2>&1
+    status=$?
+    [ $status = "$wanted" ] || fail "exit status $status in place of $wanted"
+    ! grep MISTAKE "$name.log" || fail "the runtime found a mistake"
+    [ "$wanted" != 0 ] || grep -q 'instance destroyed, 0 mistakes' "$name.log" || fail "the instance was not destroyed"
+}
+# is EXPRESSION: true of the statistics.
+is() { [ "$(jq "$1" "$name.json" 2>&1)" = true ] || fail "not so: $1; $(jq -c "${1%%[=<>]*}" "$name.json" 2>&1 | head -c 300)"; }
+says() { grep -q -- "$1" "$name.out" || fail "it does not say '$1'"; }
+picture() { "$build/tests/xr_picture" "$name.json" . "$@" >"$name.out" 2>&1 || fail "pictures: $*"; rm -f ./*.raw views-*; }
+
+# ---- VR-13, 18, 19, 21: 300 frames with all that a runtime may send ----
+run 0 long builtin:onetile "${plain[@]}" --frames 300 --validate <<'END'
+size 24 24
+sway 0.2 1
+turn 20 1.3
+cost xrWaitSwapchainImage 2
+cost xrReleaseSwapchainImage 1
+at 50 stall 40
+at 60 unknown_event
+at 61 events_lost
+at 62 profile
+at 70 mask 0 0.5
+at 80 mask 1 0
+at 100 hide 5
+at 150 pause 3
+END
+is '.frames.rendered == 300'
+is '.frames.missed == 4' # 40 ms and the frame's own 6 are five periods of 11.1 ms
+is '(.times.period_ms - 1000 / 90 | fabs) < 1e-3 and .times.budget_ms == .times.period_ms'
+is '.sessions.connections == 1 and .sessions.lost == 0'
+is '.sessions.states == ["idle","ready","synchronized","visible","focused","visible","synchronized","visible","focused","visible","synchronized","stopping","idle","ready","synchronized","visible","focused","visible","synchronized","stopping","idle","exiting"]'
+is '.prediction.frames > 250 and .prediction.rendered.metres > 0 and .prediction.simulated.metres > 1.3 * .prediction.rendered.metres'
+is '.prediction.simulated.radians > 1.3 * .prediction.rendered.radians'
+awk '$1 == "prediction" && NF > 8 { for (i = 2; i < 9; i++) if (i != 5) sum[i] += $i; n++ }
+    END { exit !(n > 290 && sum[2] > sum[3] && sum[3] > sum[4] && sum[6] > sum[7] && sum[7] > sum[8] && sum[8] > 0) }' long.log || fail "predictions do not get better from stage to stage"
+is '.mask.reads == 4 and .mask.changes == 2 and .mask.frames == 300'
+is '.last.views[0].hidden > 0.03125 / 8 and .last.views[1].hidden == 0' # triangles at half their places, and none
+grep -q '^a picture that nobody sees' long.log && fail "a picture was handed over while nothing was shown"
+
+# ---- VR-18, 20: pictures and depth are those of a frame with the runtime's eyes ----
+run 0 usual builtin:onetile --frames 2 --exposure 5 --resolution 1 --validate <<'END'
+head 0.1 1.7 0.2 10
+save 3 1 .
+END
+is '(.last.views | map(.hidden - 0.03125 | fabs) | max) < 1e-6' # VR-19: what Monado hides
+is '.depth and .format == "R8G8B8A8_SRGB" and .space == "stage"'
+grep -q 'depth from 0 to 1, nearZ inf, farZ 0.05' usual.log || fail "depth is not reversed"
+picture 3 builtin:onetile rgba reversed ev=5
+run 0 samples builtin:onetile "${plain[@]}" --frames 2 --msaa 4 --depth forward --near 0.1 --resolution 0.5 <<'END'
+formats 50 126
+size 33 29
+save 3 1 .
+END
+grep -q 'depth from 0 to 1, nearZ 0.1, farZ inf' samples.log || fail "depth is not forward"
+is '.last.views[0].size == [17, 15]'
+grep -q 'layers 1 depth 1 rect 17x15' samples.log || fail "the part is not that which was rendered"
+rm -f depth-*
+picture 3 builtin:onetile bgra none ev=5 shading=forward lists=all shadows=off msaa=4
+run 0 forward builtin:onetile "${plain[@]}" --frames 2 --depth forward <<<'save 3 1 .'
+picture 3 builtin:onetile rgba forward ev=5 shading=forward lists=all shadows=off
+run 0 four builtin:onetile "${plain[@]}" --frames 2 --validate <<'END'
+views 4
+size 16 16 2
+size 16 16 3
+fov -20 15 -14 19 2
+fov -15 20 -14 19 3
+eye 2 -0.032 0 0 4 0
+eye 3 0.032 0 0 -4 0
+save 3 1 .
+END
+is '.views == 4'
+picture 3 builtin:onetile rgba reversed ev=5 shading=forward lists=all shadows=off
+run 0 bare builtin:onetile "${plain[@]}" --frames 2 <<'END'
+without XR_KHR_composition_layer_depth
+without XR_KHR_visibility_mask
+no_stage
+formats 97
+END
+is '(.depth | not) and .mask.reads == 0 and .space == "local" and .format == "R16G16B16A16_SFLOAT"'
+grep -q 'layers 1 depth 0' bare.log || fail "no picture without depth"
+run 0 off builtin:onetile "${plain[@]}" --frames 1 --depth off --no-mask --no-input --stereo --space local <<<'views 4'
+is '.views == 2 and (.depth | not) and .mask.reads == 0 and .space == "local"'
+
+# ---- where the user stands; recentring; resolution by frame time ----
+run 0 place builtin:onetile "${plain[@]}" --frames 12 --eye 1,2,3 --look-at 5,2,3 <<'END'
+no_stage
+head 0.5 1.7 -0.3 25
+at 6 recenter 0.4 0.2 70
+END
+is '.sessions.recentered == 1'
+is '[.last.views[0,1].position] | ((.[0][0] + .[1][0]) / 2 - 1 | fabs) < 1e-4 and ((.[0][1] + .[1][1]) / 2 - 2 | fabs) < 1e-4 and ((.[0][2] + .[1][2]) / 2 - 3 | fabs) < 1e-4'
+is '.last.views[0] | (.target[0] - .position[0]) > 0.999 * (((.target[0] - .position[0]) | . * .) + ((.target[2] - .position[2]) | . * .) | sqrt)'
+run 0 slow builtin:onetile "${plain[@]}" --frames 40 --resolution auto --budget 0.001 </dev/null
+is '.resolution.scale == 0.5 and .resolution.changes == 1 and .frames.over_budget > 30 and .last.views[0].size == [24, 24]'
+run 0 fast builtin:onetile "${plain[@]}" --frames 40 --resolution auto --budget 100000 </dev/null
+is '.resolution.scale == 1 and .resolution.changes == 0 and .frames.over_budget == 0'
+
+# ---- controllers ----
+cat >lamp.gltf <<'END'
+{"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_lights_punctual"], "scene": 0, "scenes": [{"nodes": [0, 1]}],
+ "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 5}]}},
+ "nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0, 1.5, -2]}, {"mesh": 0}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}
+END
+run 0 hands lamp.gltf "${plain[@]}" --frames 20 --eye 0,1.6,0 --look-at 0,1.6,-1 <<'END'
+hand left 4 0 1.5 0 0 0 0 0
+hand left 6 0 1.5 0 0 0 0 1
+hand left 8 0.5 1.75 0 0 0 0 1
+hand left 9 0.5 1.75 0 0 0 0 0
+hand left 10 0.9 1.0 0 0 0 0 0
+hand right 12 0 1.5 0 0 -45 1 0
+hand right 14 0 1.5 0 0 -45 0 0
+hand right 15 0 1.5 0 0 45 1 0
+hand right 16 0 1.5 0 0 45 0 0
+END
+is '.input.teleports == 1 and .input.grabs == 1 and .input.light_moves == 3'
+is '.input.light | (.[0] - 0.5 | fabs) < 1e-4 and (.[1] - 1.75 | fabs) < 1e-4 and (.[2] + 2 | fabs) < 1e-4'
+is '[.last.views[0,1].position] | ((.[0][0] + .[1][0]) / 2 | fabs) < 1e-4 and (.[0][1] - 1.6 | fabs) < 1e-4 and (.[0][2] + 1.5 | fabs) < 1e-4'
+
+# ---- losses: the session is begun anew each time ----
+run 0 losses builtin:onetile "${plain[@]}" --frames 24 <<'END'
+size 16 16
+at 4 lose_session
+at 8 lose_instance
+at 12 session_loss_pending
+at 16 instance_loss_pending
+fail xrEndFrame 20 XR_ERROR_SESSION_LOST
+fail xrCreateSession 6 XR_ERROR_INSTANCE_LOST
+fail xrBeginFrame 28 XR_SESSION_LOSS_PENDING
+END
+is '.sessions.lost == 7 and .sessions.connections == 8 and .frames.rendered == 24'
+says 'begun anew'
+run 2 hopeless builtin:onetile "${plain[@]}" --frames 3 <<<'fail xrBeginSession 0 XR_ERROR_SESSION_LOST'
+says 'lost 6 times in a row'
+
+# ---- each function fails once. What the picture needs ends the command, with the function's name and the result; the rest is left out ----
+for function in CreateInstance GetSystem EnumerateViewConfigurations EnumerateViewConfigurationViews EnumerateEnvironmentBlendModes \
+    GetVulkanGraphicsRequirements2KHR CreateVulkanInstanceKHR GetVulkanGraphicsDevice2KHR CreateVulkanDeviceKHR CreateSession \
+    EnumerateReferenceSpaces CreateReferenceSpace EnumerateSwapchainFormats CreateSwapchain EnumerateSwapchainImages BeginSession PollEvent WaitFrame \
+    BeginFrame LocateViews AcquireSwapchainImage WaitSwapchainImage ReleaseSwapchainImage EndFrame RequestExitSession EndSession; do
+    run 2 "fail-$function" builtin:onetile "${plain[@]}" --frames 1 <<<"fail xr$function 1 XR_ERROR_RUNTIME_FAILURE"
+    says "error: xr$function: XR_ERROR_RUNTIME_FAILURE"
+    grep -q "injected xr$function" "$name.log" || fail "it was not called"
+    [ ! -e "$name.json" ] || fail "statistics were written"
+done
+# One after the other, in a session each: the first to fail is the last of its kind to be called.
+{
+    echo 'size 16 16'
+    echo 'hand left 1 0 1.5 0 0 0 0 0'
+    frame=4
+    for function in StringToPath CreateActionSet CreateAction SuggestInteractionProfileBindings CreateActionSpace AttachSessionActionSets SyncActions \
+        GetActionStatePose GetActionStateBoolean GetInstanceProperties GetSystemProperties GetVisibilityMaskKHR; do
+        echo "fail xr$function 1 XR_ERROR_RUNTIME_FAILURE"
+        echo "at $((frame += 5)) lose_session"
+    done
+} >failing
+run 0 optional builtin:onetile "${plain[@]}" --frames 60 <failing
+for function in StringToPath CreateActionSet CreateAction SuggestInteractionProfileBindings CreateActionSpace AttachSessionActionSets SyncActions \
+    GetActionStatePose GetActionStateBoolean GetInstanceProperties GetSystemProperties GetVisibilityMaskKHR; do
+    says "warning: xr$function: XR_ERROR_RUNTIME_FAILURE"
+done
+run 0 ends builtin:onetile "${plain[@]}" --frames 1 <<'END'
+fail xrDestroySwapchain 1 XR_ERROR_RUNTIME_FAILURE
+fail xrDestroySession 1 XR_ERROR_RUNTIME_FAILURE
+END
+says 'warning: xrDestroySwapchain'
+says 'warning: xrDestroySession'
+run 0 patience builtin:onetile "${plain[@]}" --frames 1 <<'END'
+fail xrWaitSwapchainImage 1 XR_TIMEOUT_EXPIRED
+fail xrWaitSwapchainImage 2 XR_TIMEOUT_EXPIRED
+END
+
+# ---- headsets that cannot be used ----
+run 2 none builtin:onetile <<<no_system
+says 'has no headset now'
+run 2 mono builtin:onetile <<<'views 1'
+says 'has no stereo views'
+run 2 formats builtin:onetile <<<'formats 126'
+says 'takes none of the image formats'
+run 2 vulkan builtin:onetile <<<'without XR_KHR_vulkan_enable2'
+says 'cannot take pictures from Vulkan'
+name=missing
+XR_RUNTIME_JSON=$work/nothing.json "$fanal" xr builtin:onetile >missing.out 2>&1 && fail "it runs without a runtime"
+says 'no OpenXR runtime was found'
+name=arguments
+"$fanal" xr builtin:onetile --resolution 2 >arguments.out 2>&1 && fail "a bad number was taken"
+says 'resolution'
+
+[ $failures = 0 ] || { echo "$failures failures" >&2; exit 1; }
