@@ -33,7 +33,7 @@ asks() { grep -E -- ' -y install ' "$work/log" | grep -qE "[ ]$1([ /]|\$)"; }
 
 touch "$work/locked"
 run || fail "setup: $(cat "$work/out")"
-for package in gcc cmake glslang-tools libjansson-dev libdraco-dev 'g\+\+' libglfw3-dev libimgui-dev fonts-dejavu-core mesa-vulkan-drivers; do asks $package || fail "$package is not asked for"; done
+for package in gcc cmake glslang-tools libjansson-dev libdraco-dev 'g\+\+' libglfw3-dev libimgui-dev libopenxr-dev fonts-dejavu-core mesa-vulkan-drivers; do asks $package || fail "$package is not asked for"; done
 for package in libcmocka-dev vulkan-validationlayers xvfb python3-pil clang chromium; do
     asks "${package//+/\\+}" && fail "the command alone gets $package"
 done

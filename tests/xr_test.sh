@@ -30,7 +30,12 @@ is() { [ "$(jq "$1" "$name.json" 2>&1)" = true ] || fail "not so: $1; $(jq -c "$
 says() { grep -q -- "$1" "$name.out" || fail "it does not say '$1'"; }
 picture() { "$build/tests/xr_picture" "$name.json" . "$@" >"$name.out" 2>&1 || fail "pictures: $*"; rm -f ./*.raw views-*; }
 
-# ---- VR-13, 18, 19, 21: 300 frames with all that a runtime may send ----
+# shows VR-13: poses at simulation, at rendering and at the compositor on a scripted sine: each is nearer to the truth
+# shows VR-18: a session reaches FOCUSED, 300 frames without a validation message, poses and fields of view as given, clean exit, losses
+# shows VR-19: the visibility mask is read, 3.125 % of the view; none with a count of 0; a change event rebuilds it
+# shows VR-20: depth handed over, reversed and forward; without the extension
+# shows VR-21: misses are counted against the headset's refresh
+# ---- 300 frames with all that a runtime may send ----
 run 0 long builtin:onetile "${plain[@]}" --frames 300 --validate <<'END'
 size 24 24
 sway 0.2 1
@@ -59,12 +64,12 @@ is '.mask.reads == 4 and .mask.changes == 2 and .mask.frames == 300'
 is '.last.views[0].hidden > 0.03125 / 8 and .last.views[1].hidden == 0' # triangles at half their places, and none
 grep -q '^a picture that nobody sees' long.log && fail "a picture was handed over while nothing was shown"
 
-# ---- VR-18, 20: pictures and depth are those of a frame with the runtime's eyes ----
+# ---- pictures and depth are those of a frame with the runtime's eyes ----
 run 0 usual builtin:onetile --frames 2 --exposure 5 --resolution 1 --validate <<'END'
 head 0.1 1.7 0.2 10
 save 3 1 .
 END
-is '(.last.views | map(.hidden - 0.03125 | fabs) | max) < 1e-6' # VR-19: what Monado hides
+is '(.last.views | map(.hidden - 0.03125 | fabs) | max) < 1e-6' # what Monado hides
 is '.depth and .format == "R8G8B8A8_SRGB" and .space == "stage"'
 grep -q 'depth from 0 to 1, nearZ inf, farZ 0.05' usual.log || fail "depth is not reversed"
 picture 3 builtin:onetile rgba reversed ev=5
@@ -112,9 +117,9 @@ END
 is '.sessions.recentered == 1'
 is '[.last.views[0,1].position] | ((.[0][0] + .[1][0]) / 2 - 1 | fabs) < 1e-4 and ((.[0][1] + .[1][1]) / 2 - 2 | fabs) < 1e-4 and ((.[0][2] + .[1][2]) / 2 - 3 | fabs) < 1e-4'
 is '.last.views[0] | (.target[0] - .position[0]) > 0.999 * (((.target[0] - .position[0]) | . * .) + ((.target[2] - .position[2]) | . * .) | sqrt)'
-run 0 slow builtin:onetile "${plain[@]}" --frames 40 --resolution auto --budget 0.001 </dev/null
-is '.resolution.scale == 0.5 and .resolution.changes == 1 and .frames.over_budget > 30 and .last.views[0].size == [24, 24]'
-run 0 fast builtin:onetile "${plain[@]}" --frames 40 --resolution auto --budget 100000 </dev/null
+run 0 slow builtin:onetile "${plain[@]}" --frames 12 --resolution auto --budget 0.001 </dev/null
+is '.resolution.scale == 0.5 and .resolution.changes == 1 and .frames.over_budget > 8 and .last.views[0].size == [24, 24]'
+run 0 fast builtin:onetile "${plain[@]}" --frames 12 --resolution auto --budget 100000 </dev/null
 is '.resolution.scale == 1 and .resolution.changes == 0 and .frames.over_budget == 0'
 
 # ---- controllers ----
@@ -153,7 +158,7 @@ fail xrBeginFrame 28 XR_SESSION_LOSS_PENDING
 END
 is '.sessions.lost == 7 and .sessions.connections == 8 and .frames.rendered == 24'
 says 'begun anew'
-run 2 hopeless builtin:onetile "${plain[@]}" --frames 3 <<<'fail xrBeginSession 0 XR_ERROR_SESSION_LOST'
+run 2 hopeless builtin:onetile "${plain[@]}" --frames 3 <<<'fail xrCreateSession 0 XR_ERROR_SESSION_LOST'
 says 'lost 6 times in a row'
 
 # ---- each function fails once. What the picture needs ends the command, with the function's name and the result; the rest is left out ----
@@ -171,13 +176,14 @@ done
     echo 'size 16 16'
     echo 'hand left 1 0 1.5 0 0 0 0 0'
     frame=4
+    for function in GetInstanceProperties GetSystemProperties GetVisibilityMaskKHR; do echo "fail xr$function 1 XR_ERROR_RUNTIME_FAILURE"; done
     for function in StringToPath CreateActionSet CreateAction SuggestInteractionProfileBindings CreateActionSpace AttachSessionActionSets SyncActions \
-        GetActionStatePose GetActionStateBoolean GetInstanceProperties GetSystemProperties GetVisibilityMaskKHR; do
+        GetActionStatePose GetActionStateBoolean; do
         echo "fail xr$function 1 XR_ERROR_RUNTIME_FAILURE"
         echo "at $((frame += 5)) lose_session"
     done
 } >failing
-run 0 optional builtin:onetile "${plain[@]}" --frames 60 <failing
+run 0 optional builtin:onetile "${plain[@]}" --frames 36 <failing
 for function in StringToPath CreateActionSet CreateAction SuggestInteractionProfileBindings CreateActionSpace AttachSessionActionSets SyncActions \
     GetActionStatePose GetActionStateBoolean GetInstanceProperties GetSystemProperties GetVisibilityMaskKHR; do
     says "warning: xr$function: XR_ERROR_RUNTIME_FAILURE"

@@ -10,6 +10,7 @@ packages=(
     libspng-dev libjpeg-dev libwebp-dev zlib1g-dev libopenexr-dev libembree-dev
     libdraco-dev g++                                                                 # to read KHR_draco_mesh_compression; all else is C,
     libglfw3-dev libimgui-dev fonts-dejavu-core                                      # but for the window of 'fanal view'
+    libopenxr-dev libopenxr-loader1                                                  # the headset of 'fanal xr'
     libjs-chart.js                                                                   # the plots of 'fanal bench'
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
 )

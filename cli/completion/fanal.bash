@@ -30,7 +30,7 @@ _fanal() {
     previous=${previous##* }
     COMPREPLY=()
     if [ "$COMP_CWORD" -le 1 ]; then
-        COMPREPLY=($(compgen -W "render view trace bench info devices compare compress --help --version" -- "$current"))
+        COMPREPLY=($(compgen -W "render view xr trace bench info devices compare compress --help --version" -- "$current"))
         return
     fi
     key=$(_fanal_key_of "$previous")
@@ -51,7 +51,7 @@ _fanal() {
         COMPREPLY=($(compgen -W "$scenes" -- "${current#builtin:}")) # bash parts words at ":" too
     else
         COMPREPLY=($(compgen -f -- "$current"))
-        [[ $command != render && $command != view && $command != trace && $command != bench && $command != info ]] || COMPREPLY+=($(compgen -W "builtin:" -- "$current"))
+        [[ $command != render && $command != view && $command != xr && $command != trace && $command != bench && $command != info ]] || COMPREPLY+=($(compgen -W "builtin:" -- "$current"))
     fi
 }
 complete -o filenames -F _fanal fanal

@@ -8,16 +8,16 @@
 
 /* ---- results ---- */
 
-#define RESULT_TEXT(name, value)                                                                                            \
-    case value:                                                                                                             \
-        return #name;
+#define RESULT_ROW(name, value) {#name, value},
+static const struct {
+    const char *name;
+    int value;
+} results[] = {XR_LIST_ENUM_XrResult(RESULT_ROW)};
 
 const char *xr_result_text(XrResult result) {
-    switch ((int)result) {
-        XR_LIST_ENUM_XrResult(RESULT_TEXT)
-    default:
-        return "an unknown error";
-    }
+    for (size_t i = 0; i < sizeof results / sizeof *results; i++)
+        if (results[i].value == (int)result) return results[i].name;
+    return "an unknown error";
 }
 
 static bool is_loss(XrResult result) { return result == XR_ERROR_SESSION_LOST || result == XR_ERROR_INSTANCE_LOST; }

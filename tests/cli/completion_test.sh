@@ -37,6 +37,7 @@ completes 'render builtin:gl' glass !
 completes 'tr' trace !
 completes 'trace builtin:hall --bou' --bounces !
 completes 'trace builtin:ci' city !
+completes 'xr builtin:ci' city !
 completes 'info READ' README.md !
 [ $failures = 0 ] && echo 'all completions are right'
 exit $((failures > 0))
