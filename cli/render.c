@@ -66,6 +66,7 @@ static void print_help(void) {
          "square\n"
          "                             --size), all cameras of the scene, or some of them by name or index, with commas;\n"
          "                             each output has one %d, or as %02d, for the number of the view\n"
+         STEREO_HELP
          WORLD_EYE_HELP
          "  --exposure EV|auto|none    EV100 (auto)\n"
          WORLD_SURROUNDINGS_HELP
@@ -162,6 +163,9 @@ enum {
     O_START_FRAME,
     O_FORMAT,
     O_SAVE_SCENE,
+    O_STEREO,
+    O_IPD,
+    O_HMD,
 };
 
 /* Options of the frame by their keys, and whose use may be worth a warning. */
@@ -200,9 +204,22 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->quiet = true;
         return true;
     case O_SIZE:
+        o->has_size = true;
         return argument_size("size", value, &o->frame.width, &o->frame.height);
     case O_VIEWS:
         o->views = value;
+        return true;
+    case O_STEREO:
+        if (!argument_name("stereo", value, stereo_kind_name, &index)) return false;
+        o->stereo.kind = (enum stereo_kind)(index + 1);
+        return true;
+    case O_IPD:
+        if (!argument_number("ipd", value, &number)) return false;
+        if (!(number >= 0 && number <= 1)) return argument_bad("ipd", value, "a number of metres, 0 to 1");
+        o->stereo.ipd = (float)number;
+        return true;
+    case O_HMD:
+        o->stereo.hmd = value;
         return true;
     case O_PIXEL:
         return pixel_parse("pixel", value, &o->frame.pixel);
@@ -302,6 +319,9 @@ static const struct option own_options[] = {
     {"start-frame", required_argument, NULL, O_START_FRAME},
     {"format", required_argument, NULL, O_FORMAT},
     {"save-scene", required_argument, NULL, O_SAVE_SCENE},
+    {"stereo", required_argument, NULL, O_STEREO},
+    {"ipd", required_argument, NULL, O_IPD},
+    {"hmd", required_argument, NULL, O_HMD},
     WORLD_OPTIONS,
 };
 enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
@@ -319,7 +339,7 @@ static bool is_same_file(const char *a, const char *b) {
 }
 
 static bool check_files(const struct render_options *o) {
-    const char *files[RENDER_MAX_OUTPUTS + 4];
+    const char *files[RENDER_MAX_OUTPUTS + 5];
     int count = 0;
     for (; count < o->output_count; count++) files[count] = o->outputs[count];
     if (o->stats) files[count++] = o->stats;
@@ -327,11 +347,12 @@ static bool check_files(const struct render_options *o) {
     if (o->save_scene) files[count++] = o->save_scene;
     int written = count;
     files[count++] = o->world.scene;
+    if (o->stereo.hmd) files[count++] = o->stereo.hmd;
     for (int i = 0; i < written; i++)
         for (int k = i + 1; k < count; k++) {
             if (!is_same_file(files[i], files[k])) continue;
             fprintf(stderr, "fanal: error: %s and %s are one file%s\n", files[i], files[k],
-                    k < written ? ", which would be written twice" : ": the scene would be overwritten");
+                    k < written ? ", which would be written twice" : ": it would be overwritten");
             return false;
         }
     return true;
@@ -355,12 +376,19 @@ static bool check_options(struct render_options *o) {
         if (o->views && is_stdout) problem = "-o - takes the picture of one view, not those of --views";
         if (o->views && !is_stdout && !render_is_sequence(o->outputs[i]))
             problem = "each output of --views has one %d, or as %02d, for the view's number";
+        if (o->stereo.kind == STEREO_LAYERS && is_stdout) problem = "-o - takes one picture, not those of --stereo layers";
+        if (o->stereo.kind == STEREO_LAYERS && !is_stdout && !render_is_sequence(o->outputs[i]))
+            problem = "each output of --stereo layers has one %d for the eye's number";
     }
     if (render_shows_nothing(o) && !o->save_scene)
         problem = "no output was asked for: give -o FILE, --stats FILE, --pixel X,Y, --plan, --traffic, --trace-file FILE or --save-scene FILE";
     if (o->has_format && !has_stdout) problem = "--format is for -o -: files have it in their names";
     if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
     if (world_problem(&o->world)) problem = world_problem(&o->world);
+    if (stereo_problem(&o->stereo)) problem = stereo_problem(&o->stereo);
+    if (o->views && o->stereo.kind) problem = "--views and --stereo exclude one another";
+    if (o->stereo.kind == STEREO_LAYERS && sequence) problem = "a sequence takes one picture at a time, not those of --stereo layers";
+    if (o->stereo.hmd && o->world.fov > 0) problem = "--fov does not go with --hmd, whose displays have fields of view of their own";
     if (o->views && sequence) problem = "--views and --camera-path exclude one another";
     if (o->views && !views_are_cube(o->views) && (o->world.camera || o->world.has_eye || o->world.fov > 0))
         problem = "--camera, --eye and --fov do not go with --views, but for the place of --views cube";
@@ -402,6 +430,7 @@ static void warn_of_unused(const struct render_options *o) {
 int command_render(int argc, char **argv) {
     struct render_options o = {.frame = fnl_frame_default(),
                                .world = world_options_default(),
+                               .stereo.ipd = NAN,
                                .frame_count = 1,
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};

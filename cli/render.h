@@ -3,6 +3,7 @@
 #ifndef FNL_CLI_RENDER_H
 #define FNL_CLI_RENDER_H
 
+#include "stereo.h"
 #include "world.h"
 
 enum { RENDER_MAX_OUTPUTS = 16, RENDER_MAX_GIVEN = 128 };
@@ -22,6 +23,8 @@ enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
 
 struct render_options {
     struct world_options world;
+    struct stereo_options stereo;
+    const struct stereo *eyes; /* NULL, or while it runs: those of --stereo */
     const char *outputs[RENDER_MAX_OUTPUTS], *views, *camera_path, *device, *stats, *trace_file, *save_scene;
     int output_count;
     const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
@@ -32,7 +35,7 @@ struct render_options {
     double choose_seconds;      /* that auto may take before the frames */
     uint32_t frame_count;       /* timed ones; 0: the picture alone */
     uint32_t aovs;              /* bits 1 << enum render_aov */
-    bool has_frames, has_frame_time, has_format;
+    bool has_frames, has_frame_time, has_format, has_size;
     bool lit_casts;            /* nobody said which shadows: maps, where the scene has lights */
     enum render_format format; /* of the output "-", which is stdout */
     uint32_t start_frame;      /* of a sequence: the first picture that is wanted */
@@ -113,7 +116,7 @@ struct trace_history;
  * to be. What is saved is exact if memory lasts.
  */
 bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats);
-/** Of the last frame; `view_count` 0: it has one view, and the paths of outputs are no patterns for the numbers of views. */
+/** Of the last frame; `view_count` 0: it has one view, or two that are joined, and the paths of outputs are no patterns for the numbers of views. */
 bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer,
                          const struct supersample *mean, uint32_t view_count);
 bool render_sequence(const struct render_options *options, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,

@@ -104,7 +104,7 @@ static bool save_exr(const struct render_options *o, const fnl_host *host, const
         if (layout[i].aov < 0 || (o->aovs & 1u << layout[i].aov))
             channels[count++] = (fnl_exr_channel){
                 layout[i].name, (const float *)p->images[layout[i].picture].pixels + layout[i].component, 4};
-    return fnl_exr_save(host, path, o->frame.width, o->frame.height, channels, count) == FNL_OK;
+    return fnl_exr_save(host, path, p->images[1].width, p->images[1].height, channels, count) == FNL_OK;
 }
 
 static bool save_file(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
@@ -168,11 +168,12 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
         if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
+    for (int i = 0; i < PICTURES && good && stereo_joins(o->stereo.kind); i++) good = stereo_join(o->stereo.kind, i < 2, &p.images[i]);
     uint32_t written = 0, total = (uint32_t)o->output_count * (view_count ? view_count : 1);
     for (; written < total && good; written++) {
         char numbered[4096];
         const char *path = file_path(o, written, view_count, numbered);
-        struct pictures own = pictures_of(&p, o->frame.height, written / (uint32_t)o->output_count);
+        struct pictures own = view_count ? pictures_of(&p, o->frame.height, written / (uint32_t)o->output_count) : p;
         good = render_is_stdout(path) ? save_stdout(o, host, &own) : save_file(o, host, path, &own);
     }
     if (!good && written > 0) remove_files(o, written - 1, view_count); /* all or nothing: the last one counted was not written */
@@ -313,7 +314,7 @@ static bool query_pixel(fnl_renderer *renderer, const fnl_scene *scene, struct r
     return true;
 }
 
-int render_run(const struct render_options *o) {
+static int run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
     fnl_device *device = NULL;
@@ -336,13 +337,16 @@ int render_run(const struct render_options *o) {
     fnl_camera cameras[FNL_VIEWS_MAX];
     uint32_t view_count = 0;
     bool good = load_and_save(o, &host, &scene, &frame.camera) &&
-                (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) && fnl_device_create(&device_params, &device) == FNL_OK &&
+                (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) &&
+                (!o->eyes || stereo_cameras(o->eyes, &frame.camera, o->world.time, frame.width, frame.height, cameras)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
     if (good && o->lit_casts) frame.shadows = world_usual_shadows(&report.scene, &report.device, o->quiet);
     if (view_count > 0) frame.camera = cameras[0];
+    if (o->eyes) view_count = stereo_view_count(o->eyes);
     frame.views = cameras;
     frame.view_count = view_count;
+    if (o->eyes && o->stereo.kind != STEREO_LAYERS) view_count = 0; /* of the files */
     struct supersample mean = {0};
     struct trace_history *trace = good && o->trace_file ? trace_create() : NULL;
     if (good && o->trace_file && !trace) {
@@ -384,4 +388,16 @@ int render_run(const struct render_options *o) {
     fnl_device_destroy(&device);
     fnl_scene_destroy(&scene);
     return good ? 0 : 2;
+}
+
+int render_run(const struct render_options *options) {
+    struct render_options o = *options;
+    struct stereo stereo;
+    if (!o.stereo.kind) return run(&o);
+    if (!stereo_open(&o.stereo, o.quiet, &stereo)) return 2;
+    if (!o.has_size) stereo_size(&stereo, &o.frame.width, &o.frame.height);
+    o.eyes = &stereo;
+    const int status = run(&o);
+    stereo_close(&stereo);
+    return status;
 }

@@ -21,7 +21,7 @@ bool render_is_sequence(const char *path) {
 
 bool render_makes_sequence(const struct render_options *o) {
     bool sequence = o->camera_path || (o->has_format && (o->format == RENDER_RAW || o->format == RENDER_Y4M));
-    for (int i = 0; i < o->output_count && !o->views; i++) sequence = sequence || strchr(o->outputs[i], '%');
+    for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++) sequence = sequence || strchr(o->outputs[i], '%');
     return sequence;
 }
 
@@ -41,6 +41,7 @@ static uint32_t earlier_pictures(const fnl_frame *frame) {
 
 struct sequence {
     const struct render_options *o;
+    fnl_camera eyes[HEADSET_EYES];
     const fnl_host *host;
     fnl_scene *scene;
     fnl_renderer *renderer;
@@ -61,6 +62,7 @@ static bool pose(struct sequence *s, uint32_t index) {
     s->time = o->world.time + (file_time ? point->time : index * o->frame_time);
     s->frame.camera = point->camera;
     if (o->world.fov > 0) s->frame.camera.vertical_fov = o->world.fov;
+    if (o->eyes && !stereo_cameras(o->eyes, &s->frame.camera, s->time, s->frame.width, s->frame.height, s->eyes)) return false;
     return world_set_time(&o->world, s->scene, s->time);
 }
 
@@ -121,6 +123,7 @@ static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
 bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
                      const fnl_frame *frame, struct render_report *report, struct trace_history *trace) {
     struct sequence s = {.o = o, .host = host, .scene = scene, .renderer = renderer, .frame = *frame, .trace = trace};
+    if (o->eyes) s.frame.views = s.eyes;
     s.frame.pin_choice = true;
     char *text = NULL;
     size_t length;
