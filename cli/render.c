@@ -183,7 +183,7 @@ static bool set_text(struct render_options *o, const char *text) {
     return true;
 }
 
-static bool was_given(const struct render_options *o, const char *key) {
+bool render_was_given(const struct render_options *o, const char *key) {
     for (int i = 0; i < o->given_count; i++)
         if (strcmp(o->given[i], key) == 0) return true;
     return false;
@@ -473,8 +473,8 @@ int command_render(int argc, char **argv) {
     }
     o.world.scene = argv[optind];
     if (!check_options(&o) || !check_files(&o)) return 2;
-    if (!was_given(&o, "shading") && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
-    o.lit_casts = !was_given(&o, "shadows");
+    if (!render_was_given(&o, "shading") && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    o.lit_casts = !render_was_given(&o, "shadows");
     warn_of_unused(&o);
     return render_run(&o);
 }

@@ -59,6 +59,8 @@ bool render_is_sequence(const char *path);
 void render_number_path(const char *pattern, uint32_t index, char *out, size_t capacity);
 /** Whether the run is one: by names of outputs, by a camera's path, or as only sequences go to stdout in this format. */
 bool render_makes_sequence(const struct render_options *options);
+/** Whether the user set an option of the frame. */
+bool render_was_given(const struct render_options *options, const char *key);
 /** Whether nothing is to be rendered. */
 bool render_shows_nothing(const struct render_options *options);
 /** Loads, renders, writes; returns the exit status. */

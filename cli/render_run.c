@@ -344,6 +344,7 @@ static int run(const struct render_options *o) {
     if (good && o->lit_casts) frame.shadows = world_usual_shadows(&report.scene, &report.device, o->quiet);
     if (view_count > 0) frame.camera = cameras[0];
     if (o->eyes) view_count = stereo_view_count(o->eyes);
+    if (o->eyes && !render_was_given(o, "stereo.eyes")) frame.stereo.eyes = view_count > 1 ? view_count : 0;
     frame.views = cameras;
     frame.view_count = view_count;
     if (o->eyes && o->stereo.kind != STEREO_LAYERS) view_count = 0; /* of the files */

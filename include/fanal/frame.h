@@ -10,6 +10,7 @@
 #include "fanal/shading.h"
 #include "fanal/shading_options.h"
 #include "fanal/shadows.h"
+#include "fanal/stereo.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -194,6 +195,8 @@ typedef struct fnl_frame {
      * count_lights. Default auto.
      */
     fnl_multiview multiview;
+    /** Which views are eyes of one viewer. Default none are. */
+    fnl_stereo_options stereo;
     /** Default FNL_SHADING_DEFERRED. */
     fnl_shading shading;
     /** Default FNL_LISTS_AUTO. */

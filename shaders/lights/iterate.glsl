@@ -157,7 +157,7 @@ light_cursor lights_begin_as(uint kind, light_list_block l, light_point p) {
     vec3 seen = vec3(0.0);
     bool served = true;
     if (LIST_SCATTERED && kind != GPU_LIST_WORLD) {
-        view_block v = l.list.view;
+        view_block v = l.list.cells_view;
         seen = (v.view.world_to_view * vec4(p.position, 1.0)).xyz;
         served = seen_on(v, seen, p.pixel);
         p.view_depth = served ? -seen.z : 1.0;

@@ -151,7 +151,8 @@ struct gpu_light_list {
     uint positions;      /* fine: where in extra the tested positions begin; 0: they are those of shading */
     float eye_distance;  /* fine: of the eye from the world's origin, metres */
     uint packed;         /* fine: 1: cells are GPU_PACKED_WORDS words each, without masks */
-    ADDRESS(view_block) view;
+    ADDRESS(view_block) view;       /* what is shaded for */
+    ADDRESS(view_block) cells_view; /* what the cells and the spare list are of: the same, or the view of a head for its eyes */
     ADDRESS(bounds_array) bounds; /* of the cells, where kinds built from depth or boxes of items serve scattered points; or 0 */
     uint masks_depth;    /* tiles: 1: extra has a mask of occupied depth cells for each */
     ADDRESS(const_uint_array) spare; /* the spare list; or 0 */

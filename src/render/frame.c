@@ -9,6 +9,7 @@
 #include "render/reflections.h"
 #include "render/shading.h"
 #include "render/shadows.h"
+#include "render/stereo.h"
 
 static fnl_result add_shared(struct frame_state *f, const struct device_scene_frame *scene);
 static fnl_result add_view(struct frame_state *f, struct gpu_view *out);
@@ -20,24 +21,33 @@ static fnl_result begin_view(struct frame_state *f, struct gpu_view *out) {
     TRY(add_view(f, out));
     TRY(decals_add_list(f));
     reflections_add_list(f);
-    TRY(fade_lights(f));
-    frame_cull(f);
-    add_counters(f);
-    return FNL_OK;
+    return fade_lights(f);
 }
 
-static void finish_view(struct frame_state *f) {
+static void shade_view(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
     shading_add(f);
     if (frame_shows_surfaces(frame))
         f->aov = aov_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
     if (frame->outputs & FNL_OUTPUT_OBJECT)
         f->objects = objects_add(f->graph, f->r->device, &f->scene->geometry, &f->draws, f->view_address, f->object_table, frame->width, frame->height);
-    bool wants_color = f->target || (frame->outputs & FNL_OUTPUT_COLOR);
-    if (frame->exposure == FNL_EXPOSURE_AUTO && (wants_color || frame->aa == FNL_ANTIALIASING_TAA))
-        f->exposure = exposure_add(f->graph, f->radiance);
+}
+
+static bool wants_color(const struct frame_state *f) { return f->target || (f->frame->outputs & FNL_OUTPUT_COLOR); }
+
+/* One for all. */
+static void expose(struct frame_state *views, uint32_t count) {
+    graph_image images[MULTIVIEW_MOST] = {{0}};
+    const fnl_frame *frame = views->frame;
+    if (frame->exposure != FNL_EXPOSURE_AUTO || !(wants_color(views) || frame->aa == FNL_ANTIALIASING_TAA)) return;
+    for (uint32_t i = 0; i < count; i++) images[i] = views[i].radiance;
+    views->exposure = exposure_add(views->graph, images, count);
+    for (uint32_t i = 1; i < count; i++) views[i].exposure = views->exposure;
+}
+
+static void finish_view(struct frame_state *f) {
     temporal_add(f);
-    if (wants_color) frame_add_picture(f);
+    if (wants_color(f)) frame_add_picture(f);
     if (f->target) frame_add_target(f);
     inspect_declare(f);
     frame_add_outputs(f);
@@ -47,12 +57,42 @@ static void finish_view(struct frame_state *f) {
     temporal_end(f);
 }
 
-/* Declares `count` views from `first` on, and what needs no lists at once if there are several. */
-static fnl_result declare_views(const struct frame_state *shared, uint32_t first, uint32_t count, const struct gpu_slice *cameras,
+static void push_view(const struct frame_state *f) {
+    if (f->named) graph_push_names(f->graph, graph_name(f->graph, "view %u", f->view_index));
+}
+
+static void pop_view(const struct frame_state *f) {
+    if (f->named) graph_pop_names(f->graph);
+}
+
+/* What the eyes of a viewer share, with names for them all. */
+static void finish_display(struct frame_state *views, uint32_t count) {
+    struct graph *graph = views->graph;
+    const char *name = graph_name(graph, "display %u", views->view_index / count);
+    for (uint32_t i = 0; i < count; i++) {
+        push_view(&views[i]);
+        if (!views[i].drawn) shading_draw(&views[i]);
+        views[i].drawn = true;
+        pop_view(&views[i]);
+    }
+    graph_push_names(graph, name);
+    shadows_add_display(views, count);
+    graph_pop_names(graph);
+    for (uint32_t i = 0; i < count; i++) {
+        push_view(&views[i]);
+        shade_view(&views[i]);
+        pop_view(&views[i]);
+    }
+    graph_push_names(graph, name);
+    expose(views, count);
+    graph_pop_names(graph);
+}
+
+/* Declares `count` views from `first` on; `at_once`: what needs no lists is drawn for all of them at once. */
+static fnl_result declare_views(const struct frame_state *shared, uint32_t first, uint32_t count, bool at_once, const struct gpu_slice *cameras,
                                 const struct device_scene_frame *scene) {
     const fnl_frame *frame = shared->frame;
-    struct graph *graph = shared->graph;
-    bool named = frame_view_count(frame) > 1;
+    struct frame_display display = {0}, *shares = frame->stereo.eyes > 0 && count > 1 ? &display : NULL;
     struct frame_state views[MULTIVIEW_MOST];
     fnl_frame frames[MULTIVIEW_MOST];
     for (uint32_t i = 0; i < count; i++) {
@@ -69,16 +109,32 @@ static fnl_result declare_views(const struct frame_state *shared, uint32_t first
         f->kept->numbers = (struct view_counters){0};
         f->view_address = cameras->address + f->view_index * sizeof(struct gpu_view);
         f->counts_offset = f->view_index * sizeof(struct frame_counts);
-        if (named) graph_push_names(graph, graph_name(graph, "view %u", f->view_index));
+        f->named = frame_view_count(frame) > 1;
+        f->display = shares;
+        push_view(f);
         TRY(begin_view(f, (struct gpu_view *)cameras->data + f->view_index));
-        if (named) graph_pop_names(graph);
+        if (!shares) frame_cull(f);
+        if (!shares) add_counters(f);
+        pop_view(f);
     }
-    const uint32_t together = MAX(count, shared->r->asking_together);
+    if (shares) TRY(stereo_begin(views, count));
+    for (uint32_t i = 0; i < count && shares; i++) {
+        push_view(&views[i]);
+        stereo_cull(&views[i]);
+        add_counters(&views[i]);
+        pop_view(&views[i]);
+    }
+    const uint32_t together = MAX(at_once ? count : 1, shared->r->asking_together);
     if (together > 1) multiview_draw(views, count, together);
+    if (shares) finish_display(views, count);
     for (uint32_t i = 0; i < count; i++) {
-        if (named) graph_push_names(graph, graph_name(graph, "view %u", views[i].view_index));
+        push_view(&views[i]);
+        if (!shares) {
+            shade_view(&views[i]);
+            expose(&views[i], 1);
+        }
         finish_view(&views[i]);
-        if (named) graph_pop_names(graph);
+        pop_view(&views[i]);
     }
     return FNL_OK;
 }
@@ -94,8 +150,9 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     struct gpu_slice cameras = gpu_frame_allocate(r->device, count * sizeof(struct gpu_view));
     if (!cameras.data) return gpu_status(r->device);
     for (uint32_t first = 0, together; first < count; first += together) {
-        together = multiview_count(r, frame, first);
-        TRY(declare_views(&shared, first, together, &cameras, &scene));
+        const uint32_t at_once = multiview_count(r, frame, first);
+        together = frame->view_count > 0 && frame->stereo.eyes > 0 ? frame->stereo.eyes : at_once;
+        TRY(declare_views(&shared, first, together, at_once > 1, &cameras, &scene));
     }
     return graph_compile(r->graph);
 }

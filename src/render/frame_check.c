@@ -2,6 +2,7 @@
 /** What a frame may ask for. */
 #include "render/debug_views.h"
 #include "render/inspect.h"
+#include "render/multiview.h"
 #include "render/options.h"
 #include "render/overlay.h"
 #include "render/shading.h"
@@ -43,6 +44,10 @@ static fnl_result check_denoise(const struct call *call, const fnl_frame *frame)
 
 static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
     TRY(check_count(call, "view_count", frame->view_count, 0, FNL_VIEWS_MAX));
+    const uint32_t eyes = frame->stereo.eyes;
+    if (eyes == 1) return misuse(call, "stereo.eyes is 1, must be 0, or 2 .. %d", MULTIVIEW_MOST);
+    if (eyes > 0 && (frame->view_count == 0 || frame->view_count % eyes != 0))
+        return misuse(call, "stereo.eyes is %u, but view_count is %u, which must be a multiple of it", eyes, frame->view_count);
     if (frame->view_count == 0) return camera_check(call, "camera.", &frame->camera);
     if (!frame->views) return misuse(call, "views is NULL, but view_count is %u", frame->view_count);
     for (uint32_t i = 0; i < frame->view_count; i++) {

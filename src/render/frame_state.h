@@ -35,11 +35,20 @@ struct frame_temporal {
     graph_image motion;
 };
 
+/** Views that are the eyes of one viewer, while they are declared (stereo.c). */
+struct frame_display {
+    struct gpu_view head;      /* sees all that an eye sees */
+    VkDeviceAddress head_address; /* 0: there is no such view, as eyes look too far apart */
+    struct geometry_draws draws;  /* of the head; sums id 0: each eye culls for itself */
+    struct light_list lights;     /* of the head, from the first eye on; header 0: none */
+};
+
 /** Of one view of a frame; what all of them share was filled in before the first. */
 struct frame_state {
     fnl_renderer *r;
     struct renderer_view *kept;       /* of the view, from frame to frame */
     uint32_t view_index;
+    bool named;                       /* names of its passes begin with the view's */
     const fnl_frame *frame;           /* its camera is the view's */
     struct graph *graph;
     struct device_scene_frame *scene; /* kept->scene */
@@ -48,6 +57,7 @@ struct frame_state {
     VkDeviceAddress shared_address, view_address;
     uint64_t counts_offset;  /* of this view's struct frame_counts */
     struct geometry_draws draws;
+    struct frame_display *display;          /* of which this view is an eye; or NULL */
     bool drawn;                             /* with other views: shading_take_layer() */
     uint32_t first_draws;                   /* draw calls of what was drawn before lists; of several views at once the first view has them */
     graph_image radiance, depth;
@@ -55,6 +65,7 @@ struct frame_state {
     uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
     struct gbuffer gbuffer;                 /* depth id 0: none */
     struct light_input whole_lights;        /* before small ones were faded */
+    bool shadowed;                          /* shadows_add() has been called */
     struct rays rays;                       /* of items at least, where maps are drawn; address 0: there are none */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */

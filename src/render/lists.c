@@ -419,7 +419,7 @@ bool lists_cull_on_cpu(fnl_light_lists lists) { return (builders[lists].flags & 
 
 void lists_add(struct lists_context *c) {
     const struct builder *builder = &builders[c->frame->lists];
-    c->input->scattered = c->frame->msaa > 1;
+    c->input->scattered = c->of_head || c->frame->msaa > 1;
     c->input->queue = builder->queue;
     c->input->keep_unseen = !c->frame->list.frustum_cull;
     c->blend_lights = (struct light_list){0};

@@ -57,6 +57,7 @@ struct lists_context {
     struct lists_state *state;
     graph_image depth;             /* of everything opaque; id 0: not known before shading */
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
+    bool of_head; /* the view is not that of the pixels: points are looked up by their places */
     bool has_blend;
     uint32_t pool_capacity, pool_limit; /* entries that pools have at least, and at most where the lights are thought to need more */
     bool estimates; /* pools may be estimated again; false where only pipelines are asked for */

@@ -31,6 +31,7 @@ uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t
     if (frame->view_count < 2 || frame->multiview == FNL_MULTIVIEW_OFF || !is_possible(r, frame)) return 1;
     /* Paths that draw after their lists share only the prepass, which gains nothing (docs/techniques/views.md). */
     if (frame->multiview == FNL_MULTIVIEW_AUTO && frame_is(frame, SHADING_LISTS_FIRST)) return 1;
+    if (frame->stereo.eyes) return frame->stereo.eyes;
     uint32_t most = MIN(frame->view_count - first, (uint32_t)MULTIVIEW_MOST), count = 1;
     while (count < most && (frame->multiview == FNL_MULTIVIEW_ON ||
                             see_the_same(r, &frame->views[first], &frame->views[first + count])))
@@ -51,7 +52,12 @@ void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together
     struct frame_state all = views[0];
     struct graph *graph = all.graph;
     graph_push_names(graph, graph_name(graph, "views %u-%u", all.view_index, all.view_index + together - 1));
-    all.draws = cull_views_add(graph, &all.scene->geometry, all.view_address, together);
+    if (all.display && all.display->draws.sums.id) {
+        all.draws = all.display->draws;
+        all.draws.view_mask = UINT32_MAX >> (32 - together);
+    } else {
+        all.draws = cull_views_add(graph, &all.scene->geometry, all.view_address, together);
+    }
     shading_draw(&all);
     graph_pop_names(graph);
     for (uint32_t i = 0; i < count; i++) shading_take_layer(&views[i], &all, i);

@@ -6,6 +6,7 @@
 #include "render/overlay.h"
 #include "render/shading.h"
 #include "render/shadows.h"
+#include "render/stereo.h"
 
 /* ---- auto ---- */
 
@@ -200,7 +201,8 @@ static fnl_result keep_buckets(fnl_renderer *r) {
 static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     uint32_t views = frame_view_count(frame);
     TRY(prepare_views(r, views));
-    for (uint32_t i = 1; i < views; i++) TRY(shadows_prepare_view(r, frame, &r->views.data[i]));
+    const uint32_t step = MAX(frame->stereo.eyes, 1u); /* eyes share the maps of their first view */
+    for (uint32_t i = step; i < views; i += step) TRY(shadows_prepare_view(r, frame, &r->views.data[i]));
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         if (frame->outputs & 1u << i)
             TRY(keep_buffer(r, &r->outputs[i], "output", views * renderer_picture_size(frame, i)));
@@ -227,7 +229,8 @@ static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->scene_user.wants_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
-    scene_choose_levels(r->scene, frame->view_count > 0 ? &frame->views[0] : &frame->camera);
+    const fnl_camera head = stereo_head_camera(frame);
+    scene_choose_levels(r->scene, &head);
     TRY(device_scene_prepare(r->device_scene));
     TRY(reflections_prepare(r));
     TRY(shadows_prepare(r, frame));

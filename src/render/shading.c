@@ -4,6 +4,7 @@
 #include "render/orders/order.h"
 #include "render/reflections.h"
 #include "render/shadows.h"
+#include "render/stereo.h"
 
 #include "passes/lights/sprites.h"
 #include "passes/shade/gbuffer_layouts.h"
@@ -77,7 +78,32 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .pool_limit = pools_list_limit(f->r)};
 }
 
+/* One list for all eyes, made with the first. */
+static void add_head_lists(struct frame_state *f) {
+    struct frame_display *display = f->display;
+    if (!display->lights.header) {
+        struct lists_context context = lists_context(f);
+        fnl_frame frame = *f->frame;
+        struct light_input input = f->scene->lights;
+        frame.width = input.width = display->head.size.x;
+        frame.height = input.height = display->head.size.y;
+        frame.camera.near_distance = display->head.near_distance;
+        input.view = display->head_address;
+        context.frame = &frame;
+        context.view = &display->head;
+        context.input = &input;
+        context.of_head = true;
+        lists_add(&context);
+        display->lights = context.lights;
+    }
+    f->lights = f->blend_lights = light_list_for_eye(f->graph, f->r->device, &display->lights, f->view_address);
+}
+
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
+    if (stereo_shares_list(f, f->frame->lists)) {
+        add_head_lists(f);
+        return;
+    }
     struct lists_context context = lists_context(f);
     context.depth = depth;
     context.gbuffer = gbuffer;
@@ -308,7 +334,7 @@ void shading_add(struct frame_state *f) {
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
     note_environment(f);
     if (!f->drawn) shading_draw(f);
-    shadows_add(f);
+    if (!f->shadowed) shadows_add(f);
     const struct shade_input input = input_of(f);
     struct shade_input opaque = input;
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);

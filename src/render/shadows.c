@@ -4,6 +4,7 @@
 #include "passes/shadow/dark.h"
 #include "passes/shadow/fill.h"
 #include "passes/shadow/maps.h"
+#include "render/multiview.h"
 #include "render/orders/order.h"
 #include "render/probes.h"
 #include "render/temporal.h"
@@ -147,18 +148,19 @@ static struct light_list without_shadows(struct light_list list) {
     return list;
 }
 
-static struct shadow_pages add_pages(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces) {
-    const struct light_input *lights = &f->scene->lights;
+/* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
+static void add_requests(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
     struct light_list list = without_shadows(*surfaces);
     COUNTERS_COPY(f, list.totals, 0, surface_lights);
-    graph_buffer wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(lights), depth);
-    const bool blend = order_has_blend(f), glass = shading_has_glass(f);
+    if (wanted->id)
+        shadow_requests_more_add(f->graph, &list, suns, *wanted, depth);
+    else
+        *wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(&f->scene->lights), depth);
     const struct geometry_scene *scene = &f->scene->geometry;
+    const bool blend = order_has_blend(f), glass = shading_has_glass(f);
     if (blend || glass) list = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
-    if (blend) shadow_requests_blend_add(f->graph, &list, suns, wanted, scene, &f->draws, false, f->view_address, depth);
-    if (glass) shadow_requests_blend_add(f->graph, &list, suns, wanted, scene, &f->draws, true, f->view_address, depth);
-    return shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
-                            &(struct shadow_pages_input){.wanted = wanted, .suns = suns, .lights = lights});
+    if (blend) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, false, f->view_address, depth);
+    if (glass) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, true, f->view_address, depth);
 }
 
 /* Batches and passes per light draw objects by lists of their own. */
@@ -180,7 +182,8 @@ static void note_structures(struct frame_state *f) {
     counters_note(f, "shadows.structure-bytes", gpu_memory_stats(f->r->device).structure_bytes);
 }
 
-void shadows_add(struct frame_state *f) {
+/* What of shadows needs no maps. */
+static void begin(struct frame_state *f) {
     struct light_input *lights = &f->scene->lights;
     note_structures(f);
     if (f->frame->shadows == FNL_SHADOWS_CUBEMAP) probes_note(f);
@@ -188,11 +191,28 @@ void shadows_add(struct frame_state *f) {
         lights->shadow_rays = f->frame->shadow.rays;
         lights->shadow_seed = f->frame->shadow.seed + MAX(f->temporal.index, f->temporal.sequence);
     }
+    f->shadowed = true;
+}
+
+/* Pushes the names of a view of several, and pops them. */
+static void push_view(const struct frame_state *f, uint32_t count) {
+    if (count > 1) graph_push_names(f->graph, graph_name(f->graph, "view %u", f->view_index));
+}
+
+static void pop_view(const struct frame_state *f, uint32_t count) {
+    if (count > 1) graph_pop_names(f->graph);
+}
+
+/* One set of maps for `count` views; those of eyes lie as the head's view asks for. The names of the first view's maps are pushed. */
+static void add_maps(struct frame_state *views, uint32_t count) {
+    struct frame_state *f = views;
+    struct light_input *lights = &f->scene->lights, shared = *lights;
     if (!has_maps(f->r, f->frame) || shadow_row_count(lights) == 0) return;
     const uint32_t pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count);
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
     struct gpu_shadow_maps *maps = slice.data;
     if (!maps) return; /* the frame fails */
+    if (f->display && f->display->head_address) shared.view = f->display->head_address;
     graph_push_names(f->graph, "shadows");
     const struct gpu_sampler_params point = {.wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                              .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
@@ -200,12 +220,21 @@ void shadows_add(struct frame_state *f) {
     *maps = (struct gpu_shadow_maps){.point = gpu_sampler_index(f->r->device, &point),
                                      .texel = 1.0f / (float)atlas_side(f->frame),
                                      .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
-    graph_buffer suns = shadow_suns_add(f->graph, f->r->device, lights, &f->rays);
+    graph_buffer suns = shadow_suns_add(f->graph, f->r->device, &shared, &f->rays), wanted = {0};
     if (suns.id) graph_put_address(f->graph, &maps->suns, suns);
-    lights->maps.address = slice.address;
-    const graph_image depth = depth_of(f);
-    struct light_list surfaces = order_add_surface_lists(f, depth);
-    const struct shadow_pages pages = add_pages(f, suns, depth, &surfaces);
+    graph_image depths[MULTIVIEW_MOST];
+    struct light_list surfaces[MULTIVIEW_MOST];
+    for (uint32_t i = 0; i < count; i++) {
+        push_view(&views[i], count);
+        views[i].scene->lights.maps.address = slice.address;
+        depths[i] = depth_of(&views[i]);
+        surfaces[i] = order_add_surface_lists(&views[i], depths[i]);
+        add_requests(&views[i], suns, depths[i], &surfaces[i], &wanted);
+        pop_view(&views[i], count);
+    }
+    shared.maps.address = slice.address;
+    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
+                                                       &(struct shadow_pages_input){.wanted = wanted, .suns = suns, .lights = &shared});
     const struct shadow_fill_input fill = {.shapes = pages.shapes,
                                            .scene = &f->scene->geometry,
                                            .rays = &f->rays,
@@ -225,23 +254,35 @@ void shadows_add(struct frame_state *f) {
     graph_put_address(f->graph, &maps->biases, pages.biases);
     graph_put_address(f->graph, &maps->shapes, pages.shapes);
     graph_put_sampled(f->graph, &maps->atlas, pages.atlas);
-    lights->maps = (struct shadow_maps){.held = pages.held,
-                                        .before = pages.before,
-                                        .pages = pages.pages,
-                                        .biases = pages.biases,
-                                        .shapes = pages.shapes,
-                                        .suns = suns,
-                                        .atlas = pages.atlas,
-                                        .address = slice.address};
-    surfaces.maps = lights->maps;
     shadow_least_add(f->graph, &pages, &filled);
-    if (classifies(f) && list_kind(&surfaces) == GPU_LIST_TILES) {
-        shadow_dark_add(f->graph, &pages, &surfaces, depth);
-        f->surface_lights = surfaces;
+    for (uint32_t i = 0; i < count; i++) {
+        views[i].scene->lights.maps = surfaces[i].maps = (struct shadow_maps){.held = pages.held,
+                                                                              .before = pages.before,
+                                                                              .pages = pages.pages,
+                                                                              .biases = pages.biases,
+                                                                              .shapes = pages.shapes,
+                                                                              .suns = suns,
+                                                                              .atlas = pages.atlas,
+                                                                              .address = slice.address};
+        if (!classifies(&views[i]) || list_kind(&surfaces[i]) != GPU_LIST_TILES) continue;
+        push_view(&views[i], count);
+        shadow_dark_add(f->graph, &pages, &surfaces[i], depths[i]);
+        views[i].surface_lights = surfaces[i];
+        pop_view(&views[i], count);
     }
     graph_pop_names(f->graph);
     COUNTERS_COPY(f, pages.counts, 0, shadows);
     counters_note(f, "shadows.waiting", pairs);
+}
+
+void shadows_add(struct frame_state *f) {
+    begin(f);
+    add_maps(f, 1);
+}
+
+void shadows_add_display(struct frame_state *views, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) begin(&views[i]);
+    add_maps(views, count);
 }
 
 /* ---- denoised ---- */

@@ -17,6 +17,8 @@ void shadows_finish(gpu_device *device, struct renderer_view *view);
 void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene);
 /** The maps of a view: lists that are made afterwards cast shadows. After what is drawn before lists, before lists. */
 void shadows_add(struct frame_state *f);
+/** The same of the eyes of a display, which share the maps of the first. All have been drawn. */
+void shadows_add_display(struct frame_state *views, uint32_t count);
 
 /** Whether the frame asks for denoised shadows. Its check sees to it that its order has them. */
 bool shadows_denoised(const fnl_frame *frame);

@@ -83,6 +83,10 @@ struct geometry_draws cull_items_add(struct graph *graph, const char *what, cons
     return draws;
 }
 
+void cull_sort_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view, struct geometry_draws *draws) {
+    if (scene->blend_item_count) add_sort(graph, scene, view, draws);
+}
+
 struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress views,
                                      uint32_t view_count) {
     struct geometry_draws draws = create_draws(graph, "cull", scene);
@@ -102,7 +106,7 @@ struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_
 struct geometry_draws cull_add_hidden(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,
                                       const struct hierarchy *occluders) {
     struct geometry_draws draws = cull_items_add(graph, "cull", scene, view, occluders);
-    if (scene->blend_item_count) add_sort(graph, scene, view, &draws);
+    cull_sort_add(graph, scene, view, &draws);
     return draws;
 }
 

@@ -75,6 +75,9 @@ struct geometry_draws {
  */
 struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view);
 
+/** The same of what cull_items_add() has found for a wider view: only sorts the blended items anew. */
+void cull_sort_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view, struct geometry_draws *draws);
+
 /**
  * The same for several views at once, as many structs gpu_view one after the other: what some view sees is drawn for all of them, in the
  * order in which each alone would draw it. Passes that know (their comments say so) draw with it into the layers of their targets, where

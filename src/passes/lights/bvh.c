@@ -262,6 +262,7 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
 
     return (struct light_list){.lights = input->buffer,
                                .header = query->header_address,
+                               .memory = query->header,
                                .cells = data.cells,
                                .ids = data.ids,
                                .spare = light_spare_add(graph, what, input, in_view, data.overflow, &query->header,

@@ -195,6 +195,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     uint32_t entry_bytes = ranges ? 8 : 4;
     return (struct light_list){.lights = input->buffer,
                                .header = build->header_address,
+                               .memory = build->header,
                                .cells = cells,
                                .ids = ids,
                                .extra = extra,

@@ -157,7 +157,7 @@ struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *d
                                     const struct gpu_entity_bounds *bounds, const mat4 *world_to_view,
                                     const struct clustered_cpu_view *view, const struct clustered_params *params) {
     struct light_list list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer, .totals_known = true};
-    struct gpu_light_list *header = light_list_header(device, input, &list.header);
+    struct gpu_light_list *header = list.memory = light_list_header(device, input, &list.header);
     if (!header) return list;
     clustered_grid(header, input->width, input->height, params);
     builder->spheres.count = builder->in_view = 0;

@@ -35,6 +35,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .shapes = input->shapes,
                                                                        .planes = input->planes,
                                                                        .view = input->view,
+                                                                       .cells_view = input->view,
                                                                        .rays = words_of(input->rays.address),
                                                                        .shadow_maps = words_of(input->maps.address),
                                                                        .probes = words_of(input->probes.address),
@@ -42,6 +43,23 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .shadow_rays = input->shadow_rays,
                                                                        .shadow_seed = input->shadow_seed};
     return slice.data;
+}
+
+struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, VkDeviceAddress view) {
+    struct light_list own = *list;
+    const struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
+    struct gpu_light_list *header = slice.data;
+    if (!header || !list->memory) return own; /* the error sticks to the device */
+    *header = *list->memory;
+    header->view = view;
+    if (list->cells.id) graph_put_address(graph, &header->cells, list->cells);
+    if (list->ids.id) graph_put_address(graph, &header->ids, list->ids);
+    if (list->extra.id) graph_put_address(graph, &header->extra, list->extra);
+    if (list->bounds.id) graph_put_address(graph, &header->bounds, list->bounds);
+    if (list->spare.id) graph_put_address(graph, &header->spare, list->spare);
+    own.header = slice.address;
+    own.memory = header;
+    return own;
 }
 
 void light_list_cast(struct light_list *list, const struct light_input *input) {

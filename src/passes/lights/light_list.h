@@ -49,6 +49,7 @@ struct light_input {
 struct light_list {
     uint32_t kind;           /* GPU_LIST_…, with the bits beside the kind: specialisation constant 0 of shaders that iterate */
     VkDeviceAddress header;  /* struct gpu_light_list */
+    struct gpu_light_list *memory; /* the same, of kinds whose cells are found by where a point is in the view; or NULL */
     graph_buffer lights;     /* light_input.buffer */
     graph_buffer cells, ids; /* id 0: none, or not made by the GPU */
     graph_buffer extra;      /* or id 0 */
@@ -187,6 +188,12 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
 
 /** Zones of neighbouring bins, of which each tile has a mask each: 1 with few lights, more with more, at most 16. */
 uint32_t zbin_zones(const struct light_input *input, const struct zbin_params *params);
+
+/**
+ * The same list for another view, an eye of the head that `list` was made for: cells and lights are those of the head, found by the place of each point.
+ * `list` has GPU_LIST_SCATTERED, and `memory`.
+ */
+struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, VkDeviceAddress view);
 
 /** The header of a list, with nothing but lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);

@@ -171,7 +171,7 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     struct raster_data d = {.input = *input, .in_view = *in_view};
     struct raster_list out = {.list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer}};
     d.nodes = raster_nodes(params, input->local_count);
-    d.header = light_list_header(device, input, &out.list.header);
+    d.header = out.list.memory = light_list_header(device, input, &out.list.header);
     d.block = make_block(device, input, params, &d.block_address);
     if (!d.header || !d.block) { /* the device carries a sticky error: the frame ends in it */
         out.list.totals_known = true;

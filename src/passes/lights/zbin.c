@@ -91,6 +91,7 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
     return (struct light_list){.kind = GPU_LIST_BINS,
                                .lights = input->buffer,
                                .header = address,
+                               .memory = header,
                                .cells = table,
                                .ids = pool,
                                .extra = in_view->ids,

@@ -15,18 +15,20 @@ static uint32_t sample_count(const struct graph *graph, graph_image image) {
 
 /* ---- metering ---- */
 
-graph_buffer exposure_add(struct graph *graph, graph_image radiance) {
-    struct graph_image_params image = graph_image_info(graph, radiance);
+graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, uint32_t count) {
     graph_buffer histogram = graph_create_buffer(graph, "luminance histogram", METER_BINS * 4);
     graph_buffer exposure = graph_create_buffer(graph, "exposure", 8);
     graph_add_clear(graph, "meter clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {histogram}});
-    struct gpu_meter_push meter = {.width = image.width, .height = image.height};
-    graph_dispatch(graph, &(struct graph_dispatch){.name = "meter",
-                                                   .pipeline = {&shader_meter_comp, 1, {sample_count(graph, radiance)}},
-                                                   .groups = {DIVIDE_UP(image.width, 32u), DIVIDE_UP(image.height, 32u)},
-                                                   GRAPH_PUSH(meter),
-                                                   GRAPH_ROWS(graph_samples(&meter.radiance, radiance),
-                                                              graph_changes(&meter.histogram, histogram))});
+    for (uint32_t i = 0; i < count; i++) {
+        const struct graph_image_params image = graph_image_info(graph, radiance[i]);
+        struct gpu_meter_push meter = {.width = image.width, .height = image.height};
+        graph_dispatch(graph, &(struct graph_dispatch){.name = "meter",
+                                                       .pipeline = {&shader_meter_comp, 1, {sample_count(graph, radiance[i])}},
+                                                       .groups = {DIVIDE_UP(image.width, 32u), DIVIDE_UP(image.height, 32u)},
+                                                       GRAPH_PUSH(meter),
+                                                       GRAPH_ROWS(graph_samples(&meter.radiance, radiance[i]),
+                                                                  graph_changes(&meter.histogram, histogram))});
+    }
     struct gpu_exposure_push push = {0};
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = "exposure",

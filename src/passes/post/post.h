@@ -5,8 +5,8 @@
 
 #include "graph/graph.h"
 
-/** Meters `radiance` and returns a buffer of two floats: the exposure factor and its EV100. */
-graph_buffer exposure_add(struct graph *graph, graph_image radiance);
+/** Meters `count` images together and returns a buffer of two floats: the exposure factor and its EV100. */
+graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, uint32_t count);
 
 struct tonemap_params {
     uint32_t tonemap;      /* GPU_TONEMAP_… */

@@ -37,9 +37,14 @@ graph_buffer shadow_suns_add(struct graph *graph, gpu_device *device, const stru
 
 graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, graph_buffer suns, uint32_t row_count,
                                  graph_image depth) {
-    const struct graph_image_params image = graph_image_info(graph, depth);
     graph_buffer wanted = graph_create_buffer(graph, "shadow requests", row_count * SHADOW_ROW_WORDS * 4ull);
     graph_add_clear(graph, "shadow requests clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {wanted}});
+    shadow_requests_more_add(graph, list, suns, wanted, depth);
+    return wanted;
+}
+
+void shadow_requests_more_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted, graph_image depth) {
+    const struct graph_image_params image = graph_image_info(graph, depth);
     struct gpu_shadow_requests_push push = {.list = list->header};
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "shadow requests",
@@ -49,7 +54,6 @@ graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *l
                                         GRAPH_ROWS(graph_samples(&push.depth, depth), graph_changes(&push.wanted, wanted))});
     light_list_use(pass, list, GRAPH_READ_COMPUTE);
     if (suns.id) graph_use_buffer(pass, suns, GRAPH_READ_COMPUTE);
-    return wanted;
 }
 
 struct blend_data {

@@ -41,6 +41,8 @@ graph_buffer shadow_suns_add(struct graph *graph, gpu_device *device, const stru
  */
 graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, graph_buffer suns, uint32_t row_count,
                                  graph_image depth);
+/** The same of one more list and depth, added to `wanted`. */
+void shadow_requests_more_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted, graph_image depth);
 /** The same of blended surfaces, or of glass (GEOMETRY_GLASS), added to `wanted`. */
 void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted,
                                const struct geometry_scene *scene, const struct geometry_draws *draws, bool glass, VkDeviceAddress view,

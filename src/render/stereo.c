@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/stereo.h"
+
+#include "passes/geometry/cull.h"
+#include "render/frame_steps.h"
+#include "render/view.h"
+
+/* ---- the common frustum ---- */
+
+enum { EYES_MOST = 6 };
+
+/* Axes of the head, in world space: the mean of those of the eyes. */
+struct axes {
+    vec3 right, up, back, origin;
+};
+
+static vec3 column(const struct gpu_view *view, int i) {
+    const float *m = view->view_to_world.m;
+    return (vec3){m[4 * i], m[4 * i + 1], m[4 * i + 2]};
+}
+
+static bool find_axes(const struct gpu_view *eyes, uint32_t count, struct axes *out) {
+    vec3 up = {0, 0, 0}, back = up, origin = up;
+    for (uint32_t i = 0; i < count; i++) {
+        up = vec3_add(up, column(&eyes[i], 1));
+        back = vec3_add(back, column(&eyes[i], 2));
+        origin = vec3_add_scaled(origin, eyes[i].eye, 1 / (float)count);
+    }
+    if (!(vec3_length(back) > 0.1f) || !(vec3_length(vec3_cross(up, back)) > 0.1f)) return false;
+    out->back = vec3_normalize(back);
+    out->right = vec3_normalize(vec3_cross(up, out->back));
+    out->up = vec3_cross(out->back, out->right);
+    out->origin = origin;
+    return true;
+}
+
+static vec3 in_head(const struct axes *a, vec3 v) { return (vec3){vec3_dot(v, a->right), vec3_dot(v, a->up), vec3_dot(v, a->back)}; }
+
+/*
+ * Each side is a plane through the apex. In the head's space a point of an eye's frustum is o + t d, where d leads through one of its corners and its
+ * distance ahead grows with t; so the plane of a side holds all of them if its slope is the greatest of any d, and if it holds all o. Digest of Quilez'
+ * rule, which takes the outer planes of the eyes, and is wrong where an eye sees farther outwards than inwards: slopes of both eyes count for each side.
+ */
+struct sides {
+    float slope[4], reach[4]; /* left, right, down, up; reach: how far out the plane is beside the head */
+    float near;
+};
+
+static float side_of(vec3 v, int side) { return side == 0 ? -v.x : side == 1 ? v.x : side == 2 ? -v.y : v.y; }
+
+static bool find_sides(const struct gpu_view *eyes, uint32_t count, const struct axes *a, float margin, struct sides *out) {
+    const float steepest = 1.55f; /* radians */
+    *out = (struct sides){.near = FLT_MAX};
+    for (int s = 0; s < 4; s++) out->slope[s] = out->reach[s] = -FLT_MAX;
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3 o = in_head(a, vec3_sub(eyes[i].eye, a->origin));
+        for (uint32_t k = 0; k < 4; k++) {
+            const float x = (k & 1 ? 1.0f : -1.0f) * eyes[i].ndc_scale.x + eyes[i].ndc_offset.x,
+                        y = (k & 2 ? 1.0f : -1.0f) * eyes[i].ndc_scale.y + eyes[i].ndc_offset.y;
+            const vec3 world = vec3_sub(vec3_add(vec3_scale(column(&eyes[i], 0), x), vec3_scale(column(&eyes[i], 1), y)), column(&eyes[i], 2));
+            const vec3 d = in_head(a, world);
+            if (!(-d.z > 0.02f * vec3_length(d))) return false;
+            for (int s = 0; s < 4; s++) {
+                /* A turn moves the ray within a cone; the plane through the axis across that touches it is so much farther out. */
+                const float flat = hypotf(side_of(d, s), d.z) / vec3_length(d), turn = sinf(margin) / flat, angle = atanf(side_of(d, s) / -d.z) + asinf(fminf(turn, 1));
+                if (!(angle < steepest)) return false;
+                out->slope[s] = fmaxf(out->slope[s], tanf(angle));
+            }
+            const float off = acosf(fminf(-d.z / vec3_length(d), 1)) + margin, ahead = vec3_length(d) * cosf(off);
+            out->near = fminf(out->near, -o.z + eyes[i].near_distance * ahead - margin * vec3_length(o));
+        }
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3 o = in_head(a, vec3_sub(eyes[i].eye, a->origin));
+        const float moved = margin * vec3_length(o); /* by a turn of the head */
+        for (int s = 0; s < 4; s++) out->reach[s] = fmaxf(out->reach[s], side_of(o, s) + moved + out->slope[s] * (o.z + moved));
+    }
+    return true;
+}
+
+/* Rounding: a little wider than it must be. */
+static void widen(struct sides *s) {
+    for (int i = 0; i < 4; i++) {
+        s->slope[i] += 1e-5f * (1 + fabsf(s->slope[i]));
+        s->reach[i] += 1e-6f;
+    }
+}
+
+bool stereo_combine(const struct gpu_view *eyes, uint32_t count, float margin, struct gpu_view *out) {
+    struct axes a;
+    struct sides s;
+    for (uint32_t i = 0; i < count; i++)
+        if (eyes[i].orthographic > 0.5f) return false;
+    if (!find_axes(eyes, count, &a) || !find_sides(eyes, count, &a, margin, &s)) return false;
+    widen(&s);
+    /* As far behind the eyes as both pairs of planes ask for. */
+    const float across = s.slope[0] + s.slope[1], along = s.slope[2] + s.slope[3];
+    const float behind = fmaxf(fmaxf((s.reach[0] + s.reach[1]) / across, (s.reach[2] + s.reach[3]) / along), 0);
+    const float x = ((s.reach[1] - s.slope[1] * behind) + (s.slope[0] * behind - s.reach[0])) / 2,
+                y = ((s.reach[3] - s.slope[3] * behind) + (s.slope[2] * behind - s.reach[2])) / 2;
+    const float near = (behind + s.near) * 0.999f;
+    if (!(across > 0 && along > 0 && near > 1e-6f)) return false;
+    fnl_camera camera = fnl_camera_default();
+    camera.position = vec3_add_scaled(vec3_add_scaled(vec3_add_scaled(a.origin, a.right, x), a.up, y), a.back, behind);
+    camera.target = vec3_add_scaled(camera.position, a.back, -fmaxf(1, 0.1f * vec3_length(camera.position)));
+    camera.up = a.up;
+    camera.near_distance = near;
+    camera.vertical_fov = 2 * atanf(along / 2);
+    camera.shift = (fnl_vec2){-(s.slope[1] - s.slope[0]) / across, -(s.slope[3] - s.slope[2]) / along};
+    /* Pixels as those of the first eye. */
+    const float width = ceilf((float)eyes[0].size.x * across / (2 * eyes[0].ndc_scale.x)), height = ceilf((float)eyes[0].size.y * along / (2 * eyes[0].ndc_scale.y));
+    const uint32_t size_x = (uint32_t)fminf(fmaxf(width, 1), 32768), size_y = (uint32_t)fminf(fmaxf(height, 1), 32768);
+    camera.pixel_aspect = across / along * (float)size_y / (float)size_x;
+    *out = view_from_camera(&camera, size_x, size_y);
+    out->samples = eyes[0].samples;
+    out->turn = eyes[0].turn;
+    out->frame = eyes[0].frame;
+    return true;
+}
+
+/* ---- in a frame ---- */
+
+fnl_result stereo_begin(struct frame_state *views, uint32_t count) {
+    struct gpu_view eyes[EYES_MOST];
+    struct frame_display *display = views->display;
+    for (uint32_t i = 0; i < count; i++) eyes[i] = views[i].view;
+    if (!stereo_combine(eyes, count, views->frame->stereo.margin * (PI / 180), &display->head)) return FNL_OK;
+    struct gpu_slice slice = gpu_frame_allocate(views->r->device, sizeof display->head);
+    if (!slice.data) return gpu_status(views->r->device);
+    memcpy(slice.data, &display->head, sizeof display->head);
+    display->head_address = slice.address;
+    return FNL_OK;
+}
+
+void stereo_cull(struct frame_state *f) {
+    struct frame_display *display = f->display;
+    if (!display->head_address || f->frame->culling != FNL_CULLING_INSTANCES || frame_culls_hidden(f->frame)) {
+        frame_cull(f);
+        return;
+    }
+    if (!display->draws.sums.id) display->draws = cull_items_add(f->graph, "cull", &f->scene->geometry, display->head_address, NULL);
+    f->draws = display->draws;
+    cull_sort_add(f->graph, &f->scene->geometry, f->view_address, &f->draws);
+}
+
+fnl_camera stereo_head_camera(const fnl_frame *frame) {
+    fnl_camera camera = frame->view_count > 0 ? frame->views[0] : frame->camera;
+    if (frame->view_count == 0 || frame->stereo.eyes == 0) return camera;
+    camera.position = camera.target = (fnl_vec3){0, 0, 0};
+    for (uint32_t i = 0; i < frame->stereo.eyes; i++) {
+        camera.position = vec3_add_scaled(camera.position, frame->views[i].position, 1 / (float)frame->stereo.eyes);
+        camera.target = vec3_add_scaled(camera.target, frame->views[i].target, 1 / (float)frame->stereo.eyes);
+    }
+    return camera;
+}
+
+bool stereo_shares_list(const struct frame_state *f, fnl_light_lists lists) {
+    const bool has_grid = lists == FNL_LISTS_CLUSTERED || lists == FNL_LISTS_CLUSTERED_CPU || lists == FNL_LISTS_BVH || lists == FNL_LISTS_ZBIN ||
+                          lists == FNL_LISTS_RASTER;
+    return has_grid && f->display && f->display->head_address && f->frame->stereo.lists == FNL_STEREO_LISTS_HEAD && !f->surface_lights.header;
+}
