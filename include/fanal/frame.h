@@ -189,6 +189,13 @@ typedef struct fnl_frame {
     const fnl_camera *views;
     uint32_t view_count;
     /**
+     * What nobody sees of the views, one for each (of a frame without `views` one, for `camera`): those pixels are black and cost next to nothing. All others
+     * are as without it, but for what looks at neighbours: `aa` within a few pixels of it, and exposure by metering, which passes over it. Read only during
+     * the call. Of perspective cameras, in forward (but for the lists batches and multipass), forward-prepass, deferred and visibility (without grid); all others fail with
+     * FNL_ERROR_UNSUPPORTED. Auto stands for deferred and clustered. Outputs other than COLOR and RADIANCE show what is hidden. Default NULL.
+     */
+    const fnl_hidden_area *hidden_areas;
+    /**
      * Which views share draw calls, in forward-prepass, deferred and visibility: the depth prepass, the G-buffer and the ids are then drawn once into
      * several layers, with what any of the views sees. Where that does not work, views are drawn one by one, without an error: on devices without
      * fnl_device_info.multiview, with culling by clusters or triangles, occlusion or decals, and in visibility with grid, barycentrics or

@@ -52,6 +52,23 @@ typedef struct fnl_stereo_options {
 FNL_API fnl_result fnl_eye_query_camera(const fnl_host *host, const fnl_eye *eye, const fnl_rigid_pose *head, uint32_t width, uint32_t height,
                                         float near_distance, fnl_camera *out);
 
+/** What nobody sees of an eye's picture, as headsets tell it: the lens does not show its corners. */
+typedef struct fnl_hidden_area {
+    /** Corners of triangles of either winding, three by three: tangents of the angles to the eye's axis, right and up. They may reach beyond the picture. */
+    const fnl_vec2 *corners;
+    uint32_t corner_count; /**< a multiple of 3; 0: all is seen */
+} fnl_hidden_area;
+
+/** Corners that fnl_hidden_area_round() makes with so many segments. */
+#define FNL_HIDDEN_ROUND_CORNERS(segments) (6 * (segments))
+/**
+ * All that lies outside of a circle of the radius `radius` (tangents, > 0) around `center`; the circle is a regular
+ * polygon around it with `segments` sides, 3 .. 1024, so that a bit more than the circle is seen. Writes FNL_HIDDEN_ROUND_CORNERS(segments) corners to
+ * `corners`, which is the caller's, and points `out` to them. FNL_ERROR_INVALID where an argument other than `host` is NULL or not as said.
+ */
+FNL_API fnl_result fnl_hidden_area_round(const fnl_host *host, const fnl_eye *eye, fnl_vec2 center, float radius, uint32_t segments, fnl_vec2 *corners,
+                                         fnl_hidden_area *out);
+
 #ifdef __cplusplus
 }
 #endif

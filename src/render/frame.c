@@ -200,6 +200,7 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
     f->view.samples = f->frame->msaa;
     f->view.turn = MAX(f->temporal.index, f->temporal.sequence) % 64;
     f->view.frame = f->shared_address;
+    if (f->frame->hidden_areas) f->hidden = hidden_area_send(f->r->device, &f->frame->hidden_areas[f->view_index], &f->temporal.view);
     TRY(decals_begin(f));
     TRY(reflections_begin(f));
     *out = f->view;

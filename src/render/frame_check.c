@@ -64,6 +64,28 @@ static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
     return FNL_OK;
 }
 
+static fnl_result check_hidden(const struct call *call, const fnl_frame *frame) {
+    for (uint32_t i = 0; frame->hidden_areas && i < frame_view_count(frame); i++) {
+        const fnl_hidden_area *area = &frame->hidden_areas[i];
+        const fnl_camera *camera = frame->view_count ? &frame->views[i] : &frame->camera;
+        char name[48];
+        snprintf(name, sizeof name, "hidden_areas[%u].corners", i);
+        if (area->corner_count % 3 || area->corner_count > 1u << 20)
+            return misuse(call, "hidden_areas[%u].corner_count is %u, must be a multiple of 3, at most 2^20", i, area->corner_count);
+        if (area->corner_count == 0) continue;
+        TRY(check_pointer(call, name, area->corners));
+        TRY(check_floats(call, name, &area->corners[0].x, 2ull * area->corner_count, -1e6, 1e6, ""));
+        if (camera->orthographic) return unsupported(call, "hidden_areas[%u] is of an orthographic camera; only perspective ones have them", i);
+    }
+    if (!frame->hidden_areas) return FNL_OK;
+    if (!frame_is(frame, SHADING_HIDDEN))
+        return unsupported(call, "hidden areas need the shading forward, forward-prepass, deferred, or visibility without grid, not %s",
+                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+    if (frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS)
+        return unsupported(call, "hidden areas do not go together with the lists %s", fnl_value_name(FNL_ENUM_LISTS, frame->lists));
+    return FNL_OK;
+}
+
 fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
     TRY(overlay_check(call, frame));
     TRY(options_check(call, frame));
@@ -87,6 +109,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     if (frame->shading == FNL_SHADING_AUTO && frame->choose_close && gpu_info(r->device)->primitive_ids)
         checked.shading = FNL_SHADING_VISIBILITY; /* it may be taken */
     if (checked.shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, &checked));
+    TRY(check_hidden(call, frame));
     TRY(debug_views_check(call, r, frame));
     if (temporal_needs_motion(frame) && frame->msaa > 1)
         return unsupported(call, "motion vectors and temporal antialiasing need 1 sample per pixel, not %u", frame->msaa);

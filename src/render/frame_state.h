@@ -8,6 +8,7 @@
 #include "passes/dais/dais.h"
 #include "passes/post/post.h"
 #include "passes/shadow/denoise.h"
+#include "passes/stereo/hidden_area.h"
 #include "passes/texturing/texturing.h"
 #include "passes/visibility/visibility.h"
 #include "render/renderer_internal.h"
@@ -58,6 +59,9 @@ struct frame_state {
     uint64_t counts_offset;  /* of this view's struct frame_counts */
     struct geometry_draws draws;
     struct frame_display *display;          /* of which this view is an eye; or NULL */
+    struct hidden_area hidden;              /* of the view; in frames without hidden areas nothing */
+    const struct frame_state *layers;       /* while several views are drawn at once: they, layer_count of them; NULL: this one alone */
+    uint32_t layer_count;
     bool drawn;                             /* with other views: shading_take_layer() */
     uint32_t first_draws;                   /* draw calls of what was drawn before lists; of several views at once the first view has them */
     graph_image radiance, depth;

@@ -51,6 +51,8 @@ uint32_t multiview_counts(const fnl_renderer *r, const fnl_frame *frame) {
 void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together) {
     struct frame_state all = views[0];
     struct graph *graph = all.graph;
+    all.layers = views;
+    all.layer_count = count;
     graph_push_names(graph, graph_name(graph, "views %u-%u", all.view_index, all.view_index + together - 1));
     if (all.display && all.display->draws.sums.id) {
         all.draws = all.display->draws;

@@ -306,6 +306,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     probes_submitted(r);
     r->frame = *frame;
     r->frame.views = NULL;
+    r->frame.hidden_areas = NULL;
     r->frame.overlay = NULL;
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - at.asked) * 1e3);
@@ -333,7 +334,7 @@ void renderer_settle_views(fnl_frame *frame) {
         frame->camera = frame->views[0];
         frame->view_count = 0;
     }
-    if (frame->view_count == 0) return;
+    if (frame->view_count == 0 && !frame->hidden_areas) return;
     if (frame->shading == FNL_SHADING_AUTO) frame->shading = FNL_SHADING_DEFERRED;
     if (frame->lists == FNL_LISTS_AUTO) frame->lists = FNL_LISTS_CLUSTERED;
 }

@@ -9,6 +9,7 @@
 #include "passes/lights/sprites.h"
 #include "passes/shade/gbuffer_layouts.h"
 #include "passes/sky/sky.h"
+#include "passes/stereo/hidden_area.h"
 #include "passes/transmission/transmission.h"
 
 /* ---- the table ---- */
@@ -230,15 +231,37 @@ static graph_image create_target(struct frame_state *f, const char *name, VkForm
                                                                      .samples = f->frame->msaa});
 }
 
+/* ---- what nobody sees ---- */
+
+/* Into depth, in a layer for each of the views that are drawn at once. */
+static void add_hidden(struct frame_state *f, const char *name, enum hidden_area_depth to, bool clears) {
+    const uint32_t layers = MAX(graph_image_info(f->graph, f->depth).layers, 1u);
+    for (uint32_t i = 0; i < layers; i++) {
+        const struct hidden_area *area = f->layers ? &f->layers[MIN(i, f->layer_count - 1)].hidden : &f->hidden;
+        hidden_area_add(f->graph, graph_numbered_name(f->graph, name, i), area, to, clears, graph_image_layer(f->graph, f->depth, i));
+    }
+}
+
+/* What is drawn next, with these draws, loses against it. */
+static struct geometry_draws begin_hidden(struct frame_state *f) {
+    struct geometry_draws draws = f->draws;
+    draws.depth_begun = f->frame->hidden_areas;
+    if (draws.depth_begun) add_hidden(f, "hidden area", HIDDEN_AREA_NEAR, true);
+    return draws;
+}
+
 void shading_draw(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
     f->radiance = create_target(f, "radiance", shading_format(f));
     f->depth = create_target(f, "depth", GEOMETRY_DEPTH_FORMAT);
     struct shade_input input = input_of(f);
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
-    bool prepass = frame_is(f->frame, SHADING_PREPASS);
-    if (prepass) prepass_add(f->graph, input.scene, &f->draws, f->view_address, f->depth);
+    bool prepass = frame_is(f->frame, SHADING_PREPASS), hides = f->frame->hidden_areas && (prepass || order->draw);
+    const struct geometry_draws drawn = hides ? begin_hidden(f) : f->draws;
+    input.draws = &drawn;
+    if (prepass) prepass_add(f->graph, input.scene, &drawn, f->view_address, f->depth);
     if (order->draw) order->draw(f, &input, prepass);
+    if (hides) add_hidden(f, "hidden area empty", HIDDEN_AREA_FAR, false); /* those who look at depth find nothing there */
     f->first_draws = (prepass ? draws : 0) + (order->draw ? draws : 0);
 }
 
@@ -339,7 +362,11 @@ void shading_add(struct frame_state *f) {
     struct shade_input opaque = input;
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
     f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
-    order->add(f, &opaque, frame_is(f->frame, SHADING_PREPASS));
+    const bool hides = f->frame->hidden_areas, prepass = frame_is(f->frame, SHADING_PREPASS);
+    const struct geometry_draws drawn = hides && !prepass && !order->draw ? begin_hidden(f) : f->draws;
+    opaque.draws = &drawn;
+    order->add(f, &opaque, prepass);
+    if (hides) hidden_area_blacken(f->graph, &f->hidden, f->radiance, f->depth);
     add_layered(f, &input);
     decals_redraw(f, &input);
     if (shading_shows_sky(f)) sky_add(f->graph, &f->scene->lights.environment, f->view_address, f->radiance, f->depth);

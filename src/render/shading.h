@@ -28,6 +28,7 @@ enum shading_trait {
     SHADING_DECAL_STEP = 1 << 16,  /* does so in a step that walks their list and does not know what a surface receives */
     SHADING_VIEWS = 1 << 17,       /* draws several views in one frame */
     SHADING_MULTIVIEW = 1 << 18,   /* of them what it draws before lists, the prepass included, for several views at once */
+    SHADING_HIDDEN = 1 << 21,      /* leaves out what hidden areas cover (fnl_frame.hidden_areas) */
     SHADING_LAYERS = 1 << 20,      /* shades layered materials itself; where it does not they are drawn over its picture */
     SHADING_SURFACES = 1 << 19     /* with one sample a pixel it shades just what depth shows there, whatever else it shades for nothing */
 };

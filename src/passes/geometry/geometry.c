@@ -183,7 +183,7 @@ void geometry_depth_add(struct graph *graph, const char *name, const struct geom
     struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples, GEOMETRY_OPAQUE};
     struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
     use_vertices(pass, scene, draws, GEOMETRY_OPAQUE);
-    graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    graph_depth(pass, depth, geometry_depth_load(draws), 0);
     graph_view_mask(pass, draws->view_mask);
 }
 

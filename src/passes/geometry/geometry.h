@@ -66,6 +66,7 @@ struct geometry_draws {
         mesh_masks;           /* in place of item_draws, triangles and indices */
     uint32_t mesh_draw_count; /* of each bucket */
     uint32_t view_mask;       /* of cull_views_add: passes draw into these layers at once; 0: one view */
+    bool depth_begun; /* the depth target holds what nothing is drawn over (passes/stereo/hidden_area.h): passes that would clear it for the opaque set do not */
     graph_buffer hidden; /* of occlusion_add, one per item and their number; id 0: nothing is hidden */
 };
 
@@ -129,6 +130,11 @@ void geometry_depth_add(struct graph *graph, const char *name, const struct geom
 /** Depth of the nearest blended surfaces alone, whatever is opaque before them; clears first. */
 void blend_depth_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                      VkDeviceAddress view, graph_image depth);
+
+/** How the pass that draws the opaque set first takes its depth target. */
+static inline VkAttachmentLoadOp geometry_depth_load(const struct geometry_draws *draws) {
+    return draws->depth_begun ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
+}
 
 /** The depth format of all passes and its reversed comparison. */
 #define GEOMETRY_DEPTH_FORMAT VK_FORMAT_D32_SFLOAT

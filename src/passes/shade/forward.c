@@ -59,5 +59,5 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
     if (blends || prepass)
         graph_depth_read_only(pass, depth);
     else
-        graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+        graph_depth(pass, depth, geometry_depth_load(input->draws), 0);
 }

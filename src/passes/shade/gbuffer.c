@@ -112,7 +112,7 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
     if (prepass)
         graph_depth_read_only(pass, depth);
     else
-        graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+        graph_depth(pass, depth, geometry_depth_load(input->draws), 0);
     graph_view_mask(pass, input->draws->view_mask);
     return gbuffer;
 }

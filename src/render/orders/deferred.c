@@ -210,7 +210,7 @@ static const struct counter volume_counters[] = {
 };
 
 enum { TRAITS = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_LAYOUTS | SHADING_DECALS | SHADING_SAMPLES };
-const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS | SHADING_SURFACES | SHADING_VIEWS | SHADING_MULTIVIEW,
+const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS | SHADING_SURFACES | SHADING_HIDDEN | SHADING_VIEWS | SHADING_MULTIVIEW,
                                      .check = check,
                                      .draw = draw,
                                      .add = add,

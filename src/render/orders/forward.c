@@ -47,6 +47,6 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     tell_of_mesh_lists(f);
 }
 
-enum { TRAITS = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_LISTS_FIRST | SHADING_ITEMS | SHADING_SAMPLES | SHADING_SURFACES };
+enum { TRAITS = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_LISTS_FIRST | SHADING_ITEMS | SHADING_SAMPLES | SHADING_SURFACES | SHADING_HIDDEN };
 const struct order order_forward = {.traits = TRAITS | SHADING_VIEWS, .add = add};
 const struct order order_forward_prepass = {.traits = TRAITS | SHADING_PREPASS | SHADING_VIEWS | SHADING_MULTIVIEW, .add = add};

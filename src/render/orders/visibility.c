@@ -10,7 +10,7 @@ _Static_assert((int)FNL_VISIBILITY_SORT_CLASS == VISIBILITY_SORT_CLASS &&
 
 /* A grid of samples looks beside the centres of pixels; barycentrics are stored by a geometry shader, or by vertices of their own. */
 static uint32_t adjust(const fnl_frame *frame, uint32_t traits) {
-    if (frame->visibility.grid) traits &= ~(uint32_t)(SHADING_FULL_RASTER | SHADING_SURFACES);
+    if (frame->visibility.grid) traits &= ~(uint32_t)(SHADING_FULL_RASTER | SHADING_SURFACES | SHADING_HIDDEN);
     /* The grid, barycentrics and the count of fragments work for one view. */
     if (frame->visibility.grid || frame->visibility.barycentrics || frame->count_lights)
         traits &= ~(uint32_t)SHADING_MULTIVIEW;
@@ -67,7 +67,7 @@ static const struct counter counters[] = {
 
 /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
 const struct order order_visibility = {.traits = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE |
-                                                 SHADING_SAMPLES | SHADING_SURFACES | SHADING_VIEWS | SHADING_MULTIVIEW,
+                                                 SHADING_SAMPLES | SHADING_SURFACES | SHADING_VIEWS | SHADING_MULTIVIEW | SHADING_HIDDEN,
                                        .adjust = adjust,
                                        .check = check,
                                        .draw = draw,
