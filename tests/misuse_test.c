@@ -20,6 +20,7 @@ static struct {
     fnl_scene *scene;
     fnl_renderer *renderer;
     fnl_swapchain *swapchain;
+    fnl_compositor *compositor;
     fnl_light_id light;
     fnl_mesh_id mesh;
     fnl_material_id material;
@@ -112,6 +113,11 @@ static fnl_probe_id probe_id;
 static fnl_camera camera;
 static const fnl_rigid_pose head = {{0, 0, 0}, {0, 0, 0, 1}};
 static const fnl_eye eye = {{{0, 0, 0}, {0, 0, 0, 1}}, -1, 1, -1, 1};
+static fnl_vec2 corners[FNL_HIDDEN_ROUND_CORNERS(3)];
+static fnl_hidden_area hidden_area;
+static fnl_compositor *made_compositor;
+static const fnl_composition composition = {.head = {{0, 0, 0}, {0, 0, 0, 1}}};
+static fnl_compositor_stats compositor_stats;
 static fnl_frame_stats stats;
 static fnl_pixel_info pixel_info;
 static fnl_scene_info info;
@@ -177,6 +183,22 @@ static fnl_loaded loaded;
       NULLED("eye", fnl_eye_query_camera(&host, NULL, &head, 1, 1, 1, &camera));                                            \
       NULLED("head", fnl_eye_query_camera(NULL, &eye, NULL, 1, 1, 1, &camera));                                             \
       NULLED("out", fnl_eye_query_camera(NULL, &eye, &head, 1, 1, 1, NULL)))                                                \
+    X(fnl_hidden_area_round, NULLED("eye", fnl_hidden_area_round(NULL, NULL, corners[0], 1, 3, corners, &hidden_area));    \
+      NULLED("eye", fnl_hidden_area_round(&host, NULL, corners[0], 1, 3, corners, &hidden_area));                          \
+      NULLED("corners", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 3, NULL, &hidden_area));                          \
+      NULLED("out", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 3, corners, NULL)))                                   \
+    X(fnl_lens_display_edge, SILENT(fnl_lens_display_edge(NULL, 1, false)))                                                \
+    X(fnl_compositor_create, NULLED("device", fnl_compositor_create(NULL, NULL, &made_compositor));                        \
+      SILENT((fnl_compositor_create(w.device, NULL, &made_compositor), fnl_compositor_destroy(&made_compositor)));         \
+      NULLED("out", fnl_compositor_create(w.device, NULL, NULL)))                                                          \
+    X(fnl_compositor_destroy, SILENT(fnl_compositor_destroy(NULL)))                                                        \
+    X(fnl_compositor_submit, NULLED("compositor", fnl_compositor_submit(NULL, &(fnl_eye_pictures){.color = &picture}));     \
+      NULLED("pictures", fnl_compositor_submit(w.compositor, NULL)))                                                       \
+    X(fnl_compositor_compose, NULLED("compositor", fnl_compositor_compose(NULL, &composition, &difference_image));          \
+      NULLED("composition", fnl_compositor_compose(w.compositor, NULL, &difference_image));                                \
+      NULLED("out", fnl_compositor_compose(w.compositor, &composition, NULL)))                                             \
+    X(fnl_compositor_query_stats, NULLED("compositor", fnl_compositor_query_stats(NULL, &compositor_stats));                \
+      NULLED("out", fnl_compositor_query_stats(w.compositor, NULL)))                                                       \
     X(fnl_exr_save, NULLED("path", fnl_exr_save(NULL, NULL, 1, 1, &channel, 1));                                            \
       NULLED("path", fnl_exr_save(&host, NULL, 1, 1, &channel, 1));                                                         \
       NULLED("channels", fnl_exr_save(&host, "x.exr", 1, 1, NULL, 1)))                                                      \
@@ -603,6 +625,8 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_image_difference_picture", "gain is -1, must be at least 0 and finite",
          fnl_image_difference_picture(NULL, &picture, &other, -1, &difference_image));
     SAYS("fnl_eye_query_camera", "width is 0, must be 1 .. 16384", fnl_eye_query_camera(NULL, &eye, &head, 0, 1, 1, &camera));
+    SAYS("fnl_hidden_area_round", "segments is 2, must be 3 .. 1024", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 2, corners, &hidden_area));
+    SAYS("fnl_hidden_area_round", "radius is 0, must be above 0 and at most 10000", fnl_hidden_area_round(NULL, &eye, corners[0], 0, 3, corners, &hidden_area));
     SAYS("fnl_exr_save", "width is 0, must be 1 .. 32768", fnl_exr_save(NULL, "x.exr", 0, 1, &channel, 1));
     SAYS("fnl_exr_save", "channels[0].name is NULL",
          fnl_exr_save(NULL, "x.exr", 1, 1, &(fnl_exr_channel){.values = (const float[]){1}, .stride = 1}, 1));
@@ -803,12 +827,13 @@ static int set_up(void **state) {
                 fnl_scene_add_light(w.scene, &light, &w.light) == FNL_OK &&
                 fnl_scene_add_decal(w.scene, &decal, &w.decal) == FNL_OK && fnl_scene_add_probe(w.scene, &probe, &w.probe) == FNL_OK &&
                 fnl_device_create(&params, &w.device) == FNL_OK &&
-                fnl_renderer_create(w.device, w.scene, &w.renderer) == FNL_OK && make_swapchain();
+                fnl_renderer_create(w.device, w.scene, &w.renderer) == FNL_OK && fnl_compositor_create(w.device, NULL, &w.compositor) == FNL_OK && make_swapchain();
     return good ? 0 : -1;
 }
 
 static int tear_down(void **state) {
     UNUSED(state);
+    fnl_compositor_destroy(&w.compositor);
     fnl_renderer_destroy(&w.renderer);
     fnl_swapchain_destroy(&w.swapchain);
     fnl_device_destroy(&w.device);

@@ -5,6 +5,7 @@
 
 #include "fanal/base.h"
 #include "fanal/camera.h"
+#include "fanal/compositor.h"
 #include "fanal/decal.h"
 #include "fanal/device.h"
 #include "fanal/environment.h"
