@@ -67,6 +67,7 @@ static void print_help(void) {
          "                             --size), all cameras of the scene, or some of them by name or index, with commas;\n"
          "                             each output has one %d, or as %02d, for the number of the view\n"
          STEREO_HELP
+         DISPLAY_HELP
          WORLD_EYE_HELP
          "  --exposure EV|auto|none    EV100 (auto)\n"
          WORLD_SURROUNDINGS_HELP
@@ -166,6 +167,9 @@ enum {
     O_STEREO,
     O_IPD,
     O_HMD,
+    O_LENS,
+    O_LENS_VIEW,
+    O_HIDDEN_MESH,
 };
 
 /* Options of the frame by their keys, and whose use may be worth a warning. */
@@ -217,6 +221,19 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_number("ipd", value, &number)) return false;
         if (!(number >= 0 && number <= 1)) return argument_bad("ipd", value, "a number of metres, 0 to 1");
         o->stereo.ipd = (float)number;
+        return true;
+    case O_LENS:
+        o->display.given = true;
+        if (!argument_name("lens", value, display_warp_name, &index)) return false;
+        o->display.warp = (fnl_warp)index;
+        return true;
+    case O_LENS_VIEW:
+        if (!argument_name("lens-view", value, display_view_name, &index)) return false;
+        o->display.view = (fnl_display_view)index;
+        return true;
+    case O_HIDDEN_MESH:
+        if (strcmp(value, "on") != 0 && strcmp(value, "off") != 0) return argument_bad("hidden-mesh", value, "on or off");
+        o->display.hides = value[1] == 'n';
         return true;
     case O_HMD:
         o->stereo.hmd = value;
@@ -322,6 +339,9 @@ static const struct option own_options[] = {
     {"stereo", required_argument, NULL, O_STEREO},
     {"ipd", required_argument, NULL, O_IPD},
     {"hmd", required_argument, NULL, O_HMD},
+    {"lens", required_argument, NULL, O_LENS},
+    {"lens-view", required_argument, NULL, O_LENS_VIEW},
+    {"hidden-mesh", required_argument, NULL, O_HIDDEN_MESH},
     WORLD_OPTIONS,
 };
 enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
@@ -386,6 +406,10 @@ static bool check_options(struct render_options *o) {
     if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
     if (world_problem(&o->world)) problem = world_problem(&o->world);
     if (stereo_problem(&o->stereo)) problem = stereo_problem(&o->stereo);
+    for (int i = 0; i <= o->output_count; i++) {
+        const bool exr = i < o->output_count && render_format_of(o, o->outputs[i]) == RENDER_EXR;
+        if (display_problem(&o->display, &o->stereo, exr)) problem = display_problem(&o->display, &o->stereo, exr);
+    }
     if (o->views && o->stereo.kind) problem = "--views and --stereo exclude one another";
     if (o->stereo.kind == STEREO_LAYERS && sequence) problem = "a sequence takes one picture at a time, not those of --stereo layers";
     if (o->stereo.hmd && o->world.fov > 0) problem = "--fov does not go with --hmd, whose displays have fields of view of their own";

@@ -3,6 +3,7 @@
 #ifndef FNL_CLI_RENDER_H
 #define FNL_CLI_RENDER_H
 
+#include "headset_display.h"
 #include "stereo.h"
 #include "world.h"
 
@@ -24,6 +25,8 @@ enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
 struct render_options {
     struct world_options world;
     struct stereo_options stereo;
+    struct display_options display;
+    struct display *screen;    /* NULL, or while it runs with --hmd: its display */
     const struct stereo *eyes; /* NULL, or while it runs: those of --stereo */
     const char *outputs[RENDER_MAX_OUTPUTS], *views, *camera_path, *device, *stats, *trace_file, *save_scene;
     int output_count;

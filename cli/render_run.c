@@ -168,7 +168,8 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
         if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
-    for (int i = 0; i < PICTURES && good && stereo_joins(o->stereo.kind); i++) good = stereo_join(o->stereo.kind, i < 2, &p.images[i]);
+    if (good && o->screen && o->display.given) good = display_show(o->screen, host, &p.images[0]);
+    for (int i = o->display.given; i < PICTURES && good && stereo_joins(o->stereo.kind); i++) good = stereo_join(o->stereo.kind, i < 2, &p.images[i]);
     uint32_t written = 0, total = (uint32_t)o->output_count * (view_count ? view_count : 1);
     for (; written < total && good; written++) {
         char numbered[4096];
@@ -341,6 +342,8 @@ static int run(const struct render_options *o) {
                 (!o->eyes || stereo_cameras(o->eyes, &frame.camera, o->world.time, frame.width, frame.height, cameras)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
+    if (good && o->screen) good = display_open(o->screen, &o->display, o->eyes, device, frame.width, frame.height);
+    if (good && o->screen) frame.hidden_areas = display_hidden(o->screen);
     if (good && o->lit_casts) frame.shadows = world_usual_shadows(&report.scene, &report.device, o->quiet);
     if (view_count > 0) frame.camera = cameras[0];
     if (o->eyes) view_count = stereo_view_count(o->eyes);
@@ -385,6 +388,7 @@ static int run(const struct render_options *o) {
     }
     trace_destroy(&trace);
     report_finish(&report);
+    if (o->screen) display_close(o->screen);
     fnl_renderer_destroy(&renderer);
     fnl_device_destroy(&device);
     fnl_scene_destroy(&scene);
@@ -398,6 +402,8 @@ int render_run(const struct render_options *options) {
     if (!stereo_open(&o.stereo, o.quiet, &stereo)) return 2;
     if (!o.has_size) stereo_size(&stereo, &o.frame.width, &o.frame.height);
     o.eyes = &stereo;
+    struct display display = {0};
+    if (o.stereo.hmd) o.screen = &display;
     const int status = run(&o);
     stereo_close(&stereo);
     return status;
