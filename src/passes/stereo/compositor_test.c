@@ -208,11 +208,23 @@ static void test_colours_come_apart_vr_8(void **state) {
 static void test_trimming_saves_work_vr_9(void **state) {
     UNUSED(state);
     enum { W = 162, H = 180 }; /* a Vive's 1080 x 1200 */
+    static const fnl_lens vive = {{0, 0}, {{0.09f, 0.03f, 0, 0}, {0.10f, 0.035f, 0, 0}, {0.115f, 0.04f, 0, 0}}};
     fnl_image color = painted(227, 252, 2, paint_noise), out[2];
     fnl_compositor_stats stats[2];
     for (uint32_t trim = 0; trim < 2; trim++) {
-        fnl_compositor_params p = params_of(W, H, 2, &lens);
-        for (uint32_t i = 0; i < 2; i++) p.eyes[i].visible_radius = 1.03f;
+        fnl_compositor_params p = fnl_compositor_params_default();
+        p.width = W;
+        p.height = H;
+        for (uint32_t i = 0; i < 2; i++) { /* the eyes are mirrored */
+            fnl_display_eye *e = &p.eyes[i];
+            e->eye.left = i ? -1.2424f : -1.3955f, e->eye.right = i ? 1.3955f : 1.2424f, e->eye.down = -1.4642f, e->eye.up = 1.4642f;
+            e->lens = vive;
+            e->left = fnl_lens_display_edge(&vive, e->eye.left, false);
+            e->right = fnl_lens_display_edge(&vive, e->eye.right, false);
+            e->down = fnl_lens_display_edge(&vive, e->eye.down, true);
+            e->up = fnl_lens_display_edge(&vive, e->eye.up, true);
+            e->visible_radius = 1.4642f;
+        }
         p.trim = trim;
         p.count = true;
         fnl_compositor *c = make(&p);
