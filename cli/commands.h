@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /** The subcommands. Each takes its own arguments, argv[0] being its name, and returns the exit status: 0, 1 (compare: over a limit;
- * bench: a wrong picture), 2, or 130 (bench, trace: interrupted). */
+ * bench: a wrong picture), 2, or 130 (bench, cave, trace: interrupted). */
 #ifndef FNL_CLI_COMMANDS_H
 #define FNL_CLI_COMMANDS_H
 
 int command_bench(int argc, char **argv);
+int command_cave(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_compress(int argc, char **argv);
 int command_devices(int argc, char **argv);

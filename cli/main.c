@@ -18,6 +18,7 @@ static const struct {
 #ifdef FANAL_XR
     {"xr", "show a scene in a headset, by OpenXR", command_xr},
 #endif
+    {"cave", "render what is seen through the walls of a CAVE, on several devices and machines", command_cave},
     {"trace", "trace a scene with rays on the CPU: the truth to compare pictures with", command_trace},
     {"bench", "measure light lists and shading paths side by side", command_bench},
     {"info", "print what a scene consists of", command_info},

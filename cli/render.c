@@ -118,7 +118,7 @@ static void print_help(void) {
 
 /* ---- reading arguments ---- */
 
-static bool parse_aov(const char *text, uint32_t *aovs) {
+bool render_parse_aov(const char *text, uint32_t *aovs) {
     char copy[128];
     if (strlen(text) >= sizeof copy) return argument_bad("aov", text, "a list such as depth,normal");
     strcpy(copy, text);
@@ -272,7 +272,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->no_cache = true;
         return true;
     case O_AOV:
-        return parse_aov(value, &o->aovs);
+        return render_parse_aov(value, &o->aovs);
     case O_STATS:
         o->stats = value;
         return true;

@@ -56,6 +56,8 @@ enum render_format render_format_of(const struct render_options *options, const 
 const char *render_format_name(int format);
 /** By bit of render_options.aovs; NULL beyond. */
 const char *render_aov_name(int aov);
+/** Bits of render_options.aovs from "depth,normal"; false after a message. */
+bool render_parse_aov(const char *text, uint32_t *aovs);
 /** Whether a path stands for the pictures of a sequence, or of views: one %d, with or without a width, and no other %. */
 bool render_is_sequence(const char *path);
 /** The path of picture or view `index` of such a pattern. */
@@ -66,6 +68,15 @@ bool render_makes_sequence(const struct render_options *options);
 bool render_was_given(const struct render_options *options, const char *key);
 /** Whether nothing is to be rendered. */
 bool render_shows_nothing(const struct render_options *options);
+/** Pictures of one view that were read back, by bit number of fnl_output. */
+enum { RENDER_PICTURES = 7 };
+struct render_pictures {
+    fnl_image images[RENDER_PICTURES];
+};
+/** What has to be read back for these outputs and channels: bits of fnl_output. */
+uint32_t render_wanted_outputs(const struct render_options *options);
+/** A .png, or an .exr with its channels, of options.frame's size. */
+bool render_save_picture(const struct render_options *options, const fnl_host *host, const char *path, const struct render_pictures *pictures);
 /** Loads, renders, writes; returns the exit status. */
 int render_run(const struct render_options *options);
 

@@ -53,7 +53,7 @@ const char *render_aov_name(int aov) {
     return aov >= 0 && aov < RENDER_AOV_COUNT ? names[aov] : NULL;
 }
 
-static uint32_t wanted_outputs(const struct render_options *o) {
+uint32_t render_wanted_outputs(const struct render_options *o) {
     uint32_t outputs = o->output_count ? 0 : FNL_OUTPUT_COLOR; /* numbers alone still need the whole frame */
     for (int i = 0; i < o->output_count; i++)
         outputs |= render_format_of(o, o->outputs[i]) == RENDER_EXR ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
@@ -65,14 +65,7 @@ static uint32_t wanted_outputs(const struct render_options *o) {
     return outputs;
 }
 
-enum { PICTURES = 7 }; /* bits of fnl_output */
-
-/* Pictures read back so far, by bit number of fnl_output. */
-struct pictures {
-    fnl_image images[PICTURES];
-};
-
-static bool save_exr(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
+static bool save_exr(const struct render_options *o, const fnl_host *host, const char *path, const struct render_pictures *p) {
     static const struct {
         const char *name;
         int aov, picture, component;
@@ -107,13 +100,13 @@ static bool save_exr(const struct render_options *o, const fnl_host *host, const
     return fnl_exr_save(host, path, p->images[1].width, p->images[1].height, channels, count) == FNL_OK;
 }
 
-static bool save_file(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
+bool render_save_picture(const struct render_options *o, const fnl_host *host, const char *path, const struct render_pictures *p) {
     return render_has_extension(path, "png") ? fnl_image_save(host, path, &p->images[0]) == FNL_OK
                                              : save_exr(o, host, path, p);
 }
 
 /* PNG and EXR are written to a file in a folder of its own, which is then copied: their writers want a file. */
-static bool save_stdout(const struct render_options *o, const fnl_host *host, const struct pictures *p) {
+static bool save_stdout(const struct render_options *o, const fnl_host *host, const struct render_pictures *p) {
     enum render_format format = render_format_of(o, "-");
     if (format == RENDER_RAW) return stream_raw(&p->images[0]);
     if (format == RENDER_Y4M) return stream_y4m(&p->images[0], o->frame_time);
@@ -125,7 +118,7 @@ static bool save_stdout(const struct render_options *o, const fnl_host *host, co
         return false;
     }
     snprintf(path, sizeof path, "%s/picture.%s", folder, render_format_name(format));
-    bool good = save_file(o, host, path, p) && stream_file(path);
+    bool good = render_save_picture(o, host, path, p) && stream_file(path);
     unlink(path);
     rmdir(folder);
     return good;
@@ -148,9 +141,9 @@ static void remove_files(const struct render_options *o, uint32_t count, uint32_
 }
 
 /* The pictures of one view, which stay where they are. */
-static struct pictures pictures_of(const struct pictures *all, uint32_t height, uint32_t view) {
-    struct pictures own = *all;
-    for (int i = 0; i < PICTURES; i++) {
+static struct render_pictures pictures_of(const struct render_pictures *all, uint32_t height, uint32_t view) {
+    struct render_pictures own = *all;
+    for (int i = 0; i < RENDER_PICTURES; i++) {
         fnl_image *image = &own.images[i];
         if (!image->pixels) continue;
         image->height = height;
@@ -161,10 +154,10 @@ static struct pictures pictures_of(const struct pictures *all, uint32_t height, 
 
 bool render_save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer,
                          const struct supersample *mean, uint32_t view_count) {
-    struct pictures p = {0};
-    uint32_t outputs = wanted_outputs(o);
+    struct render_pictures p = {0};
+    uint32_t outputs = render_wanted_outputs(o);
     bool good = true;
-    for (int i = 0; i < PICTURES && good; i++)
+    for (int i = 0; i < RENDER_PICTURES && good; i++)
         if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
@@ -174,11 +167,11 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
     for (; written < total && good; written++) {
         char numbered[4096];
         const char *path = file_path(o, written, view_count, numbered);
-        struct pictures own = view_count ? pictures_of(&p, o->frame.height, written / (uint32_t)o->output_count) : p;
-        good = render_is_stdout(path) ? save_stdout(o, host, &own) : save_file(o, host, path, &own);
+        struct render_pictures own = view_count ? pictures_of(&p, o->frame.height, written / (uint32_t)o->output_count) : p;
+        good = render_is_stdout(path) ? save_stdout(o, host, &own) : render_save_picture(o, host, path, &own);
     }
     if (!good && written > 0) remove_files(o, written - 1, view_count); /* all or nothing: the last one counted was not written */
-    for (int i = 0; i < PICTURES; i++) fnl_image_free(host, &p.images[i]);
+    for (int i = 0; i < RENDER_PICTURES; i++) fnl_image_free(host, &p.images[i]);
     return good;
 }
 
@@ -322,7 +315,7 @@ static int run(const struct render_options *o) {
     fnl_renderer *renderer = NULL;
     struct render_report report = {.options = o, .time = o->world.time, .picture = UINT32_MAX};
     fnl_frame frame = o->frame;
-    frame.outputs = wanted_outputs(o);
+    frame.outputs = render_wanted_outputs(o);
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
     if (takes_stdout(o) && !stream_open()) return 2;

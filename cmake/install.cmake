@@ -8,6 +8,9 @@ install(TARGETS fanal EXPORT fanal LIBRARY COMPONENT program NAMELINK_COMPONENT 
 if(TARGET fanal_cli)
   set_target_properties(fanal_cli PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
   install(TARGETS fanal_cli COMPONENT program)
+  if(FANAL_MPI)
+    install(TARGETS fanal_mpi COMPONENT program LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/fanal)
+  endif()
   install(FILES ${PROJECT_BINARY_DIR}/fanal.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL) # all but the target fanal_cli alone makes it
   install(FILES cli/completion/fanal.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME fanal)
   install(FILES cli/completion/_fanal DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
