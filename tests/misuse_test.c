@@ -666,6 +666,9 @@ static void test_fields_of_frames(void **state) {
     FRAME(width, 0, "width is 0, must be 1 .. 16384");
     FRAME(height, 16385, "height is 16385, must be 1 .. 16384");
     FRAME(camera.position.y, NAN, "camera.position.y is NaN, must be finite");
+    camera.vertical_fov = 0;
+    FRAME(viewer, &camera, "viewer->vertical_fov is 0, must be above 0 and below pi radians");
+    camera = fnl_camera_default();
     FRAME(camera.vertical_fov, -1, "camera.vertical_fov is -1, must be above 0 and below pi radians");
     FRAME(camera.near_distance, INFINITY, "camera.near_distance is infinity, must be above 0 metres and finite");
     FRAME_ENUM(shading, fnl_shading, FNL_SHADING_COUNT - 1);

@@ -133,15 +133,22 @@ static bool read_vector(struct reader *r, const json_t *object, const char *key,
     return true;
 }
 
+/* Of length 1, but for what its digits leave out. */
+static bool normalise(const struct reader *r, struct cave_quaternion *q) {
+    const double length = sqrt(q->x * q->x + q->y * q->y + q->z * q->z + q->w * q->w);
+    if (!(fabs(length - 1) < 1e-3)) return bad(r, "must be a unit quaternion x, y, z, w; its length is %g", length);
+    *q = (struct cave_quaternion){q->x / length, q->y / length, q->z / length, q->w / length};
+    return true;
+}
+
 static bool read_rotation(struct reader *r, const json_t *object, struct cave_quaternion *out) {
     const json_t *value = json_object_get(object, "rotation");
     const size_t outside = enter(r, "rotation");
     double q[4];
     if (value && !read_numbers(r, value, 4, q)) return false;
     if (value) {
-        const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-        if (!(fabs(length - 1) < 1e-3)) return bad(r, "must be a unit quaternion x, y, z, w; its length is %g", length);
-        *out = (struct cave_quaternion){q[0] / length, q[1] / length, q[2] / length, q[3] / length};
+        *out = (struct cave_quaternion){q[0], q[1], q[2], q[3]};
+        if (!normalise(r, out)) return false;
     }
     leave(r, outside);
     return true;
@@ -219,13 +226,10 @@ static bool read_track_file(struct cave_displays *d, const char *path) {
         const int count = sscanf(row, "%lf %lf %lf %lf %n%lf %lf %lf %lf %n", &s.time, &s.pose.position.x, &s.pose.position.y, &s.pose.position.z, &few, &q->x, &q->y,
                                  &q->z, &q->w, &all);
         const bool whole = (count == 4 && !row[few]) || (count == 8 && !row[all]), in_range = fabs(s.time) <= 1e6 && cave_length(s.pose.position) <= 1e6;
-        const double length = sqrt(q->x * q->x + q->y * q->y + q->z * q->z + q->w * q->w);
         if (!whole || !in_range)
             good = bad(&r, "must be 'seconds x y z', or with a rotation 'seconds x y z qx qy qz qw'");
-        else if (!(fabs(length - 1) < 1e-3))
-            good = bad(&r, "the rotation must be a unit quaternion x, y, z, w; its length is %g", length);
         else
-            good = add_sample(&r, d, &s);
+            good = normalise(&r, q) && add_sample(&r, d, &s);
     }
     if (good && d->track_count == 0) {
         snprintf(r.place, sizeof r.place, "the track");

@@ -138,10 +138,11 @@ bool cave_stage_meter(struct cave_stage *s, const struct cave_place *place, cons
 }
 
 /* Starts a frame; it is over when query_stats() or read() return. */
-static bool submit(struct cave_stage *s, struct group *g, const struct cave_place *place, const struct cave_moment *m) {
+static bool submit(struct cave_stage *s, struct group *g, const struct cave_place *place, const struct cave_moment *m, const fnl_camera *viewer) {
     for (uint32_t i = 0; i < g->view_count; i++)
         if (!cave_view_camera(s->displays, place, m, &s->views[g->views[i]], &g->cameras[i])) return false;
     g->frame.views = g->cameras;
+    g->frame.viewer = viewer;
     g->frame.view_count = g->view_count;
     if (g->frame.exposure == FNL_EXPOSURE_AUTO) g->frame.exposure = FNL_EXPOSURE_EV; /* metered by wall it would show at the edges */
     if (g->frame.exposure == FNL_EXPOSURE_EV) g->frame.ev = (float)m->ev;
@@ -205,9 +206,23 @@ static bool read_all(struct cave_stage *s) {
     return good;
 }
 
+/* The head, which sees 90 degrees: all walls, devices and ranks show the levels of detail that suit it, as those of each wall would break at the edges. */
+static fnl_camera viewer_at(const struct cave_place *place, const struct cave_moment *m) {
+    fnl_camera viewer = fnl_camera_default();
+    const struct cave_vector at = cave_placed(place, m->head.position), ahead = cave_rotate(place->pose.rotation, (struct cave_vector){0, 0, -1});
+    viewer.position = (fnl_vec3){(float)at.x, (float)at.y, (float)at.z};
+    const struct cave_vector target = cave_add_scaled(at, ahead, 1 + cave_length(at));
+    viewer.target = (fnl_vec3){(float)target.x, (float)target.y, (float)target.z};
+    const struct cave_vector up = cave_rotate(place->pose.rotation, (struct cave_vector){0, 1, 0});
+    viewer.up = (fnl_vec3){(float)up.x, (float)up.y, (float)up.z};
+    viewer.vertical_fov = 1.57079632679489662f;
+    return viewer;
+}
+
 bool cave_stage_render(struct cave_stage *s, const struct cave_place *place, const struct cave_moment *m) {
     bool good = world_set_time(&s->options->render.world, s->scene, m->animation_time);
-    for (uint32_t g = 0; g < s->group_count && good; g++) good = submit(s, &s->groups[g], place, m);
+    const fnl_camera viewer = viewer_at(place, m);
+    for (uint32_t g = 0; g < s->group_count && good; g++) good = submit(s, &s->groups[g], place, m, &viewer);
     for (uint32_t g = 0; g < s->group_count && good; g++) good = await(&s->groups[g]);
     return good && read_all(s);
 }

@@ -196,6 +196,11 @@ typedef struct fnl_frame {
      */
     const fnl_hidden_area *hidden_areas;
     /**
+     * The camera by whose picture levels of detail are chosen: that of a viewer, where several views, or frames on several devices, have to show the same
+     * ones. It is read only during the call. Default NULL: the middle between the eyes of a display (`stereo`), else the first of `views`, or `camera`.
+     */
+    const fnl_camera *viewer;
+    /**
      * Which views share draw calls, in forward-prepass, deferred and visibility: the depth prepass, the G-buffer and the ids are then drawn once into
      * several layers, with what any of the views sees. Where that does not work, views are drawn one by one, without an error: on devices without
      * fnl_device_info.multiview, with culling by clusters or triangles, occlusion or decals, and in visibility with grid, barycentrics or

@@ -229,7 +229,7 @@ static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->scene_user.wants_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
-    const fnl_camera head = stereo_head_camera(frame);
+    const fnl_camera head = frame->viewer ? *frame->viewer : stereo_head_camera(frame);
     scene_choose_levels(r->scene, &head);
     TRY(device_scene_prepare(r->device_scene));
     TRY(reflections_prepare(r));
@@ -307,6 +307,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     r->frame = *frame;
     r->frame.views = NULL;
     r->frame.hidden_areas = NULL;
+    r->frame.viewer = NULL;
     r->frame.overlay = NULL;
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - at.asked) * 1e3);
