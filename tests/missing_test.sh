@@ -30,7 +30,8 @@ for package in $(sed -n '/to build$/,/to run/p' "$source/tools/setup.sh" | sed '
 done
 
 # One that is missing is named alone; a build without tests does not ask for what they need.
-configure -DCMAKE_DISABLE_FIND_PACKAGE_OpenEXR=ON
+configure -DCMAKE_DISABLE_FIND_PACKAGE_OpenEXR=ON -DCMAKE_DISABLE_FIND_PACKAGE_MPI=ON
+tr -s '\n ' ' ' <"$work/out" | grep -q "'fanal cave' will not run under mpirun: there is no MPI (Debian and Ubuntu: libopenmpi-dev openmpi-bin" || fail 'nothing says that MPI is missing'
 [ "$(cat "$work/packages")" = libopenexr-dev ] || fail "without OpenEXR: $(cat "$work/packages")"
 configure -DFANAL_TESTS=OFF -DFANAL_PROGRAMS=OFF -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF -DCMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH=OFF
 grep -qE '^(libcmocka-dev|g\+\+)$' "$work/packages" && fail "a build without tests asks for $(tr '\n' ' ' <"$work/packages")"

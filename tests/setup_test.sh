@@ -34,7 +34,7 @@ asks() { grep -E -- ' -y install ' "$work/log" | grep -qE "[ ]$1([ /]|\$)"; }
 touch "$work/locked"
 run || fail "setup: $(cat "$work/out")"
 for package in gcc cmake glslang-tools libjansson-dev libdraco-dev 'g\+\+' libglfw3-dev libimgui-dev libopenxr-dev fonts-dejavu-core mesa-vulkan-drivers; do asks $package || fail "$package is not asked for"; done
-for package in libcmocka-dev vulkan-validationlayers xvfb python3-pil clang chromium; do
+for package in libcmocka-dev vulkan-validationlayers xvfb python3-pil libopenmpi-dev clang chromium; do
     asks "${package//+/\\+}" && fail "the command alone gets $package"
 done
 grep -q 'waiting for another apt' "$work/out" && grep -q '^sleep' "$work/log" || fail 'the lock is not waited for'
@@ -45,7 +45,7 @@ disk=$(grep -n 'After this operation, 402 MB' "$work/out" | cut -d: -f1)
 tail -n 2 "$work/log" | head -n 1 | grep -q -- --assume-no || fail 'the cost is not asked for before the installation'
 
 run --tests || fail "setup --tests: $(cat "$work/out")"
-for package in libcmocka-dev vulkan-validationlayers xvfb python3-pil; do asks $package || fail "--tests does not get $package"; done
+for package in libcmocka-dev vulkan-validationlayers xvfb python3-pil libopenmpi-dev openmpi-bin; do asks $package || fail "--tests does not get $package"; done
 
 touch "$work/broken"
 run && fail 'a broken apt is taken for success'

@@ -16,6 +16,6 @@ fanal \\- renders scenes with thousands of lights, compares the ways to do it an
 END
 "$1" --help | section DESCRIPTION
 optional=$("$1" --help | sed -n -E 's/^  (view|xr) .*/\1/p') # not in every build
-for command in render $optional trace bench info devices compare compress; do "$1" "$command" --help | section "fanal $command"; done
+for command in render $optional cave trace bench info devices compare compress; do "$1" "$command" --help | section "fanal $command"; done
 "$1" render --options | section "OPTIONS OF A FRAME"
 "$1" render --counters | section "COUNTERS"

@@ -30,7 +30,7 @@ _fanal() {
     previous=${previous##* }
     COMPREPLY=()
     if [ "$COMP_CWORD" -le 1 ]; then
-        COMPREPLY=($(compgen -W "render view xr trace bench info devices compare compress --help --version" -- "$current"))
+        COMPREPLY=($(compgen -W "render view xr cave trace bench info devices compare compress --help --version" -- "$current"))
         return
     fi
     key=$(_fanal_key_of "$previous")
@@ -46,12 +46,14 @@ _fanal() {
         COMPREPLY=($(compgen -W "$(_fanal_values "$program" "$key")" -- "$current"))
     elif [[ $current == -* ]]; then
         COMPREPLY=($(compgen -W "$(_fanal_options "$program" "$command")" -- "$current"))
+    elif [[ $previous == --displays && $current == builtin:* ]]; then
+        COMPREPLY=($(compgen -W "mono stereo three cave" -- "${current#builtin:}"))
     elif [[ $current == builtin:* ]]; then
         local scenes="city hall interior wall room spheres pole lamps grass onetile nearplane sky glass"
         COMPREPLY=($(compgen -W "$scenes" -- "${current#builtin:}")) # bash parts words at ":" too
     else
         COMPREPLY=($(compgen -f -- "$current"))
-        [[ $command != render && $command != view && $command != xr && $command != trace && $command != bench && $command != info ]] || COMPREPLY+=($(compgen -W "builtin:" -- "$current"))
+        [[ $command != render && $command != view && $command != xr && $command != cave && $command != trace && $command != bench && $command != info ]] || COMPREPLY+=($(compgen -W "builtin:" -- "$current"))
     fi
 }
 complete -o filenames -F _fanal fanal

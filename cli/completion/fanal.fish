@@ -23,13 +23,14 @@ function __fanal_options
     fanal (commandline -opc)[2] --help 2>/dev/null | grep -oE -- '(^|[ ,])--[a-z][a-z-]*' | tr -d ' ,' | sort -u
 end
 
-complete -c fanal -n __fish_use_subcommand -f -a 'render view xr trace bench info devices compare compress'
+complete -c fanal -n __fish_use_subcommand -f -a 'render view xr cave trace bench info devices compare compress'
 complete -c fanal -n 'not __fish_use_subcommand; and string match -q -- "-*" (commandline -ct)' -f -a '(__fanal_options)'
-complete -c fanal -n '__fish_seen_subcommand_from render view xr trace bench info' -a 'builtin:city builtin:hall builtin:interior builtin:wall builtin:room builtin:spheres builtin:pole builtin:lamps builtin:grass builtin:onetile builtin:nearplane builtin:sky builtin:glass'
-complete -c fanal -n '__fish_seen_subcommand_from render bench' -l set -x -a '(__fanal_settings)'
+complete -c fanal -n '__fish_seen_subcommand_from render view xr cave trace bench info' -a 'builtin:city builtin:hall builtin:interior builtin:wall builtin:room builtin:spheres builtin:pole builtin:lamps builtin:grass builtin:onetile builtin:nearplane builtin:sky builtin:glass'
+complete -c fanal -n '__fish_seen_subcommand_from render cave bench' -l set -x -a '(__fanal_settings)'
+complete -c fanal -n '__fish_seen_subcommand_from cave' -l displays -r -a 'builtin:mono builtin:stereo builtin:three builtin:cave'
 complete -c fanal -n '__fish_seen_subcommand_from bench' -l vary -x -a '(__fanal_settings)'
 for pair in shading:shading lists:lists msaa:msaa transparency:transparency decals:decals aa:aa geometry:geometry cull:culling \
         gbuffer:gbuffer.layout msaa-method:deferred.msaa-method tonemap:tonemap debug:debug
     set -l both (string split : $pair)
-    complete -c fanal -n '__fish_seen_subcommand_from render bench' -l $both[1] -x -a "(__fanal_values $both[2])"
+    complete -c fanal -n '__fish_seen_subcommand_from render cave bench' -l $both[1] -x -a "(__fanal_values $both[2])"
 end

@@ -74,11 +74,12 @@ if [ ! -e "$build/fanal_mpi.so" ] || ! command -v mpirun >/dev/null; then
     echo 'SKIPPED: the ranks of fanal cave: built without MPI (Debian: libopenmpi-dev openmpi-bin)'
     exit 77
 fi
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl=self,vader,tcp OMPI_MCA_btl_vader_single_copy_mechanism=none
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+[ -z "${ASAN_OPTIONS-}" ] && ! grep -q __asan_init "$fanal" || export ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}detect_leaks=0 # MPI leaks
 ranks() { # N OPTION…
     local count=$1
     shift
-    timeout 100 mpirun --oversubscribe -n "$count" "$fanal" cave builtin:onetile "${method[@]}" --displays cave.json "$@" >out 2>&1
+    timeout 100 mpirun --allow-run-as-root --oversubscribe -n "$count" "$fanal" cave builtin:onetile "${method[@]}" --displays cave.json "$@" >out 2>&1
 }
 none() { [ "$(echo $1)" = "$1" ] || fail "$2: there is $(echo $1)"; }
 
@@ -128,7 +129,7 @@ grep -qE 'at the swap rank 1 on [^ ]+ has frame 2 with pose [0-9a-f]{16}, rank 0
 none 'pose-*-2.png' 'another pose'
 
 # A rank that cannot write: all remove what they have of that frame.
-timeout 100 mpirun --oversubscribe -n 1 "$fanal" cave builtin:onetile "${method[@]}" --displays cave.json -o 'full-%w-%e.png' : -n 1 "$fanal" cave builtin:onetile "${method[@]}" \
+timeout 100 mpirun --allow-run-as-root --oversubscribe -n 1 "$fanal" cave builtin:onetile "${method[@]}" --displays cave.json -o 'full-%w-%e.png' : -n 1 "$fanal" cave builtin:onetile "${method[@]}" \
     --displays cave.json -o 'gone/full-%w-%e.png' >out 2>&1 && fail 'a rank without a folder'
 grep -q 'rank 1 on .* could not write frame 0' out || fail 'a rank without a folder'
 none 'full-*' 'a rank without a folder'
@@ -137,7 +138,7 @@ none 'full-*' 'a rank without a folder'
 differs() { # WORDS, then: PROGRAM SCENE OPTION… of rank 1
     local words=$1 program=$2 scene=$3
     shift 3
-    timeout 100 mpirun --oversubscribe -n 1 "$fanal" cave a.gltf "${method[@]}" --displays cave.json -o 'other-%w-%e.png' : -n 1 "$program" cave "$scene" "${method[@]}" \
+    timeout 100 mpirun --allow-run-as-root --oversubscribe -n 1 "$fanal" cave a.gltf "${method[@]}" --displays cave.json -o 'other-%w-%e.png' : -n 1 "$program" cave "$scene" "${method[@]}" \
         --displays cave.json -o 'other-%w-%e.png' "$@" >out 2>&1 && fail "it goes on: $words"
     grep -qE "rank 1 on [^ ]+ $words than rank 0" out || fail "nobody says: $words"
     none 'other-*' "$words"

@@ -39,5 +39,9 @@ completes 'trace builtin:hall --bou' --bounces !
 completes 'trace builtin:ci' city !
 completes 'xr builtin:ci' city !
 completes 'info READ' README.md !
+completes 'ca' cave !
+completes 'cave builtin:hall --displ' --displays !
+completes 'cave builtin:hall --displays builtin:th' three !
+completes 'cave builtin:ha' hall !
 [ $failures = 0 ] && echo 'all completions are right'
 exit $((failures > 0))
