@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal cave: what is seen through the walls of a CAVE. */
-#include "cave.h"
-#include "hash.h"
+#include "cave/cave.h"
+#include "cave/hash.h"
 
 #include "arguments.h"
 #include "commands.h"

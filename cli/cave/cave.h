@@ -6,7 +6,7 @@
 #ifndef FNL_CLI_CAVE_CAVE_H
 #define FNL_CLI_CAVE_CAVE_H
 
-#include "displays.h"
+#include "cave/displays.h"
 #include "render.h"
 
 #include <jansson.h>

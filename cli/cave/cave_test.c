@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Walls and eyes: files of displays, frusta through corners, pictures that meet at the edges of walls, and several devices. */
-#include "cave.h"
+#include "cave/cave.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -158,6 +158,14 @@ static void test_examples_are_of_one_kind_VR_15(void **state) {
         assert_int_equal(d.wall_count, examples[i].walls);
         assert_int_equal(cave_list_views(&o, &d, 0, views), examples[i].views);
         assert_float_equal(d.ipd, 0.064, 0);
+        /* The left eye is on the left, for whoever looks at the front wall. */
+        const struct cave_moment m = cave_predict(&o, &d, 0, 0);
+        const struct cave_place place = {{{0, 0, 0}, {0, 0, 0, 1}}, 2};
+        fnl_camera left, right;
+        if (d.walls[0].stereo) {
+            assert_true(cave_view_camera(&d, &place, &m, &views[0], &left) && cave_view_camera(&d, &place, &m, &views[1], &right));
+            assert_float_equal(right.position.x - left.position.x, 2 * 0.064, 1e-6);
+        }
         /* A file with the same text is the same. */
         struct cave_displays read;
         assert_true(cave_displays_load(write_file("example.json", cave_displays_example(examples[i].name)), &read));

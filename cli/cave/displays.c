@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "displays.h"
+#include "cave/displays.h"
 
-#include "hash.h"
+#include "cave/hash.h"
 #include "loading.h"
 
 #include <errno.h>

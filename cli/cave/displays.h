@@ -3,7 +3,7 @@
 #ifndef FNL_CLI_CAVE_DISPLAYS_H
 #define FNL_CLI_CAVE_DISPLAYS_H
 
-#include "pose.h"
+#include "cave/pose.h"
 
 enum { CAVE_WALLS = 32, CAVE_NAME = 32, CAVE_DEVICES = 16, CAVE_RANKS = 64 };
 enum cave_eye { CAVE_MONO, CAVE_LEFT, CAVE_RIGHT, CAVE_EYES };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal_mpi.so: ranks by MPI. */
-#include "transport.h"
+#include "cave/transport.h"
 
 #include <mpi.h>
 #include <stdlib.h>

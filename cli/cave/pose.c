@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "pose.h"
+#include "cave/pose.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "ranks.h"
-#include "hash.h"
+#include "cave/ranks.h"
+#include "cave/hash.h"
 #include "interrupt.h"
 
 #include <dlfcn.h>

@@ -6,8 +6,8 @@
 #ifndef FNL_CLI_CAVE_RANKS_H
 #define FNL_CLI_CAVE_RANKS_H
 
-#include "cave.h"
-#include "transport.h"
+#include "cave/cave.h"
+#include "cave/transport.h"
 
 enum cave_ranks_state {
     CAVE_RANKS_RUN,

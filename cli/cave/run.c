@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* One run: every process of it does this. */
-#include "ranks.h"
+#include "cave/ranks.h"
 
-#include "hash.h"
+#include "cave/hash.h"
 #include "loading.h"
 #include "output.h"
 #include "program.h"

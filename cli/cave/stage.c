@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Devices and renderers of one process. */
-#include "cave.h"
+#include "cave/cave.h"
 
 #include "arguments.h"
 #include "counters.h"

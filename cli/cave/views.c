@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Which views there are, what each sees, and how its pictures are called. */
-#include "cave.h"
-#include "hash.h"
+#include "cave/cave.h"
+#include "cave/hash.h"
 
 #include <math.h>
 #include <stdio.h>

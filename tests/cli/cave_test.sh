@@ -103,6 +103,12 @@ jq -e '[.frames[0].renderers[] | [.rank, (.views | length)]] == [[0, 1], [1, 9]]
 ranks 1 --displays eyes.json -o 'x-%w-%e.png' && fail 'a rank that is not there'
 grep -q '/walls/0/rank: is 1, but there are 1 ranks: mpirun -n 2' out || fail 'a rank that is not there'
 
+# One exposure, which the rank of the first view measures: rank 1. A rank more than there are walls has nothing to render.
+cave --displays cave.json --exposure auto -o 'auto-%w-%e.png' --stats auto.json || fail 'exposure of one process'
+ranks 3 --displays eyes.json --exposure auto -o 'autos-%w-%e.png' --stats autos.json || fail 'exposure of ranks'
+jq -s -e '.[0].ev == .[1].ev and .[0].ev != 0' auto.json autos.json >out || fail 'exposures differ'
+for file in auto-*.png; do cmp -s "$file" "autos-${file#auto-}" || fail "exposure of ranks: ${file#auto-} differs"; done
+
 # Late: all wait. Longer than --timeout, or killed: all end within seconds.
 ranks 3 --frames 3 -o 'late-%w-%e-%d.png' --stats late.json --fault 2,1,late=1.3 || fail 'a late rank'
 grep -q 'rank 2 is late in frame 1' out || fail 'nobody says that a rank is late'
@@ -156,6 +162,10 @@ jq '.ipd = 0.065' cave.json >other.json
 differs 'has another scene file' "$fanal" b/a.gltf
 differs 'has other displays' "$fanal" a.gltf --displays other.json
 differs 'was given other options' "$fanal" a.gltf --ambient 1,1,1
+timeout 100 mpirun --allow-run-as-root --oversubscribe -n 1 "$fanal" cave a.gltf "${method[@]}" --displays cave.json -o 'other-%w-%e.png' : -n 1 "$fanal" cave none.gltf "${method[@]}" \
+    --displays cave.json -o 'other-%w-%e.png' >out 2>&1 && fail 'it goes on without a scene'
+grep -qE 'none.gltf: .*' out && grep -qE 'rank 0: rank 1 on [^ ]+ could not begin: all end' out || fail 'a rank without a scene'
+none 'other-*' 'a rank without a scene'
 commit=$(jq -r .program.commit one.json)
 if [ "$commit" != unknown ]; then
     LC_ALL=C sed "s/$commit/$(tr '0-9a-f' '1-9a-g' <<<"$commit")/" "$fanal" >fanal
