@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* ---- examples ---- */
 
@@ -185,7 +186,9 @@ static bool add_sample(struct reader *r, struct cave_displays *d, const struct c
 }
 
 static bool read_whole(const char *path, char **out, size_t *size) {
-    FILE *file = fopen(path, "rb");
+    struct stat about;
+    const bool regular = stat(path, &about) != 0 || S_ISREG(about.st_mode); /* pipes and devices may have no end */
+    FILE *file = regular ? fopen(path, "rb") : NULL;
     size_t capacity = 0;
     *out = NULL;
     *size = 0;
@@ -202,7 +205,7 @@ static bool read_whole(const char *path, char **out, size_t *size) {
     if (good)
         (*out)[*size] = 0;
     else
-        fprintf(stderr, "fanal: error: %s: cannot be read: %s\n", path, strerror(errno));
+        fprintf(stderr, "fanal: error: %s: cannot be read: %s\n", path, regular ? strerror(errno) : "it is no regular file");
     if (file) fclose(file);
     return good;
 }

@@ -118,7 +118,8 @@ static bool pass_on(struct run *run, const struct render_pictures *pictures) {
     return true;
 }
 
-static bool save_of_other(struct run *run, uint32_t v, uint64_t frame) {
+/* Takes the pictures of another rank's view in any case, so that what it says next is found; with `keeps` writes them. */
+static bool save_of_other(struct run *run, uint32_t v, uint64_t frame, bool keeps) {
     const uint32_t outputs = render_wanted_outputs(&run->o->render);
     struct render_pictures pictures = {0};
     bool good = true;
@@ -129,24 +130,28 @@ static bool save_of_other(struct run *run, uint32_t v, uint64_t frame) {
         pictures.images[p] = (fnl_image){run->views[v].width, run->views[v].height, format, malloc(size)};
         good = pictures.images[p].pixels && cave_ranks_receive(&run->ranks, run->views[v].rank, pictures.images[p].pixels, size);
     }
-    good = good && save_view(run, v, frame, &pictures);
+    good = good && keeps && save_view(run, v, frame, &pictures);
     for (uint32_t p = 0; p < RENDER_PICTURES; p++) free(pictures.images[p].pixels);
     return good;
 }
 
 static bool save(struct run *run, uint64_t frame) {
     const bool gather = run->o->gather && run->ranks.transport;
+    bool good = true;
     if (run->o->render.output_count == 0) return true;
-    for (uint32_t v = 0; v < run->view_count; v++) {
+    for (uint32_t v = 0; v < run->view_count && run->ranks.state == CAVE_RANKS_RUN; v++) {
         struct render_pictures pictures = {0};
         if (run->views[v].rank != run->ranks.rank) {
-            if (gather && run->ranks.rank == 0 && !save_of_other(run, v, frame)) return false;
+            if (gather && run->ranks.rank == 0) good = save_of_other(run, v, frame, good) && good;
             continue;
         }
         for (uint32_t p = 0; p < RENDER_PICTURES; p++) (void)cave_stage_picture(run->stage, v, p, &pictures.images[p]);
-        if (gather && run->ranks.rank > 0 ? !pass_on(run, &pictures) : !save_view(run, v, frame, &pictures)) return false;
+        if (gather && run->ranks.rank > 0)
+            good = pass_on(run, &pictures) && good;
+        else
+            good = good && save_view(run, v, frame, &pictures);
     }
-    return true;
+    return good;
 }
 
 /* ---- frames ---- */

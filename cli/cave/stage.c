@@ -12,6 +12,8 @@
 #include <string.h>
 #include <time.h>
 
+enum { TAA_FRAMES = 16 };
+
 /* A renderer, for the walls of one size on one device: their views are those of one frame. */
 struct group {
     uint32_t device;               /* place in the stage */
@@ -38,6 +40,7 @@ struct cave_stage {
     fnl_host host;
     fnl_scene *scene;
     uint32_t rank, device_count, group_count;
+    bool has_rendered;
     struct stage_device devices[CAVE_DEVICES];
     struct group groups[CAVE_VIEWS];
 };
@@ -222,7 +225,11 @@ static fnl_camera viewer_at(const struct cave_place *place, const struct cave_mo
 bool cave_stage_render(struct cave_stage *s, const struct cave_place *place, const struct cave_moment *m) {
     bool good = world_set_time(&s->options->render.world, s->scene, m->animation_time);
     const fnl_camera viewer = viewer_at(place, m);
-    for (uint32_t g = 0; g < s->group_count && good; g++) good = submit(s, &s->groups[g], place, m, &viewer);
+    /* Temporal antialiasing begins with a picture that is collected from several frames, as that of `fanal render` is. */
+    const uint32_t times = !s->has_rendered && s->options->render.frame.aa == FNL_ANTIALIASING_TAA ? TAA_FRAMES : 1;
+    for (uint32_t i = 0; i < times; i++)
+        for (uint32_t g = 0; g < s->group_count && good; g++) good = submit(s, &s->groups[g], place, m, &viewer);
+    s->has_rendered = true;
     for (uint32_t g = 0; g < s->group_count && good; g++) good = await(&s->groups[g]);
     return good && read_all(s);
 }

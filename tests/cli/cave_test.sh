@@ -27,6 +27,7 @@ refuses() {
 refuses '--displays FILE is needed' -o a.png
 refuses 'there is no example' --displays builtin:castle -o a.png
 refuses 'none.json: cannot be read' --displays none.json -o a.png
+refuses '/dev/zero: cannot be read: it is no regular file' --displays /dev/zero -o a.png
 refuses 'needs %w' --displays builtin:cave -o a-%e.png
 refuses 'needs %e' --displays builtin:three -o a-%w.png
 refuses 'needs %d' --displays builtin:mono --frames 2 -o a.png
@@ -139,6 +140,9 @@ timeout 100 mpirun --allow-run-as-root --oversubscribe -n 1 "$fanal" cave builti
     --displays cave.json -o 'gone/full-%w-%e.png' >out 2>&1 && fail 'a rank without a folder'
 grep -q 'rank 1 on .* could not write frame 0' out || fail 'a rank without a folder'
 none 'full-*' 'a rank without a folder'
+
+ranks 2 --gather -o 'gone/full-%w-%e.png' && fail 'rank 0 without a folder'
+grep -q 'gone/full-front-left.png' out && ! grep -q 'something else' out || fail 'rank 0 without a folder'
 
 # Other files, other options, another version.
 differs() { # WORDS, then: PROGRAM SCENE OPTION… of rank 1
