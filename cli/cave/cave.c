@@ -24,9 +24,10 @@ static void print_help(void) {
          "\n"
          "Displays\n"
          "  --displays FILE            the walls, or an example\n"
-         "  --print                    prints the displays as they were read, to begin a file with, and ends\n"
+         "  --print                    prints an example, to begin a file with, or the walls of a file, and ends\n"
          "  --size WxH                 the resolution of all walls, instead of the file's\n"
-         WORLD_CAMERA_HELP WORLD_EYE_HELP
+         WORLD_CAMERA_HELP
+         "  --eye X,Y,Z --look-at X,Y,Z    a camera of your own\n"
          "                             The camera is where the head is at first; --camera, --eye and --look-at do so even if\n"
          "                             the file says where the CAVE stands. Fields of view are those of the walls.\n"
          "\n"

@@ -26,7 +26,7 @@ plain="$small --shadows off" # of pictures that shadows are not the subject of
 expect 0 'fanal COMMAND' --help
 expect 2 'no command .foo.' foo
 expect 0 '^fanal [0-9]+\.[0-9]+\.[0-9]+$' --version
-for command in render trace info devices compare; do expect 0 'Examples?:' $command --help; done
+for command in render cave trace info devices compare; do expect 0 'Examples?:' $command --help; done
 
 # Bad options name themselves; nothing is written.
 expect 2 'one scene is needed' render -o "$work/a.png"
