@@ -81,7 +81,6 @@ bool cave_stage_render(struct cave_stage *stage, const struct cave_place *place,
 bool cave_stage_picture(const struct cave_stage *stage, uint32_t view, uint32_t output, fnl_image *out);
 /** Numbers of the last frame: an array with an object for each renderer. */
 json_t *cave_stage_report(const struct cave_stage *stage);
-json_t *cave_stage_devices(const struct cave_stage *stage);
 /** Messages of Vulkan validation so far. */
 uint64_t cave_stage_messages(const struct cave_stage *stage);
 

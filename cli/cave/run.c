@@ -29,7 +29,7 @@ struct run {
     struct cave_stage *stage;
     struct cave_place place;
     double ev;
-    json_t *frames, *devices;
+    json_t *frames;
     double copied; /* milliseconds of all frames */
 };
 
@@ -223,10 +223,9 @@ static char *stats_text(struct run *run) {
                                                "height", (int)view->height, "rank", (int)view->rank, "device", (int)view->device));
     }
     const struct cave_quaternion q = run->place.pose.rotation;
-    json_t *json = json_pack("{s:i,s:{s:s,s:s},s:s,s:s,s:i,s:f,s:{s:o,s:[f,f,f,f],s:f},s:o,s:O,s:O}", "version", 1, "program", "version", fnl_version(), "commit",
+    json_t *json = json_pack("{s:i,s:{s:s,s:s},s:s,s:s,s:i,s:f,s:{s:o,s:[f,f,f,f],s:f},s:o,s:O}", "version", 1, "program", "version", fnl_version(), "commit",
                              program_commit, "scene", run->o->render.world.scene, "displays", run->d->source, "ranks", (int)run->ranks.count, "ev", run->ev, "origin", "position",
-                             vector_json(run->place.pose.position), "rotation", q.x, q.y, q.z, q.w, "scale", run->place.scale, "views", walls, "devices", run->devices,
-                             "frames", run->frames);
+                             vector_json(run->place.pose.position), "rotation", q.x, q.y, q.z, q.w, "scale", run->place.scale, "views", walls, "frames", run->frames);
     char *text = json ? json_dumps(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL, *ended = NULL;
     if (text && asprintf(&ended, "%s\n", text) < 0) ended = NULL;
     free(text);
@@ -253,7 +252,7 @@ static void print_summary(const struct run *run) {
 int cave_run(const struct cave_options *o, const struct cave_displays *d) {
     struct run *run = calloc(1, sizeof *run);
     if (!run) return 2;
-    *run = (struct run){.o = o, .d = d, .host = fnl_host_default(), .ev = (double)o->render.frame.ev, .frames = json_array(), .devices = json_array()};
+    *run = (struct run){.o = o, .d = d, .host = fnl_host_default(), .ev = (double)o->render.frame.ev, .frames = json_array()};
     bool good = cave_ranks_join(&run->ranks, o->timeout, o->render.quiet);
     if (good) {
         if (run->ranks.rank == 0 && o->render.stats && render_is_stdout(o->render.stats)) good = stream_open();
@@ -268,7 +267,6 @@ int cave_run(const struct cave_options *o, const struct cave_displays *d) {
         good = cave_ranks_greet(&run->ranks, &greeting, &run->ev) && run_frames(run);
         progress_end();
         if (good && run->ranks.rank == 0) {
-            json_array_extend(run->devices, cave_stage_devices(run->stage));
             if (!o->render.quiet) print_summary(run);
             good = output_flush() && (!o->render.stats || save_stats(run));
         }
@@ -278,7 +276,6 @@ int cave_run(const struct cave_options *o, const struct cave_displays *d) {
     cave_stage_destroy(&run->stage);
     fnl_scene_destroy(&run->scene);
     json_decref(run->frames);
-    json_decref(run->devices);
     free(run);
     return good ? 0 : interrupted ? EXIT_INTERRUPTED : 2;
 }

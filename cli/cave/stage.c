@@ -260,18 +260,9 @@ json_t *cave_stage_report(const struct cave_stage *s) {
             cave_view_name(s->displays, &s->views[g->views[v]], name, sizeof name);
             json_array_append_new(views, json_string(name));
         }
-        json_array_append_new(all, json_pack("{s:i,s:i,s:i,s:i,s:o,s:I,s:f,s:f,s:f,s:f,s:I}", "rank", (int)s->rank, "device", (int)s->devices[g->device].number, "width",
+        json_array_append_new(all, json_pack("{s:i,s:i,s:s,s:i,s:i,s:o,s:I,s:f,s:f,s:f,s:f,s:I}", "rank", (int)s->rank, "device", (int)s->devices[g->device].number, "name", s->devices[g->device].info.name, "width",
                                              (int)g->frame.width, "height", (int)g->frame.height, "views", views, "draws", (json_int_t)g->draws, "cpu_ms", g->cpu, "gpu_ms",
                                              g->gpu, "wait_ms", g->wait, "copy_ms", g->copy, "copy_bytes", (json_int_t)g->copied));
-    }
-    return all;
-}
-
-json_t *cave_stage_devices(const struct cave_stage *s) {
-    json_t *all = json_array();
-    for (uint32_t i = 0; i < s->device_count; i++) {
-        const struct stage_device *d = &s->devices[i];
-        json_array_append_new(all, json_pack("{s:i,s:i,s:s,s:s}", "rank", (int)s->rank, "device", (int)d->number, "name", d->info.name, "driver", d->info.driver));
     }
     return all;
 }
