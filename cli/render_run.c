@@ -162,7 +162,7 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
     if (good && o->screen && o->display.given) good = display_show(o->screen, host, &p.images[0]);
-    for (int i = o->display.given; i < PICTURES && good && stereo_joins(o->stereo.kind); i++) good = stereo_join(o->stereo.kind, i < 2, &p.images[i]);
+    for (int i = o->display.given; i < RENDER_PICTURES && good && stereo_joins(o->stereo.kind); i++) good = stereo_join(o->stereo.kind, i < 2, &p.images[i]);
     uint32_t written = 0, total = (uint32_t)o->output_count * (view_count ? view_count : 1);
     for (; written < total && good; written++) {
         char numbered[4096];
