@@ -63,7 +63,9 @@ static void print_help(void) {
          "View\n"
          "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
          "  --camera-path KIND|FILE    moves the camera, one point of the path per frame: orbit or turntable (:N sets the points\n"
-         "                             per turn), or a file with lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n");
+         "                             per turn), or a file with lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
+         "  --stereo                   two eyes in place of the camera, 63.5 mm apart\n"
+         "  --hmd FILE                 with --stereo: those of a headset, as in 'fanal render'\n");
     puts("Run\n"
          "  -o, --output DIR           folder for the results, created if missing; if it holds results, give --resume or --overwrite\n"
          "  --frames N                 timed frames per combination (10; on a CPU 4)\n"
@@ -184,7 +186,9 @@ enum {
     O_IDEAL,
     O_DEVICE,
     O_VALIDATE,
-    O_NO_CACHE
+    O_NO_CACHE,
+    O_STEREO,
+    O_HMD
 };
 
 static const struct option own_options[] = {{"output", required_argument, NULL, 'o'},
@@ -213,7 +217,9 @@ static const struct option own_options[] = {{"output", required_argument, NULL, 
                                              {"ideal", no_argument, NULL, O_IDEAL},
                                              {"device", required_argument, NULL, O_DEVICE},
                                              {"validate", no_argument, NULL, O_VALIDATE},
-                                             {"no-cache", no_argument, NULL, O_NO_CACHE},};
+                                             {"no-cache", no_argument, NULL, O_NO_CACHE},
+                                             {"stereo", no_argument, NULL, O_STEREO},
+                                             {"hmd", required_argument, NULL, O_HMD}};
 enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
 
 static bool parse_option(struct bench_options *o, int option, const char *value) {
@@ -252,6 +258,12 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return true;
     case O_CAMERA_PATH:
         s->camera_path = value;
+        return true;
+    case O_STEREO:
+        s->stereo = true;
+        return true;
+    case O_HMD:
+        s->hmd = value;
         return true;
     case O_VARIANT:
         s->variant = value;
@@ -317,6 +329,8 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     if (o->settings.resume && o->settings.overwrite) problem = "--resume goes on with results, --overwrite drops them: give one of them";
     if (!o->suite && scene_count == 0) problem = "at least one scene or --suite is needed";
     if (combination_count(&o->matrix) > COMBINATIONS_MAX) problem = "more than 1048576 combinations of options, paths and lists";
+    if (o->settings.hmd && !o->settings.stereo) problem = "--hmd belongs to --stereo";
+    if (closed && o->settings.stereo) problem = "--stereo is for scenes of your own, not for this suite";
     if (!o->settings.output) problem = "a folder for the results is needed: give -o DIR";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal bench --help'\n", problem);
     return !problem;

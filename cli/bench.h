@@ -35,6 +35,8 @@ struct bench_settings {
     uint32_t frames, warm_up; /* timed frames; frames before them */
     uint32_t checks;          /* points of the camera's path that are compared with the reference; 0: none */
     fnl_light_lists reference;
+    bool stereo;             /* two eyes in place of the camera */
+    const char *hmd;         /* their headset; NULL: the camera's field of view */
     const char *camera_path; /* NULL: the camera stands still; "orbit", "turntable", each with ":N" or not; or a file */
     const char *device, *output, *variant, *environment; /* the last two: NULL where not given */
     bool resume, overwrite, validate, no_cache, quiet;

@@ -5,6 +5,7 @@
 #include "bench.h"
 #include "bench_lane.h"
 #include "progress.h"
+#include "stereo.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -45,6 +46,8 @@ struct bench_run {
     const char *scene_name;
     int64_t scene_lights;
     struct bench_path path;
+    struct stereo stereo;
+    fnl_camera eyes[HEADSET_EYES];
     struct lane *lanes;
     uint32_t lane_count, opened, case_index;
     bool shared;         /* one renderer for all lanes, because memory is short */
@@ -128,9 +131,15 @@ static bool render(struct bench_run *run, struct lane *lane, const fnl_frame *fr
     return result == FNL_OK;
 }
 
-static fnl_frame frame_at(const struct bench_run *run, const struct lane *lane, uint32_t index) {
+static fnl_frame frame_at(struct bench_run *run, const struct lane *lane, uint32_t index) {
     fnl_frame frame = lane->frame;
-    frame.camera = run->path.points[index % run->path.count].camera;
+    const struct bench_point *point = &run->path.points[index % run->path.count];
+    frame.camera = point->camera;
+    if (!run->settings->stereo) return frame;
+    frame.views = run->eyes;
+    frame.view_count = HEADSET_EYES;
+    if (!lane->frame.stereo.eyes) frame.stereo.eyes = HEADSET_EYES;
+    if (!stereo_cameras(&run->stereo, &frame.camera, point->time, frame.width, frame.height, run->eyes)) run->failed = true;
     return frame;
 }
 
@@ -496,10 +505,12 @@ static json_t *describe_device(const fnl_device_info *info) {
 static json_t *describe_settings(const struct bench_run *run) {
     const struct bench_settings *s = run->settings;
     const char *camera = run->plan->case_count && run->plan->cases[0].camera ? run->plan->cases[0].camera : "";
-    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
+    json_t *settings = json_pack("{s:I,s:I,s:I,s:s,s:s,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
                      "checks", (json_int_t)s->checks, "reference", fnl_value_name(FNL_ENUM_LISTS, s->reference), "camera", camera,
                      "camera_path", s->camera_path ? s->camera_path : "", "variant", s->variant ? s->variant : "", "environment",
                      s->environment ? s->environment : "");
+    if (s->stereo) json_object_set_new(settings, "stereo", json_string(s->hmd ? s->hmd : "camera"));
+    return settings;
 }
 
 /* Numbers of different devices or settings must not stand side by side. */
@@ -564,7 +575,8 @@ enum bench_end bench_measure(const struct bench_settings *settings, const struct
     run.host.user = &run.sink;
     run.host.log = receive_log;
     enum bench_end end = BENCH_REFUSED;
-    if (create_device(&run) && begin_data(&run)) {
+    const struct stereo_options eyes = {STEREO_LAYERS, settings->hmd, NAN};
+    if ((!settings->stereo || stereo_open(&eyes, settings->quiet, &run.stereo)) && create_device(&run) && begin_data(&run)) {
         if (!settings->resume) bench_drop_page(settings->output);
         progress_begin(settings->quiet, PROGRESS_SECONDS);
         for (run.case_index = 0; run.case_index < plan->case_count && !stopped(&run); run.case_index++)
@@ -578,6 +590,7 @@ enum bench_end bench_measure(const struct bench_settings *settings, const struct
         }
     }
     bench_path_destroy(&run.path);
+    stereo_close(&run.stereo);
     fnl_device_destroy(&run.device);
     fnl_scene_destroy(&run.scene);
     return end;

@@ -303,7 +303,9 @@ static void test_shared_work_VR_2(void **state) {
     assert_int_equal(stats.views[0].draws, draws);
     assert_int_equal(stats.views[1].draws, 0);
     assert_true(counter(&stats.views[0], "shadows.wanted") > 0);
-    assert_true((double)counter(&stats.views[0], "shadows.wanted") <= 1.05 * (double)pages);
+    /* Of so small a picture; docs/techniques/stereo.md has larger ones. */
+    assert_true((double)counter(&stats.views[0], "shadows.wanted") <= 1.25 * (double)pages);
+    assert_false(has_counter(&stats.views[1], "shadows.wanted"));
     both.multiview = FNL_MULTIVIEW_OFF;
     test_render_frame(stage.renderer, &both);
     stats = harness_stats(stage.renderer);

@@ -22,7 +22,7 @@ graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, uint
     for (uint32_t i = 0; i < count; i++) {
         const struct graph_image_params image = graph_image_info(graph, radiance[i]);
         struct gpu_meter_push meter = {.width = image.width, .height = image.height};
-        graph_dispatch(graph, &(struct graph_dispatch){.name = "meter",
+        graph_dispatch(graph, &(struct graph_dispatch){.name = count > 1 ? graph_name(graph, "meter %u", i) : "meter",
                                                        .pipeline = {&shader_meter_comp, 1, {sample_count(graph, radiance[i])}},
                                                        .groups = {DIVIDE_UP(image.width, 32u), DIVIDE_UP(image.height, 32u)},
                                                        GRAPH_PUSH(meter),
