@@ -83,9 +83,7 @@ is '.last.views[0].size == [17, 15]'
 grep -q 'layers 1 depth 1 rect 17x15' samples.log || fail "the part is not that which was rendered"
 rm -f depth-*
 picture 3 builtin:onetile bgra none ev=5 shading=forward lists=all shadows=off msaa=4
-run 0 forward builtin:onetile "${plain[@]}" --frames 2 --depth forward <<<'save 3 1 .'
-picture 3 builtin:onetile rgba forward ev=5 shading=forward lists=all shadows=off
-run 0 four builtin:onetile "${plain[@]}" --frames 2 --validate <<'END'
+run 0 four builtin:onetile "${plain[@]}" --frames 2 --depth forward --validate <<'END'
 views 4
 size 16 16 2
 size 16 16 3
@@ -96,7 +94,7 @@ eye 3 0.032 0 0 -4 0
 save 3 1 .
 END
 is '.views == 4'
-picture 3 builtin:onetile rgba reversed ev=5 shading=forward lists=all shadows=off
+picture 3 builtin:onetile rgba forward ev=5 shading=forward lists=all shadows=off
 run 0 bare builtin:onetile "${plain[@]}" --frames 2 <<'END'
 without XR_KHR_composition_layer_depth
 without XR_KHR_visibility_mask
@@ -191,13 +189,12 @@ done
 run 0 ends builtin:onetile "${plain[@]}" --frames 1 <<'END'
 fail xrDestroySwapchain 1 XR_ERROR_RUNTIME_FAILURE
 fail xrDestroySession 1 XR_ERROR_RUNTIME_FAILURE
-END
-says 'warning: xrDestroySwapchain'
-says 'warning: xrDestroySession'
-run 0 patience builtin:onetile "${plain[@]}" --frames 1 <<'END'
 fail xrWaitSwapchainImage 1 XR_TIMEOUT_EXPIRED
 fail xrWaitSwapchainImage 2 XR_TIMEOUT_EXPIRED
 END
+says 'warning: xrDestroySwapchain'
+says 'warning: xrDestroySession'
+grep -q 'injected xrWaitSwapchainImage' ends.log || fail "no image was waited for"
 
 # ---- headsets that cannot be used ----
 run 2 none builtin:onetile <<<no_system
