@@ -129,19 +129,31 @@ cat >lamp.gltf <<'END'
  "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}
 END
 run 0 hands lamp.gltf "${plain[@]}" --frames 20 --eye 0,1.6,0 --look-at 0,1.6,-1 <<'END'
+size 96 96
 hand left 4 0 1.5 0 0 0 0 0
 hand left 6 0 1.5 0 0 0 0 1
 hand left 8 0.5 1.75 0 0 0 0 1
 hand left 9 0.5 1.75 0 0 0 0 0
-hand left 10 0.9 1.0 0 0 0 0 0
+hand left 10 -0.05 1.57 0 -20 -5 0 0
 hand right 12 0 1.5 0 0 -45 1 0
+save 11 1 .
 hand right 14 0 1.5 0 0 -45 0 0
 hand right 15 0 1.5 0 0 45 1 0
 hand right 16 0 1.5 0 0 45 0 0
 END
+cp color-11-0.raw ray.raw
 is '.input.teleports == 1 and .input.grabs == 1 and .input.light_moves == 3'
 is '.input.light | (.[0] - 0.5 | fabs) < 1e-4 and (.[1] - 1.75 | fabs) < 1e-4 and (.[2] + 2 | fabs) < 1e-4'
 is '[.last.views[0,1].position] | ((.[0][0] + .[1][0]) / 2 | fabs) < 1e-4 and (.[0][1] - 1.6 | fabs) < 1e-4 and (.[0][2] + 1.5 | fabs) < 1e-4'
+
+run 0 handless lamp.gltf "${plain[@]}" --frames 10 --no-input --eye 0,1.6,0 --look-at 0,1.6,-1 <<'END'
+size 96 96
+hand left 4 0 1.5 0 0 0 0 0
+save 11 1 .
+END
+changed=$(cmp -l ray.raw color-11-0.raw | wc -l)
+[ "$changed" -gt 30 ] && [ "$changed" -lt 2000 ] || fail "$changed bytes show the ray of the hand"
+rm -f ./*.raw
 
 # ---- losses: the session is begun anew each time ----
 run 0 losses builtin:onetile "${plain[@]}" --frames 24 <<'END'

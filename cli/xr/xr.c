@@ -236,6 +236,7 @@ int command_xr(int argc, char **argv) {
     x->options = &o;
     x->host = fnl_host_default();
     x->frame = o.frame;
+    x->ev = o.frame.exposure == FNL_EXPOSURE_EV ? o.frame.ev : 0;
     x->scale = o.scale > 0 ? o.scale : 1;
     x->numbers.least_scale = x->scale;
     const bool good = run(x);

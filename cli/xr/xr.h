@@ -64,6 +64,15 @@ struct xr_hand {
     fnl_rigid_pose held_by;     /* the hand then */
 };
 
+/** The rays that are seen; they stay in the scene when a session is lost. */
+struct xr_beams {
+    fnl_material_id material;
+    fnl_mesh_id mesh; /* generation 0: not made yet */
+    fnl_instance_id instances[XR_HANDS];
+    bool shown[XR_HANDS];
+    float ev; /* that the material is made for */
+};
+
 /** A frame that was shown a while ago, to compare what was predicted with what came. */
 struct xr_past {
     XrTime display;
@@ -143,6 +152,8 @@ struct xr {
     XrAction aim_action, teleport_action, grab_action;
     struct xr_hand hands[XR_HANDS];
     bool has_input;
+    struct xr_beams beams;
+    float ev; /* of the last frame */
 
     XrTime first_display, past_display;
     struct xr_past past[XR_PAST];
@@ -195,6 +206,12 @@ void xr_run_frame(struct xr *x);
 /** Suggests bindings and attaches them; without them the session goes on. */
 void xr_start_input(struct xr *x);
 void xr_take_input(struct xr *x, XrTime time);
+/** How long a hand's ray is: to the floor where it meets that nearby, else a few metres. */
+float xr_ray_length(const struct xr *x, const struct xr_hand *hand);
+
+/* ---- xr_beams.c ---- */
+
+void xr_show_beams(struct xr *x);
 
 /* ---- xr_mask.c ---- */
 

@@ -155,6 +155,7 @@ static bool note_last(struct xr *x, double cpu) {
             return false;
         }
         gpu += stats.gpu_milliseconds;
+        x->ev = stats.ev;
         x->groups[i].has_stats = false;
         any = true;
     }

@@ -75,11 +75,21 @@ void xr_start_input(struct xr *x) { x->has_input = !x->options->no_input && star
 /* The floor is where the space of play has it: at 0 of a stage, else 1.6 m below where the user began. */
 static float floor_of(const struct xr *x) { return x->rig.position.y - (x->space_type == XR_REFERENCE_SPACE_TYPE_STAGE ? 0 : 1.6f); }
 
+static bool meets_floor(const struct xr *x, const struct xr_hand *hand, float *out_distance) {
+    const float slope = quat_turn(hand->pose.rotation, (fnl_vec3){0, 0, -1}).y;
+    *out_distance = slope < -1e-4f ? (floor_of(x) - hand->pose.position.y) / slope : -1;
+    return *out_distance > 0 && *out_distance <= farthest_step;
+}
+
+float xr_ray_length(const struct xr *x, const struct xr_hand *hand) {
+    float distance;
+    return meets_floor(x, hand, &distance) ? fmaxf(distance, 0.1f) : 3;
+}
+
 static void teleport(struct xr *x, const struct xr_hand *hand) {
-    const fnl_vec3 from = hand->pose.position, along = quat_turn(hand->pose.rotation, (fnl_vec3){0, 0, -1});
-    const float t = along.y < -1e-4f ? (floor_of(x) - from.y) / along.y : -1;
-    if (!(t > 0 && t <= farthest_step)) return; /* it meets no floor nearby */
-    const fnl_vec3 goal = add3(from, scale3(along, t));
+    float distance;
+    if (!meets_floor(x, hand, &distance)) return;
+    const fnl_vec3 goal = add3(hand->pose.position, scale3(quat_turn(hand->pose.rotation, (fnl_vec3){0, 0, -1}), distance));
     x->rig.position.x += goal.x - x->head_in_world.x;
     x->rig.position.z += goal.z - x->head_in_world.z;
     x->head_in_world.x = goal.x;
@@ -163,4 +173,5 @@ void xr_take_input(struct xr *x, XrTime time) {
         hand->teleport = goes;
         hand->grab = takes;
     }
+    xr_show_beams(x);
 }
