@@ -11,6 +11,8 @@ uint32_t fine_kinds = 1u << GPU_ENTITY_LIGHT;
 /* ---- building and reading back ---- */
 
 /* `front`: depth of blended surfaces, or NULL. */
+void (*fine_spoil)(const struct graph *graph);
+
 struct fine_copy fine_build(const struct gpu_view *view, uint32_t light_count, const float *depth, const float *front,
                             const struct fine_params *given) {
     struct list_lab lab = list_lab_open(view, lights, light_count);
@@ -26,6 +28,7 @@ struct fine_copy fine_build(const struct gpu_view *view, uint32_t light_count, c
                              .tiles_y = DIVIDE_UP(view->size.y, p.tile_size),
                              .cell_count = lists.lights.cell_count,
                              .mask_size = depth && p.pruning ? MIN(p.mask_size, p.tile_size / 8) : 0};
+    if (fine_spoil) fine_spoil(lab.graph);
     list_lab_run(&lab,
                  (graph_buffer[COPY_COUNT]){lists.lights.cells, lists.lights.ids, lists.lights.extra, lists.boxes,
                                             lab.in_view.ids, lists.lights.totals},

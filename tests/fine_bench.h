@@ -23,6 +23,9 @@ struct fine_copy {
     uint32_t tile_size, tiles_x, tiles_y, cell_count, mask_size;
 };
 
+/** Called by fine_build() before a graph runs, unless NULL. */
+extern void (*fine_spoil)(const struct graph *graph);
+
 /** `front`: depth of blended surfaces, or NULL. */
 struct fine_copy fine_build(const struct gpu_view *view, uint32_t light_count, const float *depth, const float *front,
                             const struct fine_params *given);

@@ -7,8 +7,8 @@
 
 /* Larger masks are made coarser, or left out; more marks get larger blocks. */
 enum { MASK_BYTES = 256 << 20, MARK_BYTES = 64 << 20, BLOCK_PIXELS = 64 };
-/* Of masks the count keeps up to so many words for each square of pixels while all take no more than this. */
-enum { KEPT_WORDS = 3, KEPT_BYTES = 64 << 20 };
+/* Of masks the count keeps up to so many words for each square of pixels, fewer where all would take more than this. */
+enum { KEPT_WORDS = 16, KEPT_BYTES = 128 << 20 };
 
 struct fine_params fine_params_default(void) {
     return (struct fine_params){
@@ -17,7 +17,7 @@ struct fine_params fine_params_default(void) {
 
 struct fine_data {
     graph_image depth, front;
-    graph_buffer boxes, ranges, marks, found, sums, overflow, cells, ids, extra;
+    graph_buffer boxes, volumes, ranges, marks, found, sums, overflow, cells, ids, extra;
     uint32_t tiles_x, tiles_y, cell_count, block, samples, kept_words;
     uint32_t list_count, lists, flags[FINE_LISTS]; /* `lists`: the flags of all, a byte each */
     uint32_t blend, others[GPU_ENTITY_KINDS];      /* which of the lists; 0: none of its own */
@@ -94,7 +94,7 @@ static void add_steps(struct graph *graph, const struct light_input *input, cons
 #define RANGES graph_row_if(all->ranges.id, graph_reads(&push.ranges, all->ranges))
     ADD_STEP(STEP("fine bounds", shader_fine_bounds_comp, DIVIDE_UP(MAX(input->local_count, 1u), 64u)),
              graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.visible_ids, in_view->ids),
-             graph_reads(&push.bounds, in_view->bounds), graph_writes(&push.boxes, all->boxes));
+             graph_reads(&push.bounds, in_view->bounds), graph_writes(&push.boxes, all->boxes), graph_writes(&push.extra, all->volumes));
     if (all->depth.id) {
         ADD_STEP(STEP("fine depths", shader_fine_depths_comp, all->tiles_x, all->tiles_y, 1), DEPTHS,
                  graph_writes(&push.ranges, all->ranges), graph_writes(&push.extra, all->extra));
@@ -104,13 +104,13 @@ static void add_steps(struct graph *graph, const struct light_input *input, cons
              graph_writes(&push.marks, all->marks));
     ADD_STEP(STEP("fine count", shader_fine_count_comp, all->tiles_x, all->tiles_y, all->list_count), DEPTHS,
              graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.visible_ids, in_view->ids),
-             graph_reads(&push.boxes, all->boxes), RANGES, graph_reads(&push.marks, all->marks),
+             graph_reads(&push.bounds, all->volumes), graph_reads(&push.boxes, all->boxes), RANGES, graph_reads(&push.marks, all->marks),
              graph_writes(&push.found, all->found), graph_writes(&push.sums, all->sums),
              graph_writes(&push.overflow, all->overflow));
     prefix_sum_add(graph, "fine", input->queue, all->sums, all->cell_count + 1);
     ADD_STEP(STEP("fine fill", shader_fine_fill_comp, all->tiles_x, all->tiles_y, all->list_count), DEPTHS,
              graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.visible_ids, in_view->ids),
-             graph_reads(&push.boxes, all->boxes), RANGES, graph_reads(&push.marks, all->marks),
+             graph_reads(&push.bounds, all->volumes), graph_reads(&push.boxes, all->boxes), RANGES, graph_reads(&push.marks, all->marks),
              graph_reads(&push.found, all->found), graph_reads(&push.sums, all->sums),
              graph_changes(&push.overflow, all->overflow), graph_writes(NULL, all->cells),
              graph_row_if(all->ids.id, graph_writes(&push.ids, all->ids)), /* and it reads back what it wrote */
@@ -137,8 +137,8 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     masked.pruning = prunes;
     uint32_t cell_count = all.cell_count = tile_count * all.list_count;
     uint32_t mask_size = mask_size_of(&masked, cell_count), side = mask_size ? params->tile_size / mask_size : 0;
-    const uint64_t kept_bytes = (uint64_t)cell_count * side * side * 4; /* for each word of masks */
-    if (params->tile_size <= 16 && side) all.kept_words = kept_bytes * KEPT_WORDS <= KEPT_BYTES ? KEPT_WORDS : 1;
+    if (side) all.kept_words = (uint32_t)CLAMP(KEPT_BYTES / ((uint64_t)cell_count * side * side * 4), 1u, (uint64_t)KEPT_WORDS);
+    const uint32_t found_words = FINE_FOUND_WORDS(MAX(all.kept_words * 32, FINE_FOUND), all.kept_words, side * side);
     bool compares = !params->exact_positions && (prunes || several);
     uint32_t pool = params->packed ? 0 : params->pool_capacity,
              cell_bytes = params->packed ? GPU_PACKED_WORDS * 4 : sizeof(struct gpu_cell);
@@ -167,11 +167,12 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         if (block_bytes <= MARK_BYTES || all.block >= MAX(tiles_x, tiles_y)) break;
     }
     all.boxes = graph_create_buffer(graph, "fine boxes", MAX(input->local_count, 1u) * sizeof(struct gpu_fine_box));
+    all.volumes = graph_create_buffer(graph, "fine volumes", MAX(input->local_count, 1u) * sizeof(struct gpu_fine_volume));
     if (depth.id)
         all.ranges =
             graph_create_buffer(graph, "fine ranges", tile_count * (all.front.id ? 2 : 1) * sizeof(struct gpu_fine_range));
     all.marks = graph_create_buffer(graph, "fine marks", block_bytes);
-    all.found = graph_create_buffer(graph, "fine found", cell_count * (FINE_FOUND * 4ull) + kept_bytes * all.kept_words);
+    all.found = graph_create_buffer(graph, "fine found", cell_count * (found_words * 4ull));
     all.sums = graph_create_buffer(graph, "fine sums", (cell_count + 1) * 4ull);
     all.overflow = graph_create_buffer(graph, "fine overflow", 4);
     all.cells = graph_create_buffer(graph, "fine cells", (uint64_t)cell_count * cell_bytes);

@@ -131,6 +131,25 @@ void extend_by_proxy(gpu_shape shape, gpu_entity_bounds entity) {
     }
 }
 
+void store_volume(uint index, gpu_entity_bounds entity, gpu_shape shape) {
+    gpu_fine_volume v;
+    v.position = v.center = entity.center;
+    v.range = v.radius = entity.radius;
+    v.kind = GPU_SHAPE_SPHERE;
+    v.direction = vec3(0.0);
+    v.spot_scale = v.spot_offset = 0.0;
+    v.shape = entity.shape;
+    if (v.shape != GPU_NO_SHAPE) {
+        v.position = shape.position;
+        v.range = shape.range;
+        v.kind = shape.kind | (LIST_SIMPLE ? 0u : shape.hull_count << 8u);
+        v.direction = shape.direction;
+        v.spot_scale = shape.spot_scale;
+        v.spot_offset = shape.spot_offset;
+    }
+    fine_volume_array(push.extra).at[index] = v;
+}
+
 void main() {
     uint index = LINEAR_INVOCATION, light_count = push.list.list.local_count;
     if (index >= push.visible_sums.at[light_count]) return;
@@ -160,4 +179,5 @@ void main() {
     if (any(greaterThan(box.rect.xy, box.rect.zw)) || low.z > high.z) box.rect = vec4(1.0, 1.0, -1.0, -1.0);
     box.depth = vec2(low.z * (1.0 - CELL_SLACK), high.z * (1.0 + CELL_SLACK));
     push.boxes.at[index] = box;
+    store_volume(index, entity, shape);
 }

@@ -10,18 +10,39 @@
 void make_masks(uint to, uint first, uint count) {
     uint words = (count + 31u) / 32u, step = joined_pixels();
     for (uint w = 0u; w < words; w++) {
-        uint end = min(32u, count - w * 32u);
-        if (thread == 0u) whole_bits = 0u;
-        barrier();
-        for (uint b = thread; b < end; b += THREADS) stage(b, push.ids.at[first + w * 32u + b]);
-        barrier();
-        test_staged(end);
+        test_word(true, first + w * 32u, min(32u, count - w * 32u));
         for (uint i = 0u; i < OWN; i++) {
             if (i % step != 0u) continue;
             uint square = join_masks(i);
             if (square < fine_squares()) push.extra.at[to + square * words + w] = masks[i];
         }
         barrier();
+    }
+}
+
+// Copies the masks that the count kept at `from`, without the bits of what the tile does not keep.
+void copy_masks(uint to, uint from, uint count, uint tested) {
+    uint words = (count + 31u) / 32u;
+    for (uint square = thread; square < fine_squares(); square += THREADS) {
+        uint at = to + square * words, filled = 0u, word = 0u;
+        for (uint w = 0u; w < tested; w++) {
+            uint bits = push.found.at[fine_found_bits(from) + w], mask = push.found.at[fine_found_masks(from) + w * fine_squares() + square];
+            // What is dropped is 0 in all masks: the bits behind it move up, the last of them first.
+            for (uint holes = ~bits & (bits == 0u ? 0u : 0xffffffffu >> (31 - findMSB(bits))); holes != 0u;) {
+                uint below = (1u << uint(findMSB(holes))) - 1u;
+                holes &= below;
+                mask = (mask & below) | (mask >> 1u & ~below);
+            }
+            uint behind = filled + uint(bitCount(bits));
+            word |= mask << filled;
+            if (behind >= 32u) {
+                push.extra.at[at++] = word;
+                word = filled == 0u ? 0u : mask >> (32u - filled);
+                behind -= 32u;
+            }
+            filled = behind;
+        }
+        if (filled != 0u) push.extra.at[at] = word;
     }
 }
 
@@ -54,21 +75,21 @@ void main() {
         if (!fits) atomicAdd(push.overflow.at[0], 1u);
     }
     if (!fits || count == 0u) return;
-    bool has_words = (flags & FINE_PIXELS) != 0u && push.list.list.mask_size != 0u, found = count < FINE_FOUND;
+    bool has_words = (flags & FINE_PIXELS) != 0u && push.list.list.mask_size != 0u, found = count <= FOUND;
     uint from = fine_found_of(cell), to = fine_masks_of(push.list, cell, first);
-    bool copies = has_words && push.found.at[from + FINE_FOUND - 1u] == 1u;
+    uint tested = has_words ? push.found.at[from + FOUND] : 0u;
+    bool copies = tested != 0u;
     if ((flags & FINE_PIXELS) != 0u && !copies) take_positions();
     if (found) {
-        if (has_words && !copies && (flags & FINE_BLENDED) == 0u) bound_tile();
         for (uint i = thread; i < count; i += THREADS) push.ids.at[first + i] = push.found.at[from + i];
     } else {
         walk(push.ids, first, last);
     }
-    if (copies)
-        for (uint i = thread; i < fine_squares() * ((count + 31u) / 32u); i += THREADS)
-            push.extra.at[to + i] = push.found.at[from + FINE_FOUND + i];
-    if (!has_words || copies) return;
+    if (copies) copy_masks(to, from, count, tested);
     memoryBarrierBuffer();
     barrier();
-    make_masks(to, first, count);
+    if (has_words && !copies) make_masks(to, first, count);
+    barrier();
+    // From places among the lights in view to lights.
+    for (uint i = thread; i < count; i += THREADS) push.ids.at[first + i] = push.visible_ids.at[push.ids.at[first + i]];
 }

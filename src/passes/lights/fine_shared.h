@@ -13,6 +13,19 @@ struct gpu_fine_box {
     uint kind;           /* GPU_ENTITY_… */
 };
 
+/* The volume of a light in view, as pixels are tested against it: world space. */
+struct gpu_fine_volume {
+    vec3 position;
+    float range;
+    vec3 direction;
+    uint kind;           /* GPU_SHAPE_…, and the number of the hull's planes << 8 */
+    float spot_scale;
+    float spot_offset;
+    uint shape;          /* where the shape is, or GPU_NO_SHAPE */
+    float radius;        /* of the sphere round all of it */
+    vec3 center;
+};
+
 /*
  * View depths of the surfaces of a tile, near > far: there are none. Those of the opaque ones of all tiles come first; then, where they
  * are told apart, those of the blended ones: from the nearest of them to what is opaque behind.
@@ -24,10 +37,12 @@ struct gpu_fine_range {
 };
 
 /*
- * What the count keeps of a tile for the fill: the survivors, up to FINE_FOUND - 1 of them (longer lists are found again); a word that
- * says whether it keeps masks as well, as it does where few enough lights had to be tested; and room for those.
+ * What the count keeps of a tile for the fill, in words: the survivors, up to `found` of them (longer lists are found again) and no fewer than
+ * FINE_FOUND; a word that says how many words of lights were tested, or 0 where these were too many to keep masks; for each of `kept` such words the
+ * bits of the survivors, and a mask for each square of pixels.
  */
 #define FINE_FOUND 128u
+#define FINE_FOUND_WORDS(found, kept, squares) ((found) + 1u + (kept) * (1u + (squares)))
 /* Positions are known to this part of their distance from the world's origin and from the eye. */
 #define FINE_SLACK 1e-5
 
@@ -44,15 +59,15 @@ struct gpu_fine_push {
     ADDRESS(light_list_block) list;         /* of the first list */
     ADDRESS(const_uint_array) visible_sums; /* its element local_count is the number of lights in view */
     ADDRESS(const_uint_array) visible_ids;
-    ADDRESS(bound_array) bounds;            /* their spheres */
+    ADDRESS(bound_array) bounds;            /* fine bounds: their spheres; count and fill: their volumes */
     ADDRESS(fine_box_array) boxes;
     ADDRESS(fine_range_array) ranges;       /* one per tile */
     ADDRESS(uint_array) marks;              /* a bit for each light in view, for each block of tiles, for each list */
-    ADDRESS(uint_array) found;              /* for each cell FINE_FOUND words, then its masks */
+    ADDRESS(uint_array) found;              /* FINE_FOUND_WORDS of each cell */
     ADDRESS(uint_array) sums;               /* one per cell and one more: counts, then their prefix sum */
     ADDRESS(uint_array) overflow;           /* [0]: number of cells that did not fit */
     ADDRESS(uint_array) ids;                /* the pool */
-    ADDRESS(uint_array) extra;              /* masks, then positions: see gpu_light_list */
+    ADDRESS(uint_array) extra;              /* masks, then positions: see gpu_light_list; of fine bounds, the volumes */
     uint depth;                             /* bindless index of the depth image */
     uint front;                             /* … of that of the nearest blended surfaces */
     uint capacity;                          /* of the pool */

@@ -8,11 +8,13 @@
 
 layout(buffer_reference) buffer fine_box_array;
 layout(buffer_reference) buffer fine_range_array;
+layout(buffer_reference) buffer fine_volume_array;
 
 #include "passes/lights/fine_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fine_box_array { gpu_fine_box at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fine_range_array { gpu_fine_range at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer fine_volume_array { gpu_fine_volume at[]; };
 
 layout(push_constant, scalar) uniform push_block { gpu_fine_push push; };
 

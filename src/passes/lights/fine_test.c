@@ -471,6 +471,47 @@ static void test_many_lights_FP_10(void **state) {
     }
 }
 
+static struct gpu_buffer no_volumes;
+
+static void spoil_volumes(const struct graph *graph) {
+    spy_overwrite(graph, "fine count", "fine volumes", 0, no_volumes.size, &no_volumes);
+}
+
+/* Up to 512 lights that touch a tile are tested against its pixels once: the fill makes the same masks when there are no volumes any more. With
+   more it has to test them, and finds nothing. */
+static void test_lights_are_tested_once(void **state) {
+    UNUSED(state);
+    static const uint32_t counts[] = {90, 300, 512, 513};
+    static const uint32_t tile_sizes[] = {16, 16, 32}, mask_sizes[] = {1, 2, 1};
+    struct random_state random = {23};
+    fnl_camera camera = fnl_camera_default();
+    struct gpu_view view = view_from_camera(&camera, 24, 20);
+    float depth[24 * 20];
+    for (uint32_t i = 0; i < COUNT_OF(depth); i++) depth[i] = depth_of_view_depth(&view, 10 + 0.05 * (i % 7));
+    for (uint32_t n = 0; n < COUNT_OF(counts) * COUNT_OF(tile_sizes); n++) {
+        const uint32_t count = counts[n % COUNT_OF(counts)];
+        struct fine_params p = fine_params_default();
+        p.tile_size = tile_sizes[n / COUNT_OF(counts)];
+        p.mask_size = mask_sizes[n / COUNT_OF(counts)];
+        for (uint32_t i = 0; i < count; i++)
+            fine_place(&view, i, 3 + 10 * (double)random_float(&random), 3 + 10 * (double)random_float(&random), 10, 0.4f, i % 3 == 0);
+        struct fine_copy whole = fine_build(&view, count, depth, NULL, &p);
+        assert_int_equal(gpu_buffer_create(harness_device(), "nothing", count * sizeof(struct gpu_fine_volume), GPU_MEMORY_UPLOAD, &no_volumes),
+                         FNL_OK);
+        memset(no_volumes.mapped, 0, no_volumes.size);
+        spy_begin(harness_device());
+        fine_spoil = spoil_volumes;
+        struct fine_copy spoiled = fine_build(&view, count, depth, NULL, &p);
+        fine_spoil = NULL;
+        spy_end();
+        gpu_buffer_destroy(harness_device(), &no_volumes);
+        assert_true(fine_cell_at(&whole, 0).count > count / 2);
+        assert_true(fine_is_equal(&whole, &spoiled, &view) == (count <= 512));
+        fine_copy_free(&whole);
+        fine_copy_free(&spoiled);
+    }
+}
+
 static void test_overflow_FP_10(void **state) {
     UNUSED(state);
     enum { LIGHTS = 200 };
@@ -518,6 +559,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_tiles_by_boxes_FP_3, harness_check),
         cmocka_unit_test_teardown(test_blocks_FP_3, harness_check),
         cmocka_unit_test_teardown(test_many_lights_FP_10, harness_check),
+        cmocka_unit_test_teardown(test_lights_are_tested_once, harness_check),
         cmocka_unit_test_teardown(test_overflow_FP_10, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);

@@ -9,20 +9,23 @@
 
 layout(constant_id = 2) const uint TILE_SIZE = 16u;  // pixels
 layout(constant_id = 4) const uint BLENDS = 1u;      // 0: no list is of blended surfaces
-layout(constant_id = 5) const uint KEPT_WORDS = 0u;  // masks that the count keeps for a pixel, of 32 lights each
+layout(constant_id = 5) const uint KEPT_WORDS = 0u;  // masks that the count keeps for a square of pixels, of 32 lights each
 
 // Each thread owns a square of the tile: see GROUP_SIDE in fine.c.
 layout(local_size_x_id = 3, local_size_y_id = 3) in;
 
 const uint THREADS = gl_WorkGroupSize.x * gl_WorkGroupSize.y, SIDE = TILE_SIZE / gl_WorkGroupSize.x, OWN = SIDE * SIDE;
-// Shared memory limits how many groups run at a time: these are small.
-const uint BATCH = 1024u, BATCH_WORDS = BATCH / 32u, HELD = 512u, ROOM = HELD + BATCH;
-const uint PART = BATCH / THREADS; // bits of a batch that a thread tests: a part of a word
+// Shared memory limits how many groups run at a time: these are small. Once more than HELD lights touch the tile they are tested by pixels.
+const uint HELD = 512u, ROOM = 1536u;
+const uint RUN = 1024u / THREADS; // words of marks that a thread takes at a time
+const uint RUNS = 16u, RUN_THREADS = THREADS / RUNS; // sums of what so many threads found are taken together
 
 shared uint held[ROOM]; // lights in view that touch the tile's box; before them, the bounds of the threads' positions
 shared uint kept_bits[ROOM / 32u];
-// Bits of this batch, of the one before, and zeros for the next; behind the bits, how many are set.
-const uint ROW = BATCH_WORDS + 1u;
+shared uint run_sums[RUNS], thread_sums[THREADS];
+shared uint taken_end, taken_threads; // of a batch: how many lights are held with it, and how many threads' words are in it
+// What THREADS lights are tested for: this time, the time before, and zeros for the next.
+const uint ROW = THREADS / 32u;
 shared uint touched[3u * ROW];
 shared uint quads[64]; // masks of 2 x 2 pixels, whose threads are four
 
@@ -33,7 +36,12 @@ vec4 segments[OWN]; // of blended surfaces: from the position in this direction 
 
 bool is_blended() { return BLENDS != 0u && (flags & FINE_BLENDED) != 0u; }
 
-uint fine_found_of(uint cell) { return cell * (FINE_FOUND + fine_squares() * KEPT_WORDS); }
+// What the count keeps of a cell: the lights, FINE_FOUND of them at most; how many words were tested, 0 if no masks are kept; the bits of
+// what was tested and kept; and the masks, a word of all squares after the other.
+const uint FOUND = KEPT_WORDS * 32u > FINE_FOUND ? KEPT_WORDS * 32u : FINE_FOUND;
+uint fine_found_of(uint cell) { return cell * FINE_FOUND_WORDS(FOUND, KEPT_WORDS, fine_squares()); }
+uint fine_found_bits(uint found) { return found + FOUND + 1u; }
+uint fine_found_masks(uint found) { return fine_found_bits(found) + KEPT_WORDS; }
 
 // Within the tile. Four in a row are a square of 2 x 2 pixels where the thread owns so many.
 uvec2 own_pixel(uint i) {
@@ -76,47 +84,12 @@ void take_positions() {
 // ---- whether a shape holds a point ----
 
 // Of a light it is the support of light_strength() (shaders/lights/illuminate.glsl), widened by `slack` metres and by what rounding may do.
-// What only rare shapes need stays where it is.
-struct fine_volume {
-    uint kind, shape; // GPU_SHAPE_…, and the number of the hull's planes << 8; where the shape is, or GPU_NO_SHAPE
-    vec3 position, direction, center;
-    float range, spot_scale, spot_offset, radius;
-};
-
-// `place` is one of the bounds.
-fine_volume fine_volume_of(uint place) {
-    fine_volume v;
-    v.shape = push.list.list.entities.at[place].shape;
-    v.center = vec3(0.0);
-    v.radius = 0.0;
-    if (v.shape == GPU_NO_SHAPE || is_blended()) {
-        v.center = push.list.list.entities.at[place].center;
-        v.radius = push.list.list.entities.at[place].radius;
-    }
-    v.position = v.center;
-    v.range = v.radius;
-    v.kind = GPU_SHAPE_SPHERE;
-    v.direction = vec3(0.0);
-    v.spot_scale = v.spot_offset = 0.0;
-    if (v.shape == GPU_NO_SHAPE) return v;
-    shape_block s = shape_at(push.list, v.shape);
-    v.position = s.shape.position;
-    v.range = s.shape.range;
-    v.kind = s.shape.kind;
-    if (v.kind != GPU_SHAPE_SPHERE) v.direction = s.shape.direction;
-    if (v.kind == GPU_SHAPE_CONE) {
-        v.spot_scale = s.shape.spot_scale;
-        v.spot_offset = s.shape.spot_offset;
-    }
-    if (!LIST_SIMPLE) v.kind |= s.shape.hull_count << 8u;
-    return v;
-}
-
-shared fine_volume staged[32]; // lights that all threads test: fetched once, not by each of them
-shared uint whole_bits; // those of them that hold the whole tile
+// All threads ask for the same lights at a time. They read them from memory rather than from shared memory: GPUs load what is uniform once, and a
+// CPU gathers from memory in a few instructions, from shared memory in dozens.
+#define VOLUMES fine_volume_array(push.bounds)
 
 // Capsules, wedges and boxes; `from` the light's position.
-bool fine_rare_holds(fine_volume v, uint kind, vec3 from, float slack) {
+bool fine_rare_holds(gpu_fine_volume v, uint kind, vec3 from, float slack) {
     shape_block s = shape_at(push.list, v.shape);
     vec3 size = s.shape.size;
     if (kind == GPU_SHAPE_CAPSULE) {
@@ -130,36 +103,44 @@ bool fine_rare_holds(fine_volume v, uint kind, vec3 from, float slack) {
     return !any(greaterThan(abs(at), limit * (1.0 + 2e-6) + slack));
 }
 
-// All but the planes of the hull.
-bool fine_shape_holds(fine_volume v, vec3 position, float slack) {
-    vec3 from = position - v.position;
-    float distance2 = dot(from, from), range = v.range + slack;
-    if (distance2 > range * range) return false;
-    slack += 2e-6 * v.range;
-    uint kind = v.kind & 0xffu;
-    if (kind == GPU_SHAPE_CONE) {
-        // A step of s at the distance d > s turns the ray by asin(s / d) at most, which is below 1.6 s / d; others may reach the apex.
-        float d = sqrt(distance2), along = dot(v.direction, from) + 1.6 * slack + 2e-6 * d;
-        if (d > slack && along * v.spot_scale + v.spot_offset * d < 0.0) return false;
-    }
-    return LIST_SIMPLE || kind <= GPU_SHAPE_CONE || fine_rare_holds(v, kind, from, slack);
+// The sphere round any shape.
+bool fine_sphere_holds(vec3 center, float range, vec3 position, float slack) {
+    vec3 from = position - center;
+    range += slack;
+    return !(dot(from, from) > range * range);
 }
 
-vec4 fine_plane(fine_volume v, uint i) { return push.list.list.planes.at[shape_at(push.list, v.shape).shape.hull_first + i]; }
-
-bool fine_holds(fine_volume v, vec3 position, float slack) {
-    if (!fine_shape_holds(v, position, slack)) return false;
+// True for other shapes.
+bool fine_cone_holds(gpu_fine_volume v, vec3 position, float slack) {
+    vec3 from = position - v.position;
     slack += 2e-6 * v.range;
-    for (uint i = 0u; !LIST_SIMPLE && i < v.kind >> 8u; i++) {
+    // A step of s at the distance d > s turns the ray by asin(s / d) at most, which is below 1.6 s / d; others may reach the apex.
+    float d = length(from), along = dot(v.direction, from) + 1.6 * slack + 2e-6 * d;
+    return (v.kind & 0xffu) != GPU_SHAPE_CONE || !(d > slack && along * v.spot_scale + v.spot_offset * d < 0.0);
+}
+
+vec4 fine_plane(gpu_fine_volume v, uint i) { return push.list.list.planes.at[shape_at(push.list, v.shape).shape.hull_first + i]; }
+
+// What is neither sphere nor cone: rare shapes, and hulls.
+bool fine_rest_holds(gpu_fine_volume v, vec3 position, float slack) {
+    slack += 2e-6 * v.range;
+    uint kind = v.kind & 0xffu;
+    if (kind > GPU_SHAPE_CONE && !fine_rare_holds(v, kind, position - v.position, slack)) return false;
+    for (uint i = 0u; i < v.kind >> 8u; i++) {
         vec4 plane = fine_plane(v, i);
         if (dot(plane.xyz, position - v.position) > plane.w + slack) return false;
     }
     return true;
 }
 
+bool fine_holds(gpu_fine_volume v, vec3 position, float slack) {
+    return fine_sphere_holds(v.position, v.range, position, slack) && fine_cone_holds(v, position, slack) &&
+           (LIST_SIMPLE || v.kind <= GPU_SHAPE_CONE || fine_rest_holds(v, position, slack));
+}
+
 // Whether the light may reach blended surfaces of the pixel. A segment is held when its middle is, by a volume that is wider by half of it;
 // and its nearest point to the centre of the light's sphere is in that.
-bool holds_segment(fine_volume v, uint i) {
+bool holds_segment(gpu_fine_volume v, uint i) {
     vec4 s = segments[i];
     vec3 to_center = v.center - positions[i], off = to_center - s.xyz * clamp(dot(to_center, s.xyz), 0.0, s.w);
     float radius = v.radius * (1.0 + CELL_SLACK) + slacks[i];
@@ -205,173 +186,39 @@ void bound_tile() {
     tile_radius = 0.5 * length(high - low) * 1.00001 + 1e-6 * length(tile_center);
 }
 
-// Whether a volume holds all of the tile's positions, so that none needs a test. The cone's bound grows no faster than distance does.
-bool holds_whole_tile(fine_volume v) {
-    vec3 from = tile_center - v.position;
-    float d = length(from), room = v.range - d;
-    if (is_blended() || v.kind > GPU_SHAPE_CONE || room < tile_radius) return false;
-    return v.kind == GPU_SHAPE_SPHERE ||
-           dot(v.direction, from) * v.spot_scale + v.spot_offset * d >= tile_radius * (abs(v.spot_scale) + abs(v.spot_offset));
-}
+uint masks[OWN]; // which lights of a word may reach the thread's pixels
 
-// Fetches a light as bit `b`. All threads then pass a barrier.
-void stage(uint b, uint place) {
-    fine_volume v = fine_volume_of(place);
-    staged[b] = v;
-    if (holds_whole_tile(v)) atomicOr(whole_bits, 1u << b);
-}
-
-uint masks[OWN]; // which of the staged lights may reach the thread's pixels
-
-// Without loops within the loops over pixels these unroll, and positions stay in registers.
-void test_light(uint b) {
-    fine_volume v = staged[b];
-    uint bit = 1u << b;
-    if (is_blended()) {
+// Tests lights, up to 32 of them: of the list from `at` on, or of what is held.
+void test_word(bool of_list, uint at, uint count) {
+    for (uint i = 0u; i < OWN; i++) masks[i] = 0u;
+    for (uint b = 0u; b < count; b++) {
+        uint light = of_list ? push.ids.at[at + b] : held[at + b], bit = 1u << b;
+        if (is_blended()) {
+            gpu_fine_volume v = VOLUMES.at[light];
+            for (uint i = 0u; i < OWN; i++)
+                if (holds_segment(v, i)) masks[i] |= bit;
+            continue;
+        }
+        vec3 position = VOLUMES.at[light].position;
+        float range = VOLUMES.at[light].range;
+        uint kind = VOLUMES.at[light].kind;
         for (uint i = 0u; i < OWN; i++)
-            if (slacks[i] >= 0.0 && holds_segment(v, i)) masks[i] |= bit;
-        return;
+            if (fine_sphere_holds(position, range, positions[i], slacks[i])) masks[i] |= bit;
+        // Once or not at all: see leave().
+        for (bool more = kind != GPU_SHAPE_SPHERE; more; more = false) {
+            gpu_fine_volume v = VOLUMES.at[light];
+            for (uint i = 0u; i < OWN; i++)
+                if (!fine_cone_holds(v, positions[i], slacks[i])) masks[i] &= ~bit;
+            for (bool rare = !LIST_SIMPLE && kind > GPU_SHAPE_CONE; rare; rare = false)
+                for (uint i = 0u; i < OWN; i++)
+                    if (!fine_rest_holds(v, positions[i], slacks[i])) masks[i] &= ~bit;
+        }
     }
     for (uint i = 0u; i < OWN; i++)
-        if (slacks[i] >= 0.0 && fine_shape_holds(v, positions[i], slacks[i])) masks[i] |= bit;
-    for (uint k = 0u; !LIST_SIMPLE && k < v.kind >> 8u; k++) {
-        vec4 plane = fine_plane(v, k);
-        for (uint i = 0u; i < OWN; i++)
-            if (dot(plane.xyz, positions[i] - v.position) > plane.w + (slacks[i] + 2e-6 * v.range)) masks[i] &= ~bit;
-    }
-}
-
-void test_staged(uint count) {
-    for (uint i = 0u; i < OWN; i++) masks[i] = slacks[i] >= 0.0 ? whole_bits : 0u;
-    for (uint rest = ~whole_bits & 0xffffffffu >> (32u - count); rest != 0u; rest &= rest - 1u) test_light(uint(findLSB(rest)));
+        if (slacks[i] < 0.0) masks[i] = 0u;
 }
 
 // ---- the walk ----
-
-// Masks of the thread's pixels over what the walk tests, kept where these are few enough lights.
-bool makes_masks = false, has_masks = false;
-uint tested_words = 0u;
-uint kept_masks[OWN * KEPT_WORDS + 1u];
-
-uint local_light(uint index) { return push.visible_ids.at[index]; }
-
-// How many bits are set among those of `kept_bits` before this one.
-uint kept_before(uint bit) {
-    uint sum = uint(bitCount(kept_bits[bit / 32u] & ((1u << (bit & 31u)) - 1u)));
-    for (uint w = 0u; w < bit / 32u; w++) sum += uint(bitCount(kept_bits[w]));
-    return sum;
-}
-
-uint kept_in(uint words) {
-    uint sum = 0u;
-    for (uint w = 0u; w < words; w++) sum += uint(bitCount(kept_bits[w]));
-    return sum;
-}
-
-// Leaves of what is held the lights whose volumes, widened by the tile's sphere, hold its centre. Barriers are before it and behind.
-uint hold_tile(uint count) {
-    uint words = (count + 31u) / 32u;
-    if (thread < words) kept_bits[thread] = 0u;
-    barrier();
-    for (uint base = 0u; base < count; base += THREADS) {
-        uint id = 0xffffffffu;
-        // Once or not at all: a loop costs threads that have nothing to do nothing, also where branches are masks.
-        for (uint i = base + thread; i < min(base + THREADS, count); i += THREADS) {
-            if (!fine_holds(fine_volume_of(local_light(held[i])), tile_center, tile_radius)) continue;
-            id = held[i];
-            atomicOr(kept_bits[i / 32u], 1u << (i & 31u));
-        }
-        barrier();
-        if (id != 0xffffffffu) held[kept_before(base + thread)] = id; // nobody reads that again
-    }
-    uint left = kept_in(words);
-    barrier();
-    return left;
-}
-
-// Gives what is kept to `out_ids` from `out_first` on, as far as it goes below `out_end`; returns how many are kept. `whole`: the tile has
-// nothing before and behind. Barriers are before it and behind.
-uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_end) {
-    bool tests = (flags & FINE_PIXELS) != 0u;
-    if (tests && !is_blended()) count = hold_tile(count);
-    if (count == 0u) return 0u; // the whole group
-    uint words = (count + 31u) / 32u;
-    has_masks = makes_masks && whole && words <= KEPT_WORDS;
-    tested_words = words;
-    if (thread < max(words, KEPT_WORDS)) {
-        uint in_word = min(count - min(thread * 32u, count), 32u);
-        kept_bits[thread] = tests || in_word == 0u ? 0u : 0xffffffffu >> (32u - in_word);
-    }
-    barrier();
-    for (uint w = 0u; tests && w < words; w++) {
-        uint bits = 0u, end = min(32u, count - w * 32u);
-        if (thread == 0u) whole_bits = 0u;
-        barrier();
-        for (uint b = thread; b < end; b += THREADS) stage(b, local_light(held[w * 32u + b]));
-        barrier();
-        test_staged(end);
-        for (uint i = 0u; i < OWN; i++) {
-            bits |= masks[i];
-            for (uint k = 0u; k < KEPT_WORDS; k++)
-                if (k == w) kept_masks[i * KEPT_WORDS + k] = masks[i];
-        }
-        if (bits != 0u) atomicOr(kept_bits[w], bits);
-        barrier();
-    }
-    for (uint i = thread; i < count; i += THREADS) {
-        if ((kept_bits[i / 32u] >> (i & 31u) & 1u) == 0u) continue;
-        uint at = out_first + kept_before(i);
-        if (at < out_end) out_ids.at[at] = push.list.list.packed == 1u ? held[i] : local_light(held[i]);
-    }
-    uint kept = kept_in(words);
-    barrier();
-    return kept;
-}
-
-uint walk(uint_array out_ids, uint out_first, uint out_end) {
-    uint marks = fine_marks_of(gl_WorkGroupID.z, gl_WorkGroupID.xy);
-    uint words = (push.visible_sums.at[push.list.list.local_count] + 31u) / 32u;
-    uint kept = 0u, count = 0u, row = 0u;
-    bool flushed = false;
-    vec2 depths = vec2(0.0, FINE_FAR);
-    if ((flags & (FINE_MIN_DEPTH | FINE_MAX_DEPTH)) != 0u)
-        depths = fine_depths(flags, fine_range_of(flags, gl_WorkGroupID.xy));
-    if (depths.x > depths.y) return 0u; // the whole group
-    if ((flags & FINE_PIXELS) != 0u && !is_blended()) bound_tile();
-    vec4 rect = vec4(gl_WorkGroupID.xy * TILE_SIZE, min((gl_WorkGroupID.xy + 1u) * TILE_SIZE, push.view.view.size));
-    uint word = thread * PART / 32u, shift = thread * PART % 32u; // the thread's part of each batch
-    if (thread < ROW) touched[thread] = 0u;
-    barrier();
-    for (uint base = 0u; base < words; base += BATCH_WORDS) {
-        uint w = base + word, hits = 0u, next = row == 2u * ROW ? 0u : row + ROW;
-        for (uint bits = w < words ? push.marks.at[marks + w] & ((1u << PART) - 1u) << shift : 0u; bits != 0u; bits &= bits - 1u) {
-            uint bit = uint(findLSB(bits));
-            if (fine_touches(push.boxes.at[w * 32u + bit], flags, rect, depths)) hits |= 1u << bit;
-        }
-        if (thread < ROW) touched[next + thread] = 0u; // was read two barriers ago
-        if (hits != 0u) {
-            atomicOr(touched[row + word], hits);
-            atomicAdd(touched[row + BATCH_WORDS], uint(bitCount(hits)));
-        }
-        barrier();
-        if (hits != 0u) {
-            uint at = count + uint(bitCount(touched[row + word] & ((1u << shift) - 1u)));
-            for (uint i = 0u; i < word; i++) at += uint(bitCount(touched[row + i]));
-            for (; hits != 0u; hits &= hits - 1u) held[at++] = w * 32u + uint(findLSB(hits));
-        }
-        count += touched[row + BATCH_WORDS];
-        row = next;
-        if (count > HELD) {
-            barrier();
-            kept += flush(count, false, out_ids, out_first + kept, out_end);
-            count = 0u;
-            flushed = true;
-        }
-    }
-    barrier();
-    if (count > 0u) kept += flush(count, !flushed, out_ids, out_first + kept, out_end);
-    return kept;
-}
 
 // Joins the masks of pixels that share one: `i` is the first of them. Returns the number of the square of pixels in the tile; fine_squares():
 // another thread stores it. All threads call it; before they call it again they pass a barrier.
@@ -394,6 +241,148 @@ uint join_masks(uint i) {
 
 // Pixels of a thread's that share a mask.
 uint joined_pixels() { return SIDE == 1u ? 1u : push.list.list.mask_size * push.list.list.mask_size; }
+
+// Whether the walk keeps the masks of what it tests where these are few enough lights, and of how many words it has kept them.
+bool makes_masks = false;
+uint tested_words = 0u;
+
+// How many bits are set among those of `kept_bits` before this one.
+uint kept_before(uint bit) {
+    uint sum = uint(bitCount(kept_bits[bit / 32u] & ((1u << (bit & 31u)) - 1u)));
+    for (uint w = 0u; w < bit / 32u; w++) sum += uint(bitCount(kept_bits[w]));
+    return sum;
+}
+
+uint kept_in(uint words) {
+    uint sum = 0u;
+    for (uint w = 0u; w < words; w++) sum += uint(bitCount(kept_bits[w]));
+    return sum;
+}
+
+uint touched_row = 0u;
+
+// Of what is held from `first` to `end`, leaves the lights whose box touches the tile's, or whose volume, widened by the tile's sphere, holds
+// its centre. Returns the new end. Barriers are before it and behind.
+uint leave(uint first, uint end, bool by_boxes, vec4 rect, vec2 depths) {
+    uint count = first;
+    for (uint base = first; base < end; base += THREADS) {
+        uint id = 0u, next = touched_row == 2u * ROW ? 0u : touched_row + ROW;
+        bool hit = false;
+        // Once or not at all: a loop costs threads that have nothing to do nothing, also where branches are masks.
+        for (uint i = base + thread; i < min(base + THREADS, end); i += THREADS) {
+            id = held[i];
+            hit = by_boxes ? fine_touches(push.boxes.at[id], flags, rect, depths)
+                           : fine_holds(VOLUMES.at[id], tile_center, tile_radius);
+        }
+        if (thread < ROW) touched[next + thread] = 0u; // was read two barriers ago
+        if (hit) atomicOr(touched[touched_row + thread / 32u], 1u << (thread & 31u));
+        barrier();
+        uint at = count + uint(bitCount(touched[touched_row + thread / 32u] & ((1u << (thread & 31u)) - 1u)));
+        for (uint w = 0u; w < ROW; w++) {
+            uint bits = uint(bitCount(touched[touched_row + w]));
+            if (w < thread / 32u) at += bits;
+            count += bits;
+        }
+        if (hit) held[at] = id; // nobody reads that again
+        touched_row = next;
+    }
+    barrier();
+    return count;
+}
+
+// The masks of a word of what is tested.
+void keep_masks(uint word) {
+    uint to = fine_found_masks(fine_found_of(cell)) + word * fine_squares(), step = joined_pixels();
+    for (uint i = 0u; i < OWN; i++) {
+        if (i % step != 0u) continue;
+        uint square = join_masks(i);
+        if (square < fine_squares()) push.found.at[to + square] = masks[i];
+    }
+}
+
+// Gives what is kept, places among the lights in view, to `out_ids` from `out_first` on, as far as it goes below `out_end`; returns how many are kept. `whole`: the tile has
+// nothing before and behind. Barriers are before it and behind.
+uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_end) {
+    bool tests = (flags & FINE_PIXELS) != 0u;
+    if (tests && !is_blended()) count = leave(0u, count, false, vec4(0.0), vec2(0.0));
+    if (count == 0u) return 0u; // the whole group
+    uint words = (count + 31u) / 32u;
+    bool keeps = makes_masks && whole && words <= KEPT_WORDS;
+    if (keeps) tested_words = words;
+    for (uint w = thread; w < words; w += THREADS) {
+        uint in_word = min(count - w * 32u, 32u);
+        kept_bits[w] = tests ? 0u : 0xffffffffu >> (32u - in_word);
+    }
+    barrier();
+    for (uint w = 0u; tests && w < words; w++) {
+        uint bits = 0u, end = min(32u, count - w * 32u);
+        test_word(false, w * 32u, end);
+        for (uint i = 0u; i < OWN; i++) bits |= masks[i];
+        if (bits != 0u) atomicOr(kept_bits[w], bits);
+        if (keeps) keep_masks(w);
+        barrier();
+    }
+    for (uint i = thread; i < count; i += THREADS) {
+        if ((kept_bits[i / 32u] >> (i & 31u) & 1u) == 0u) continue;
+        uint at = out_first + kept_before(i);
+        if (at < out_end) out_ids.at[at] = held[i];
+    }
+    if (keeps && thread < words) push.found.at[fine_found_bits(fine_found_of(cell)) + thread] = kept_bits[thread];
+    uint kept = kept_in(words);
+    barrier();
+    return kept;
+}
+
+// Puts the marked lights of the words from `next` on behind what is held, as far as there is room, and moves `next` on. Returns how many are
+// held then. `run_sums` are 0. Barriers are before it and behind.
+uint take_marked(uint marks, inout uint next, uint words, uint count) {
+    uint first = min(next + thread * RUN, words), end = min(first + RUN, words), own = 0u;
+    for (uint w = first; w < end; w++) own += uint(bitCount(push.marks.at[marks + w]));
+    thread_sums[thread] = own;
+    if (own != 0u) atomicAdd(run_sums[thread / RUN_THREADS], own);
+    barrier();
+    uint at = count, run = thread / RUN_THREADS;
+    for (uint r = 0u; r < run; r++) at += run_sums[r];
+    for (uint i = run * RUN_THREADS; i < thread; i++) at += thread_sums[i];
+    bool fits = at + own <= ROOM;
+    if (fits ? thread == THREADS - 1u : at <= ROOM) { // the last, or the first that does not fit
+        taken_end = fits ? at + own : at;
+        taken_threads = fits ? THREADS : thread;
+    }
+    if (fits)
+        for (uint w = first; w < end; w++)
+            for (uint rest = push.marks.at[marks + w]; rest != 0u; rest &= rest - 1u) held[at++] = w * 32u + uint(findLSB(rest));
+    barrier();
+    if (thread < RUNS) run_sums[thread] = 0u;
+    next += taken_threads * RUN;
+    return taken_end;
+}
+
+uint walk(uint_array out_ids, uint out_first, uint out_end) {
+    uint marks = fine_marks_of(gl_WorkGroupID.z, gl_WorkGroupID.xy);
+    uint words = (push.visible_sums.at[push.list.list.local_count] + 31u) / 32u;
+    uint kept = 0u, count = 0u, next = 0u;
+    vec2 depths = vec2(0.0, FINE_FAR);
+    if ((flags & (FINE_MIN_DEPTH | FINE_MAX_DEPTH)) != 0u)
+        depths = fine_depths(flags, fine_range_of(flags, gl_WorkGroupID.xy));
+    if (depths.x > depths.y) return 0u; // the whole group
+    if ((flags & FINE_PIXELS) != 0u && !is_blended()) bound_tile();
+    vec4 rect = vec4(gl_WorkGroupID.xy * TILE_SIZE, min((gl_WorkGroupID.xy + 1u) * TILE_SIZE, push.view.view.size));
+    if (thread < ROW) touched[thread] = 0u;
+    if (thread < RUNS) run_sums[thread] = 0u;
+    barrier();
+    for (bool flushed = false; next < words;) {
+        uint first = count;
+        count = take_marked(marks, next, words, count);
+        count = leave(first, count, true, rect, depths);
+        bool last = next >= words;
+        if (count == 0u || !last && count <= HELD) continue;
+        kept += flush(count, last && !flushed, out_ids, out_first + kept, out_end);
+        count = 0u;
+        flushed = true;
+    }
+    return kept;
+}
 
 void begin_tile() {
     thread = gl_LocalInvocationIndex;
