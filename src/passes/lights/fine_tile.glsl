@@ -148,9 +148,9 @@ bool holds_segment(gpu_fine_volume v, uint i) {
     return s.w > 1e6 || fine_holds(v, positions[i] + s.xyz * (0.5 * s.w), slacks[i] + 0.5 * s.w);
 }
 
-// A sphere round the tile's positions, which puts aside most lights that hold none of them at the price of one pixel's test.
-vec3 tile_center;
-float tile_radius;
+// A box round the tile's positions and a sphere round it, which put aside most lights that hold none of them at the price of one pixel's test.
+// Shared, because registers are dearer.
+shared vec3 tile_low, tile_high;
 
 void put_bounds(vec3 low, vec3 high) {
     for (uint k = 0u; k < 3u; k++) {
@@ -179,11 +179,18 @@ void bound_tile() {
     if (thread < 8u) put_bounds(low, high);
     barrier();
     for (uint i = thread == 0u ? 1u : 8u; i < 8u; i++) grow_bounds(low, high, i);
-    if (thread == 0u) put_bounds(low, high);
+    if (thread == 0u) {
+        tile_low = low;
+        tile_high = high;
+    }
     barrier();
-    grow_bounds(low, high, 0u);
-    tile_center = 0.5 * (low + high);
-    tile_radius = 0.5 * length(high - low) * 1.00001 + 1e-6 * length(tile_center);
+}
+
+// Whether a volume may hold some of the tile's positions. The box lies snug at floors and walls, where the sphere would not.
+bool reaches_tile(gpu_fine_volume v) {
+    vec3 low = tile_low, high = tile_high, center = 0.5 * (low + high), off = max(max(low - v.position, v.position - high), vec3(0.0));
+    float rounding = 1e-6 * (length(center) + length(v.position)), range = v.range * 1.00001 + rounding;
+    return !(dot(off, off) > range * range) && fine_holds(v, center, 0.5 * length(high - low) * 1.00001 + rounding);
 }
 
 uint masks[OWN]; // which lights of a word may reach the thread's pixels
@@ -261,8 +268,8 @@ uint kept_in(uint words) {
 
 uint touched_row = 0u;
 
-// Of what is held from `first` to `end`, leaves the lights whose box touches the tile's, or whose volume, widened by the tile's sphere, holds
-// its centre. Returns the new end. Barriers are before it and behind.
+// Of what is held from `first` to `end`, leaves the lights whose box on the screen touches the tile's, or whose volume reaches the tile's
+// positions. Returns the new end. Barriers are before it and behind.
 uint leave(uint first, uint end, bool by_boxes, vec4 rect, vec2 depths) {
     uint count = first;
     for (uint base = first; base < end; base += THREADS) {
@@ -272,7 +279,7 @@ uint leave(uint first, uint end, bool by_boxes, vec4 rect, vec2 depths) {
         for (uint i = base + thread; i < min(base + THREADS, end); i += THREADS) {
             id = held[i];
             hit = by_boxes ? fine_touches(push.boxes.at[id], flags, rect, depths)
-                           : fine_holds(VOLUMES.at[id], tile_center, tile_radius);
+                           : reaches_tile(VOLUMES.at[id]);
         }
         if (thread < ROW) touched[next + thread] = 0u; // was read two barriers ago
         if (hit) atomicOr(touched[touched_row + thread / 32u], 1u << (thread & 31u));
