@@ -512,6 +512,51 @@ static void test_lights_are_tested_once(void **state) {
     }
 }
 
+static struct gpu_buffer found;
+
+static void capture_found(const struct graph *graph) { spy_capture(graph, "fine count", "fine found", &found); }
+
+/* Lights that hover over a floor, a little higher than they reach: tiles see them within their depths and on the screen, and a sphere round a tile's
+   positions meets many of them, but the box round these none. So no pixel is tested. */
+static void test_floor_puts_lights_aside(void **state) {
+    UNUSED(state);
+    enum { WIDTH = 64, HEIGHT = 48, LIGHTS = 60, TILES = 12 };
+    const uint32_t kept_words = 16, tile_words = FINE_FOUND_WORDS(kept_words * 32, kept_words, 256);
+    fnl_camera camera = fnl_camera_default();
+    camera.position = vec3_make(0, 1, 0);
+    camera.target = vec3_make(0, 1, -1);
+    struct gpu_view view = view_from_camera(&camera, WIDTH, HEIGHT);
+    float depth[WIDTH * HEIGHT];
+    for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+        double slope = (1 - 2 * (i / WIDTH + 0.5) / HEIGHT) * (double)view.ndc_scale.y;
+        depth[i] = slope < -0.02 ? depth_of_view_depth(&view, -1 / slope) : 0;
+    }
+    struct fine_params p = fine_params_default();
+    uint32_t tested[2] = {0}, entries[2];
+    for (uint32_t low = 0; low < 2; low++) {
+        struct random_state random = {29};
+        for (uint32_t i = 0; i < LIGHTS; i++) {
+            params[i] = fnl_light_params_default();
+            params[i].position = vec3_make(4 * random_float(&random) - 2, low ? 0.28f : 0.32f, -2 - 6 * random_float(&random));
+            params[i].range = 0.3f;
+            lights[i] = list_light_of(&params[i], i);
+        }
+        assert_int_equal(gpu_buffer_create(harness_device(), "found", TILES * tile_words * 4ull, GPU_MEMORY_READBACK, &found), FNL_OK);
+        spy_begin(harness_device());
+        fine_spoil = capture_found;
+        struct fine_copy c = fine_build(&view, LIGHTS, depth, NULL, &p);
+        fine_spoil = NULL;
+        spy_end();
+        for (uint32_t cell = 0; cell < TILES; cell++) tested[low] += ((uint32_t *)found.mapped)[cell * tile_words + kept_words * 32];
+        entries[low] = c.totals.entries;
+        gpu_buffer_destroy(harness_device(), &found);
+        fine_copy_free(&c);
+    }
+    print_message("words of lights tested by pixels: %u over the floor, %u that reach it\n", tested[0], tested[1]);
+    assert_true(tested[0] == 0 && entries[0] == 0);
+    assert_true(tested[1] > 3 && entries[1] > 10);
+}
+
 static void test_overflow_FP_10(void **state) {
     UNUSED(state);
     enum { LIGHTS = 200 };
@@ -560,6 +605,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_blocks_FP_3, harness_check),
         cmocka_unit_test_teardown(test_many_lights_FP_10, harness_check),
         cmocka_unit_test_teardown(test_lights_are_tested_once, harness_check),
+        cmocka_unit_test_teardown(test_floor_puts_lights_aside, harness_check),
         cmocka_unit_test_teardown(test_overflow_FP_10, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
