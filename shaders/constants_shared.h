@@ -30,6 +30,8 @@
 
 /* G-buffers: see also GBUFFER_CONSTANT and GBUFFER_EXTRA_CONSTANT of gbuffer_shared.h, 8 and 10 */
 #define HOLES_ARE_CUT_ID 9u
+/* requests of pages of shadow maps, beside the samples, 1 */
+#define SHADOW_WEIGHS_ID 2u
 /* samples.glsl, and others that know the samples of a target; deferred_msaa */
 #define SAMPLES_ID 9u
 #define MSAA_METHOD_ID 10u

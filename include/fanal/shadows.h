@@ -29,6 +29,16 @@ typedef enum fnl_shadows {
      * cast into the room from a light outside. Rays find the shadows of what is in the room, of lights in it, and of surfaces outside all probes.
      */
     FNL_SHADOWS_CUBEMAP,
+    /**
+     * FNL_SHADOWS_MAPS, but each local light whose rays cost less than drawing its pages gets rays: one that few pixels see, that moves, or before which much moves.
+     * What costs less is measured (fnl_shadow_options.page_rays); a light changes only when it pays. Each light's shadow is that of FNL_SHADOWS_MAPS or that of FNL_SHADOWS_RAYS.
+     */
+    FNL_SHADOWS_HYBRID,
+    /**
+     * One of off, rays, maps and hybrid, by the scene and the device: off without lights; rays with at most 4 lights where a GPU has ray queries, and where there can be no
+     * maps; hybrid while local lights move; else maps. The stats and settings of a frame name what it took.
+     */
+    FNL_SHADOWS_AUTO,
     FNL_SHADOWS_COUNT
 } fnl_shadows;
 
@@ -80,6 +90,11 @@ typedef struct fnl_shadow_options {
      * are not filtered; fnl_frame.lists then matters for blended surfaces alone. Elsewhere it changes nothing. Default false.
      */
     bool classify;
+    /**
+     * hybrid: how many rays take as long as drawing one page, 0 .. 1 000 000. 0 (default): this is measured, a few times a minute; before the first measurement it is
+     * 64 on CPUs and 1024 elsewhere. With 0 two runs may decide differently, with a number they do not.
+     */
+    float page_rays;
     /**
      * Shadow rays that go from a point to points of a light that has a radius, 1 .. 1024: with several its shadows by rays are soft. They are the same in
      * every frame, unless frames are collected (fnl_frame.aa is TAA). Default 1: one ray to the middle, hard shadows. Lights that are points always get one.

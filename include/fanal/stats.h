@@ -58,7 +58,7 @@ typedef struct fnl_counter {
     const char *unit;
     /** The shading paths that can have it: bit 1 << fnl_shading. All bits: several paths make it, but perhaps not each. */
     uint32_t shadings;
-    /** The option without which a frame does not have it: "count-lights" where that is not off or 0, "dais.mode=list" where it has this value; "": none. */
+    /** The option without which a frame does not have it: "count-lights" where that is not off or 0, "dais.mode=list" where it has this value, or one of several with commas between; "": none. */
     const char *needs;
     /** What the frame counted; 0 in a row of fnl_counter_query(). */
     uint64_t value;

@@ -111,14 +111,24 @@ static bool noted(const struct counted *counted, const struct counter *row, uint
     return false;
 }
 
-/* "count-lights" or "dais.mode=list". */
+/* Whether one of some words between commas is `value`. */
+static bool is_among(const char *words, const char *value) {
+    const size_t length = strlen(value);
+    for (; words; words = strchr(words, ',')) {
+        words += *words == ',';
+        if (strncmp(words, value, length) == 0 && (words[length] == 0 || words[length] == ',')) return true;
+    }
+    return false;
+}
+
+/* "count-lights", "dais.mode=list" or "shadows=maps,hybrid". */
 static bool has_needs(const fnl_frame *frame, const char *needs) {
     char key[64], value[64];
     if (!needs) return true;
     size_t length = strcspn(needs, "=");
     snprintf(key, sizeof key, "%.*s", (int)length, needs);
     if (fnl_frame_get(frame, key, value, sizeof value) == 0) return false;
-    if (needs[length]) return strcmp(value, needs + length + 1) == 0;
+    if (needs[length]) return is_among(needs + length + 1, value);
     return strcmp(value, "off") != 0 && strcmp(value, "0") != 0;
 }
 

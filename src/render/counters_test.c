@@ -6,7 +6,7 @@
 
 enum { ROWS_MAX = 128 };
 
-/* "dais.mode=list", or a key alone: of an option that must not be off or 0. Returns the value, or NULL. */
+/* "dais.mode=list", or several with commas, or a key alone: of an option that must not be off or 0. Returns the values, or NULL. */
 static const char *split(const char *needs, char key[64]) {
     const char *value = strchr(needs, '=');
     snprintf(key, 64, "%.*s", (int)strcspn(needs, "="), needs);
@@ -19,6 +19,7 @@ static bool meets(const fnl_frame *frame, const fnl_counter *c) {
     const char *value = split(c->needs, key);
     if (!*c->needs) return true;
     assert_true(fnl_frame_get(frame, key, own, sizeof own) > 0);
+    if (value && strchr(value, ',')) return strstr(value, own) != NULL;
     return value ? strcmp(own, value) == 0 : strcmp(own, "off") != 0 && strcmp(own, "0") != 0;
 }
 
@@ -28,6 +29,11 @@ static void meet(fnl_frame *frame, const fnl_counter *c) {
     fnl_option option = {0};
     if (!*c->needs) return;
     assert_true(fnl_option_find(key, &option));
+    char first[64];
+    if (value) {
+        snprintf(first, sizeof first, "%.*s", (int)strcspn(value, ","), value);
+        value = first;
+    }
     if (!value) value = option.kind == FNL_OPTION_SWITCH ? "on" : option.choice_count ? "8" : "1";
     assert_int_equal(fnl_frame_set(NULL, frame, key, value), FNL_OK);
 }

@@ -61,8 +61,8 @@ static void add_shadows(struct frame_state *f, bool swap) {
 
 static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
-    if (frame->shadows == FNL_SHADOWS_MAPS || (frame->shadows == FNL_SHADOWS_CUBEMAP && frame->debug == FNL_DEBUG_SHADOW_ERRORS)) return FNL_OK;
-    return unsupported(call, "the debug view %s needs shadows maps, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
+    if (frame->shadows == FNL_SHADOWS_MAPS || frame->shadows == FNL_SHADOWS_HYBRID || (frame->shadows == FNL_SHADOWS_CUBEMAP && frame->debug == FNL_DEBUG_SHADOW_ERRORS)) return FNL_OK;
+    return unsupported(call, "the debug view %s needs shadows maps or hybrid, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
 }
 

@@ -139,7 +139,9 @@ static fnl_frame capture_frame(const fnl_frame *shown, const fnl_camera *cameras
     frame.view_count = FACES;
     frame.shading = FNL_SHADING_FORWARD;
     frame.lists = FNL_LISTS_CLUSTERED;
-    frame.shadows = shown->shadows == FNL_SHADOWS_SAMPLED ? FNL_SHADOWS_RAYS : shown->shadows; /* noise would last */
+    frame.shadows = shown->shadows == FNL_SHADOWS_SAMPLED  ? FNL_SHADOWS_RAYS /* noise would last */
+                    : shown->shadows == FNL_SHADOWS_HYBRID ? FNL_SHADOWS_MAPS
+                                                           : shown->shadows;
     frame.shadow = shown->shadow;
     frame.shadow.denoise = false;
     frame.shadow.memory = MAX(shown->shadow.memory / FACES, 8u); /* each face has its own */

@@ -219,6 +219,7 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
 static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32_t slot) {
     const struct frame_counts *last = r->counts[slot].mapped;
     for (uint32_t i = 0; i < r->slot_views[slot]; i++) pools_grow(r, &last[i]);
+    shadows_note(r, slot);
     r->slot_views[slot] = 0;
     uint64_t size = frame_view_count(frame) * sizeof(struct frame_counts);
     TRY(keep_buffer(r, &r->counts[slot], "frame counts", size));
@@ -296,7 +297,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     }
     bool timed = wants_time(r, frame);
     struct graph_execute_params execute = {.record_threads = frame->record_threads,
-                                           .timers = frame->timers || timed,
+                                           .timers = frame->timers || timed || shadows_timed(frame),
                                            .force_async_on_graphics = renderer_tests(r).force_async,
                                            .poison = renderer_tests(r).poison,
                                            .external = external};
@@ -312,8 +313,10 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - at.asked) * 1e3);
     feed_chooser(r);
+    shadows_measure(r);
     r->frame_slot = slot;
     r->slot_views[slot] = frame_view_count(frame);
+    r->slot_frames[slot] = r->frame_number;
     r->pipelines_made = (uint32_t)(gpu_pipeline_stats(r->device).late - late);
     for (uint32_t i = r->slot_views[slot]; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
     note_sections(r, &at, time_now());
@@ -345,6 +348,7 @@ static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_fra
     const double begun = time_now();
     fnl_frame frame = given ? *given : fnl_frame_default();
     renderer_settle_views(&frame);
+    shadows_settle(r, &frame);
     TRY(frame_check(call, r, &frame));
     fnl_result result = overlay_prepare(r, &frame);
     if (result == FNL_OK) result = reflections_capture(r, &frame);

@@ -14,6 +14,7 @@
 #include "passes/shade/edges_shared.h"
 #include "passes/shadow/denoise_shared.h"
 #include "passes/shadow/pages.h"
+#include "render/shadow_costs.h"
 #include "render/chooser.h"
 #include "render/counters.h"
 #include "render/device/scene.h"
@@ -42,6 +43,7 @@ struct frame_counts {
     uint32_t dais[DAIS_COUNTS];
     struct gpu_virtual_counts pages;
     struct gpu_shadow_counts shadows;
+    struct gpu_shadow_split_counts split;
     struct gpu_denoise_counts denoise;
 };
 
@@ -160,6 +162,11 @@ struct fnl_renderer {
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
     struct gpu_buffer outputs[OUTPUT_COUNT];         /* the pictures of all views, one after the other */
     struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];  /* struct frame_counts of each view */
+    struct shadow_costs shadow_costs;
+    struct {
+        uint64_t frame, drawn, probed;
+    } shadow_counts; /* of the frame whose counts were taken last; 0: its times are not wanted */
+    uint64_t slot_frames[GPU_FRAMES_IN_FLIGHT];      /* its number */
     uint32_t slot_views[GPU_FRAMES_IN_FLIGHT];       /* of the frame whose counts a slot holds; 0: none */
     ARRAY(fnl_pass_time) pass_times;
     fnl_memory_kind memory_kinds[GPU_USE_COUNT];

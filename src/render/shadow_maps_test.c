@@ -41,7 +41,7 @@ static void expect_leak(const char *source, double seconds, uint32_t scattered, 
     stage_close(&s);
 }
 
-static void test_maps_are_what_rays_show(void **state) {
+static void test_maps_are_what_rays_show_MP_6(void **state) {
     UNUSED(state);
     expect_leak("builtin:hall?lights=256", 0, 0, 0.04, 0.2);
     expect_leak("builtin:interior?lights=40", 0, 0, 0.02, 0.1); /* all shapes */
@@ -65,7 +65,7 @@ static void test_paths_give_the_same_maps(void **state) {
 /* ---- the budget ---- */
 
 /* However little memory there is, every light keeps its shadow: what is wrong grows, nothing is lost. */
-static void test_small_budgets_make_maps_coarser(void **state) {
+static void test_small_budgets_make_maps_coarser_MP_6_ES_69(void **state) {
     UNUSED(state);
     struct stage s = stage_open("builtin:hall?lights=256", 0);
     s.frame.width = 65, s.frame.height = 37;
@@ -239,10 +239,10 @@ static void test_nothing_is_added_without_lights(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_known_shadows, harness_check),
-        cmocka_unit_test_teardown(test_maps_are_what_rays_show, harness_check),
+        cmocka_unit_test_teardown(test_maps_are_what_rays_show_MP_6, harness_check),
         cmocka_unit_test_teardown(test_lists_give_the_same_maps, harness_check),
         cmocka_unit_test_teardown(test_paths_give_the_same_maps, harness_check),
-        cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser, harness_check),
+        cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser_MP_6_ES_69, harness_check),
         cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
         cmocka_unit_test_teardown(test_changes_are_drawn, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),

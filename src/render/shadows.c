@@ -15,10 +15,12 @@ static uint64_t row_count(const fnl_renderer *r) {
     return r->scene->suns.count * (uint64_t)SHADOW_SUN_ROWS + r->scene->light_slot_end;
 }
 
+static bool takes_maps(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_MAPS || frame->shadows == FNL_SHADOWS_HYBRID; }
+
 /* More rows of maps than there is room for: rays find all shadows. */
 static bool has_maps(const fnl_renderer *r, const fnl_frame *frame) {
     const uint64_t rows = row_count(r);
-    return frame->shadows == FNL_SHADOWS_MAPS && gpu_info(r->device)->clip_distances && rows > 0 && rows <= SHADOW_MOST_ROWS;
+    return takes_maps(frame) && gpu_info(r->device)->clip_distances && rows > 0 && rows <= SHADOW_MOST_ROWS;
 }
 
 static uint32_t atlas_side(const fnl_frame *frame) {
@@ -42,7 +44,7 @@ static bool has_mapless(fnl_renderer *r) {
 /* Whether rays find some shadows: those of capsules, and of any light where the atlas may not hold the coarsest pages of all; or are compared
    with maps. */
 static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
-    if (frame->shadows == FNL_SHADOWS_RAYS || !has_maps(r, frame) || frame->debug == FNL_DEBUG_SHADOW_ERRORS) return true;
+    if (frame->shadows == FNL_SHADOWS_RAYS || frame->shadows == FNL_SHADOWS_HYBRID || !has_maps(r, frame) || frame->debug == FNL_DEBUG_SHADOW_ERRORS) return true;
     const uint64_t cells = atlas_side(frame) / SHADOW_PAGE, smallest = SHADOW_PAGE / SHADOW_UNIT;
     return has_mapless(r) || row_count(r) * SHADOW_FACES > cells * cells * smallest * smallest;
 }
@@ -104,7 +106,7 @@ fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
     const struct device_rays_use use = rays_use_of(r, frame);
     if (use.trees && frame->shadow.ray_backend == FNL_RAY_BACKEND_RAY_QUERY) tell_of_trees(r);
-    if (frame->shadows == FNL_SHADOWS_MAPS && row_count(r) > 0 && !has_maps(r, frame)) tell_of_rays(r);
+    if (takes_maps(frame) && row_count(r) > 0 && !has_maps(r, frame)) tell_of_rays(r);
     TRY(device_rays_prepare(r->device_scene, use));
     if (frame->shadows == FNL_SHADOWS_CUBEMAP) TRY(probes_prepare(r));
     return shadows_prepare_view(r, frame, &r->views.data[0]);
@@ -140,6 +142,60 @@ static graph_image depth_of(struct frame_state *f) {
     return depth;
 }
 
+/* ---- hybrid ---- */
+
+static float page_rays(const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->shadow.page_rays > 0) return frame->shadow.page_rays;
+    return shadow_costs_page_rays(&r->shadow_costs, gpu_info(r->device)->type == FNL_DEVICE_CPU);
+}
+
+bool shadows_timed(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_HYBRID && !(frame->shadow.page_rays > 0) && !frame->count_lights; }
+
+static bool ends_with(const char *name, const char *end) {
+    const size_t length = strlen(name), most = strlen(end);
+    return length >= most && strcmp(name + length - most, end) == 0;
+}
+
+void shadows_note(fnl_renderer *r, uint32_t slot) {
+    const struct frame_counts *counts = r->counts[slot].mapped;
+    r->shadow_counts.frame = r->shadow_counts.drawn = 0;
+    if (r->slot_views[slot] == 0 || counts->split.maps + counts->split.rays == 0) return;
+    r->shadow_counts.frame = r->slot_frames[slot];
+    r->shadow_counts.probed = counts->split.probed;
+    for (uint32_t i = 0; i < r->slot_views[slot]; i++) r->shadow_counts.drawn += counts[i].shadows.drawn;
+}
+
+void shadows_measure(fnl_renderer *r) {
+    const struct graph_timer *timers;
+    uint32_t count;
+    if (r->shadow_counts.frame == 0 || !graph_query_timers(r->graph, r->shadow_counts.frame, &timers, &count)) return;
+    double fill = 0, probe = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (ends_with(timers[i].name, "shadow fill")) fill += timers[i].milliseconds;
+        if (ends_with(timers[i].name, "shadow probe")) probe += timers[i].milliseconds;
+    }
+    shadow_costs_feed(&r->shadow_costs, (struct shadow_times){fill, r->shadow_counts.drawn, probe, r->shadow_counts.probed});
+}
+
+/* ---- auto ---- */
+
+enum { FEW_LIGHTS = 4 };
+
+void shadows_settle(const fnl_renderer *r, fnl_frame *frame) {
+    if (frame->shadows != FNL_SHADOWS_AUTO) return;
+    const fnl_scene *scene = r->scene;
+    const fnl_device_info *info = gpu_info(r->device);
+    const uint32_t count = scene->suns.count + scene->lights.count;
+    const bool moves = r->moving_frames > 0 || (r->frame_number > 0 && r->light_version != scene->light_version);
+    frame->shadows = FNL_SHADOWS_MAPS;
+    if (count == 0)
+        frame->shadows = FNL_SHADOWS_OFF;
+    else if (!has_maps(r, frame) || (count <= FEW_LIGHTS && info->ray_query && info->type != FNL_DEVICE_CPU))
+        frame->shadows = FNL_SHADOWS_RAYS;
+    else if (moves && scene->lights.count > 0)
+        frame->shadows = FNL_SHADOWS_HYBRID;
+}
+
 /* Lists with which nothing is shaded; requests must know of filters. */
 static struct light_list without_shadows(struct light_list list) {
     list.kind &= ~GPU_LIST_SHADOWED | GPU_LIST_FILTERED;
@@ -152,15 +208,26 @@ static struct light_list without_shadows(struct light_list list) {
 static void add_requests(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
     struct light_list list = without_shadows(*surfaces);
     COUNTERS_COPY(f, list.totals, 0, surface_lights);
+    const bool splits = f->frame->shadows == FNL_SHADOWS_HYBRID;
     if (wanted->id)
-        shadow_requests_more_add(f->graph, &list, suns, *wanted, depth);
+        shadow_requests_more_add(f->graph, &list, suns, *wanted, depth, splits);
     else
-        *wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(&f->scene->lights), depth);
+        *wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(&f->scene->lights), depth, splits);
     const struct geometry_scene *scene = &f->scene->geometry;
     const bool blend = order_has_blend(f), glass = shading_has_glass(f);
     if (blend || glass) list = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
-    if (blend) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, false, f->view_address, depth);
-    if (glass) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, true, f->view_address, depth);
+    if (blend) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, false, f->view_address, depth, splits);
+    if (glass) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, true, f->view_address, depth, splits);
+}
+
+/* What the next frames decide by. */
+static void add_split(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct light_list *surfaces, graph_image depth) {
+    struct shadow_costs *costs = &f->r->shadow_costs;
+    shadow_drawn_add(f->graph, pages, filled);
+    if (f->view_index == 0 && f->frame->msaa == 1 && shadows_timed(f->frame) && shadow_costs_probe(costs))
+        shadow_probe_add(f->graph, pages, surfaces, depth, costs->frames);
+    COUNTERS_COPY(f, pages->split_counts, 0, split);
+    counters_note(f, "shadows.page-rays", (uint64_t)lroundf(page_rays(f->r, f->frame)));
 }
 
 /* Batches and passes per light draw objects by lists of their own. */
@@ -233,8 +300,9 @@ static void add_maps(struct frame_state *views, uint32_t count) {
         pop_view(&views[i], count);
     }
     shared.maps.address = slice.address;
-    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages,
-                                                       &(struct shadow_pages_input){.wanted = wanted, .suns = suns, .lights = &shared});
+    const struct shadow_split_input split = {.page_rays = page_rays(f->r, f->frame)};
+    const struct shadow_pages_input asked = {.wanted = wanted, .suns = suns, .lights = &shared, .split = f->frame->shadows == FNL_SHADOWS_HYBRID ? &split : NULL};
+    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &asked);
     const struct shadow_fill_input fill = {.shapes = pages.shapes,
                                            .scene = &f->scene->geometry,
                                            .rays = &f->rays,
@@ -264,6 +332,7 @@ static void add_maps(struct frame_state *views, uint32_t count) {
                                                                               .suns = suns,
                                                                               .atlas = pages.atlas,
                                                                               .address = slice.address};
+        if (i == 0 && pages.split.id) add_split(f, &pages, &filled, surfaces, depths[0]);
         if (!classifies(&views[i]) || list_kind(&surfaces[i]) != GPU_LIST_TILES) continue;
         push_view(&views[i], count);
         shadow_dark_add(f->graph, &pages, &surfaces[i], depths[i]);
@@ -318,7 +387,8 @@ static bool find_rays(const struct counted *counted, uint64_t *value) {
     return frame->shadows != FNL_SHADOWS_OFF;
 }
 
-#define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadows.member), .needs = "shadows=maps"}
+#define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadows.member), .needs = "shadows=maps,hybrid"}
+#define SPLIT(key, unit, help, member) {"shadows." key, unit, help, COUNTED(split.member), .needs = "shadows=hybrid"}
 static const struct counter counters[] = {
     MAPS("wanted", "pages", "pages of shadow maps that pixels ask for", wanted),
     MAPS("pages", "pages", "pages that there are: fewer where lights were made coarser", pages),
@@ -330,6 +400,11 @@ static const struct counter counters[] = {
     MAPS("entries", "lights", "lights in the lists of all tiles before those in shadow leave them; 0 without shadow.classify", entries),
     MAPS("dark", "lights", "of them, those that left: in shadow all over the tile, or too far away from what it shows", dark),
     MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
+    SPLIT("by-maps", "lights", "hybrid: local lights that pixels look up in maps", maps),
+    SPLIT("by-rays", "lights", "hybrid: local lights that rays are sent to as that costs less", rays),
+    SPLIT("reached", "pixels", "hybrid: pixels that these may reach, added up: so many rays at most", reached),
+    SPLIT("switched", "lights", "hybrid: lights that went from maps to rays or back in this frame", switched),
+    {"shadows.page-rays", "rays", "hybrid: how many take as long as drawing a page, given or measured", NOTED, .needs = "shadows=hybrid"},
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
     {"shadows.instances", "items", "items in the device's acceleration structure, with ray queries", NOTED},
     {"shadows.structures-built", "structures", "acceleration structures built in this frame: of meshes, and one of the instances when any has moved", NOTED},
@@ -341,6 +416,6 @@ static const struct counter counters[] = {
     {"probes.bytes", "bytes", "memory of their cube maps", NOTED, .needs = "shadows=cubemap"},
     {"probes.lights-inside", "lights", "lights in a box of a probe, whose shadows rays find", NOTED, .needs = "shadows=cubemap"},
     {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
-     .find = find_waiting, .needs = "shadows=maps", .kind = FNL_COUNTER_OVERFLOW},
+     .find = find_waiting, .needs = "shadows=maps,hybrid", .kind = FNL_COUNTER_OVERFLOW},
 };
 const struct counter_table shadows_counters = {counters, COUNT_OF(counters)};

@@ -5,6 +5,14 @@
 
 #include "render/frame_state.h"
 
+/** Says what FNL_SHADOWS_AUTO is; before the frame is checked. */
+void shadows_settle(const fnl_renderer *r, fnl_frame *frame);
+/** Whether the times of the frame's passes are wanted. */
+bool shadows_timed(const fnl_frame *frame);
+/** Notes what the last frame of a slot has counted, inside of the next one, and takes its times when that was executed. */
+void shadows_note(fnl_renderer *r, uint32_t slot);
+void shadows_measure(fnl_renderer *r);
+
 /** Outside of frames, after the scene is on the device: what the frame's shadows keep there, and of its first view. */
 fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame);
 /** The same for one more view. */

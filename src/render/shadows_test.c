@@ -90,7 +90,7 @@ static void test_animated_frames(void **state) {
 
 /* ---- paths and lists ---- */
 
-static void test_lists_give_the_same_shadows(void **state) {
+static void test_lists_give_the_same_shadows_ES_69(void **state) {
     UNUSED(state);
     expect_lists_alike(FNL_SHADOWS_RAYS);
 }
@@ -279,7 +279,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_shadow_of_a_sun, harness_check),
         cmocka_unit_test_teardown(test_frames_are_what_rays_show, harness_check),
         cmocka_unit_test_teardown(test_animated_frames, harness_check),
-        cmocka_unit_test_teardown(test_lists_give_the_same_shadows, harness_check),
+        cmocka_unit_test_teardown(test_lists_give_the_same_shadows_ES_69, harness_check),
         cmocka_unit_test_teardown(test_paths_give_the_same_shadows, harness_check),
         cmocka_unit_test_teardown(test_samples_have_shadows, harness_check),
         cmocka_unit_test_teardown(test_trees_are_made_when_something_changes, harness_check),

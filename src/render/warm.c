@@ -5,6 +5,7 @@
 #include "passes/debug/inspect.h"
 #include "render/multiview.h"
 #include "render/overlay.h"
+#include "render/shadows.h"
 
 /* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
 struct last_frame {
@@ -83,6 +84,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
         frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR;
     }
     renderer_settle_views(&frame);
+    shadows_settle(r, &frame);
     TRY(frame_check(call, r, &frame));
     fnl_frame whole = frame;
     if (frame.view_count) frame.camera = frame.views[0];

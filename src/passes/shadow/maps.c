@@ -36,19 +36,20 @@ graph_buffer shadow_suns_add(struct graph *graph, gpu_device *device, const stru
 }
 
 graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, graph_buffer suns, uint32_t row_count,
-                                 graph_image depth) {
-    graph_buffer wanted = graph_create_buffer(graph, "shadow requests", row_count * SHADOW_ROW_WORDS * 4ull);
+                                 graph_image depth, bool weighs) {
+    graph_buffer wanted = graph_create_buffer(graph, "shadow requests", row_count * (SHADOW_ROW_WORDS + weighs) * 4ull);
     graph_add_clear(graph, "shadow requests clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {wanted}});
-    shadow_requests_more_add(graph, list, suns, wanted, depth);
+    shadow_requests_more_add(graph, list, suns, wanted, depth, weighs);
     return wanted;
 }
 
-void shadow_requests_more_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted, graph_image depth) {
+void shadow_requests_more_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted, graph_image depth,
+                              bool weighs) {
     const struct graph_image_params image = graph_image_info(graph, depth);
     struct gpu_shadow_requests_push push = {.list = list->header};
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "shadow requests",
-                                        .pipeline = {&shader_requests_comp, 2, {[LISTS_ID] = list->kind, MAX(image.samples, 1u)}},
+                                        .pipeline = {&shader_requests_comp, 3, {[LISTS_ID] = list->kind, MAX(image.samples, 1u), weighs}},
                                         .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
                                         GRAPH_PUSH(push),
                                         GRAPH_ROWS(graph_samples(&push.depth, depth), graph_changes(&push.wanted, wanted))});
@@ -62,14 +63,15 @@ struct blend_data {
     VkDeviceAddress view, lights;
     graph_buffer wanted;
     uint32_t kind, samples;
+    bool weighs;
     enum geometry_set set;
 };
 
 static void execute_blend(const struct graph_context *context, const void *data) {
     const struct blend_data *d = data;
     struct gpu_graphics_params state = {.fragment = &shader_requests_blend_frag,
-                                        .constant_count = 1,
-                                        .constants = {[LISTS_ID] = d->kind},
+                                        .constant_count = 3,
+                                        .constants = {[LISTS_ID] = d->kind, [SHADOW_WEIGHS_ID] = d->weighs},
                                         .depth_format = GEOMETRY_DEPTH_FORMAT,
                                         .depth_test = true,
                                         .depth_compare = VK_COMPARE_OP_GREATER,
@@ -80,7 +82,7 @@ static void execute_blend(const struct graph_context *context, const void *data)
 
 void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted,
                                const struct geometry_scene *scene, const struct geometry_draws *draws, bool glass, VkDeviceAddress view,
-                               graph_image depth) {
+                               graph_image depth, bool weighs) {
     struct blend_data data = {.set = glass ? GEOMETRY_GLASS : GEOMETRY_BLEND,
                               .scene = scene,
                               .draws = *draws,
@@ -88,6 +90,7 @@ void shadow_requests_blend_add(struct graph *graph, const struct light_list *lis
                               .lights = list->header,
                               .wanted = wanted,
                               .kind = list->kind,
+                              .weighs = weighs,
                               .samples = MAX(graph_image_info(graph, depth).samples, 1u)};
     struct graph_pass *pass = graph_add_pass(graph, glass ? "shadow requests glass" : "shadow requests blend", GRAPH_QUEUE_GRAPHICS, execute_blend, &data, sizeof data);
     geometry_use(pass, scene, draws, data.set);

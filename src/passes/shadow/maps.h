@@ -37,15 +37,17 @@ graph_buffer shadow_suns_add(struct graph *graph, gpu_device *device, const stru
  * A page for each opaque surface in `depth` and each light of `list` that reaches it. `list` is one of tiles or of all lights, and has neither
  * GPU_LIST_RAYS nor GPU_LIST_MAPS; of its struct gpu_shadow_maps `suns` and `first_row` are read. Returns SHADOW_ROW_WORDS words for each of `row_count`
  * rows. Cost: a look at every light of the list for every 8x8 pixels; a visit of it by each of their samples only where it may reach them and some page
- * that they may need has not been asked for yet.
+ * that they may need has not been asked for yet. `weighs`: behind them is a word for each row, how many pixels the local light may reach; no fewer
+ * than it does, and the more by as far as its volume ends within quads of 2x2 pixels.
  */
 graph_buffer shadow_requests_add(struct graph *graph, const struct light_list *list, graph_buffer suns, uint32_t row_count,
-                                 graph_image depth);
+                                 graph_image depth, bool weighs);
 /** The same of one more list and depth, added to `wanted`. */
-void shadow_requests_more_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted, graph_image depth);
+void shadow_requests_more_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted, graph_image depth,
+                              bool weighs);
 /** The same of blended surfaces, or of glass (GEOMETRY_GLASS), added to `wanted`. */
 void shadow_requests_blend_add(struct graph *graph, const struct light_list *list, graph_buffer suns, graph_buffer wanted,
                                const struct geometry_scene *scene, const struct geometry_draws *draws, bool glass, VkDeviceAddress view,
-                               graph_image depth);
+                               graph_image depth, bool weighs);
 
 #endif

@@ -4,6 +4,7 @@
 #include "passes/geometry/prefix_sum.h"
 #include "passes/shadow/dark_shared.h"
 #include "passes/shadow/pages_shared.h"
+#include "passes/shadow/split_shared.h"
 #include "shaders.h"
 
 enum {
@@ -22,6 +23,7 @@ void shadow_state_finish(gpu_device *device, struct shadow_state *state) {
     gpu_buffer_destroy(device, &state->shapes);
     gpu_buffer_destroy(device, &state->counts);
     gpu_buffer_destroy(device, &state->least);
+    gpu_buffer_destroy(device, &state->split);
     gpu_image_destroy(device, &state->atlas);
     *state = (struct shadow_state){0};
 }
@@ -41,6 +43,7 @@ static fnl_result create(gpu_device *device, struct shadow_state *state, uint32_
     TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow shapes", row_room * sizeof(struct gpu_shape), GPU_MEMORY_DEVICE,
                           &state->shapes));
     TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow counts", sizeof(struct gpu_shadow_counts), GPU_MEMORY_DEVICE, &state->counts));
+    TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow split", row_room * sizeof(struct gpu_shadow_split_row), GPU_MEMORY_DEVICE, &state->split));
     const uint64_t blocks = atlas_side / SHADOW_DARK_BLOCK, squares = atlas_side / SHADOW_DARK_WIDE;
     TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow least", (blocks * blocks + squares * squares) * 4, GPU_MEMORY_DEVICE, &state->least));
     const struct gpu_image_params atlas = {.name = "shadow atlas",
@@ -84,6 +87,8 @@ struct build {
     graph_buffer cells;   /* struct gpu_shadow_cell */
     graph_buffer faces;   /* pages of each face, then those before it; and one more */
     graph_buffer places;  /* gpu_shadow_places.sums */
+    graph_buffer traced;  /* a word for each row: 1: rays find its shadows. id 0: none is chosen to be */
+    uint32_t split_rows; /* about which the last frame decided */
     uint32_t sun_rows, face_count, side, cell_count, block_count;
     struct {
         graph_buffer held, before, pages;
@@ -116,6 +121,15 @@ static void add_choice(struct build *b, gpu_device *device) {
                                         GRAPH_ROWS(graph_reads(NULL, lights->buffer), graph_changes(&rows.shapes, b->out.shapes),
                                                    graph_writes(&rows.rows, b->rows),
                                                    graph_row_if(b->sun_rows > 0, graph_reads(&rows.suns, b->input->suns)))});
+    if (b->input->split)
+        b->traced = shadow_split_add(graph, b->input->split,
+                                     &(struct shadow_split_rows){.wanted = b->input->wanted,
+                                                                 .rows = b->rows,
+                                                                 .kept = b->out.split,
+                                                                 .counts = b->out.split_counts,
+                                                                 .row_count = b->out.row_count,
+                                                                 .known_rows = b->split_rows,
+                                                                 .sun_rows = b->sun_rows});
     struct gpu_shadow_count_push count = {.face_count = b->face_count};
     graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow count",
                                                    .pipeline = {.shader = &shader_pages_count_comp},
@@ -147,7 +161,8 @@ static void add_wanted(struct build *b) {
                                          graph_changes(&hold.rows, b->rows), graph_changes(&hold.held, b->out.held),
                                          graph_writes(&hold.biases, b->out.biases), graph_writes(&hold.sums, b->faces),
                                          graph_changes(&hold.rooms, b->rooms), graph_reads(&hold.last_held, b->last.held),
-                                         graph_changes(&hold.counts, b->out.counts))});
+                                         graph_changes(&hold.counts, b->out.counts),
+                                         graph_row_if(b->traced.id > 0, graph_reads(&hold.traced, b->traced)))});
 }
 
 static void add_stay_step(const struct build *b, const char *name, const struct gpu_shader *shader) {
@@ -268,6 +283,12 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                                .before = graph_import_buffer(graph, "shadow last before", &state->before[last]),
                                .pages = graph_import_buffer(graph, "shadow last pages", &state->pages[last]),
                                .row_count = state->known ? state->row_count : 0}};
+    if (input->split) {
+        b.out.split = graph_import_buffer(graph, "shadow split", &state->split);
+        b.out.split_counts = graph_create_buffer(graph, "shadow split counts", sizeof(struct gpu_shadow_split_counts));
+        b.split_rows = state->splits ? b.last.row_count : 0;
+    }
+    state->splits = input->split != NULL;
     graph_add_clear(graph, "shadow tallies clear", GRAPH_QUEUE_GRAPHICS,
                     (struct graph_clear){.buffers = {b.tallies, b.rooms, b.cells}});
     graph_add_clear(graph, "shadow held clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b.out.held}});

@@ -22,6 +22,7 @@
 #define FNL_PASSES_SHADOW_PAGES_H
 
 #include "passes/lights/light_list.h"
+#include "passes/shadow/split.h"
 #include "shadows/maps_shared.h"
 
 /** What a view keeps between frames. Zeroed: nothing yet. */
@@ -35,6 +36,8 @@ struct shadow_state {
     uint32_t turn;          /* which of the two are this frame's */
     bool known;             /* the pages of the last frame are in the atlas */
     bool cleared;           /* the atlas is */
+    struct gpu_buffer split;  /* struct gpu_shadow_split_row for each row */
+    bool splits;              /* the last frame had a split */
 };
 void shadow_state_finish(gpu_device *device, struct shadow_state *state);
 /** All pages of the next frame are drawn: after what they show has changed as a whole, and after a frame that was declared and not executed. */
@@ -49,6 +52,7 @@ fnl_result shadow_pages_prepare(gpu_device *device, struct shadow_state *state, 
 struct shadow_pages_input {
     graph_buffer wanted; /* SHADOW_ROW_WORDS words for each row: a bit for each page that a pixel asks for */
     graph_buffer suns;   /* of shadow_suns_add(). id 0: directional lights have no rows */
+    const struct shadow_split_input *split; /* NULL: all lights that cast shadows have maps (split.h) */
     const struct light_input *lights; /* whose rows they are: at least one, as many as the state was prepared for or fewer */
 };
 struct shadow_pages {
@@ -56,6 +60,7 @@ struct shadow_pages {
         biases, shapes;  /* as struct gpu_shadow_maps has them; `before` is undefined for words without pages */
     graph_buffer counts; /* struct gpu_shadow_counts, whose `pairs` is 0 */
     graph_buffer least;  /* of the state */
+    graph_buffer split, split_counts; /* with a split: of the state, and struct gpu_shadow_split_counts */
     graph_image
         atlas; /* holds what pages without SHADOW_PAGE_DRAW show; others are to be cleared and drawn, but for idle ones */
     uint32_t row_count;

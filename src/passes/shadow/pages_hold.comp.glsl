@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 // The pages that pixels will look up, as bits, how many each face has, and how many were not there before.
 #include "passes/shadow/pages.glsl"
 
@@ -19,7 +20,7 @@ void main() {
     gpu_shadow_choice choice = push.choice.choice;
     uint flags = push.rows.at[row], bias = shadow_bias(choice.pressure, choice.cut, choice.least, flags & SHADOW_ROW_IMPORTANCE), count = 0u;
     bool is_asked = (flags & SHADOW_ROW_FACE << face % SHADOW_FACES) != 0u, is_coarser = false;
-    if (face % SHADOW_FACES == 0u) push.biases.at[row] = bias;
+    if (face % SHADOW_FACES == 0u) push.biases.at[row] = uvec2(push.traced) != uvec2(0u) && push.traced.at[row] != 0u ? SHADOW_TRACED : bias;
     if (is_asked && bias == SHADOW_TRACED) {
         if (is_first(row, SHADOW_ROW_TRACED)) atomicAdd(push.counts.counts.traced, 1u);
     } else if (is_asked) {

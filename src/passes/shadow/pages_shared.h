@@ -84,6 +84,7 @@ struct gpu_shadow_hold_push {
     ADDRESS(uint_array) rooms;
     ADDRESS(const_uint_array) last_held;
     ADDRESS(shadow_counts_block) counts;
+    ADDRESS(const_uint_array) traced;   /* 1 for rows whose shadows rays find; null: there are none */
     uint face_count;
     uint last_rows;
     uint sun_rows;

@@ -17,12 +17,25 @@ const uint SHARE = 16u; // lights whose quads are taken at once
 shared uint lights[GROUP], light_count;       // that are left of a batch
 shared uint pairs[SHARE * QUADS], pair_count; // of them with a quad: light * QUADS + quad
 
-bool is_left(uint light, request_box box) {
-    gpu_shape shape = request_shape(push.list, light);
-    if (!light_casts(push.list, light) || !shadow_has_map(shape) || !request_box_reached(box, push.list.list.lights.at[light].shape)) return false;
+bool is_reached(uint light, request_box box) {
+    return light_casts(push.list, light) && shadow_has_map(request_shape(push.list, light)) &&
+           request_box_reached(box, push.list.list.lights.at[light].shape);
+}
+
+bool is_missing(uint light, request_box box) {
     // What filters look up besides is not known of boxes.
     return LIST_FILTERED && push.list.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS ||
-           !request_box_made(push.wanted, request_row(push.list, light), shape, box);
+           !request_box_made(push.wanted, request_row(push.list, light), request_shape(push.list, light), box);
+}
+
+// Pixels of the group that a light may reach, by quads.
+void weigh(uint light) {
+    uint pixels = 0u;
+    for (uint quad = 0u; quad < QUADS; quad++) {
+        request_box box = box_of_quad(quad);
+        if (!is_empty(box) && request_box_reached(box, push.list.list.lights.at[light].shape)) pixels += 4u;
+    }
+    request_weigh(push.list, push.wanted, request_row(push.list, light), pixels);
 }
 
 void find_pairs(uint first) {
@@ -30,7 +43,7 @@ void find_pairs(uint first) {
     for (uint i = gl_LocalInvocationIndex; i < count; i += GROUP) {
         uint light = lights[first + i / QUADS], quad = i % QUADS;
         request_box box = box_of_quad(quad);
-        if (!is_empty(box) && is_left(light, box)) pairs[atomicAdd(pair_count, 1u)] = light * QUADS + quad;
+        if (!is_empty(box) && is_reached(light, box) && is_missing(light, box)) pairs[atomicAdd(pair_count, 1u)] = light * QUADS + quad;
     }
 }
 
@@ -79,7 +92,10 @@ void main() {
         barrier();
         if (next + thread < end) {
             uint light = l.list.directional_count + (is_direct ? next + thread : l.list.ids.at[next + thread]);
-            if (is_left(light, whole)) lights[atomicAdd(light_count, 1u)] = light;
+            if (is_reached(light, whole)) {
+                if (SHADOW_WEIGHS != 0u) weigh(light);
+                if (is_missing(light, whole)) lights[atomicAdd(light_count, 1u)] = light;
+            }
         }
         barrier();
         for (uint first = 0u; first < light_count; first += SHARE) {

@@ -3,8 +3,17 @@
 #ifndef SHADOW_REQUESTS_GLSL
 #define SHADOW_REQUESTS_GLSL
 
+#include "constants_shared.h"
 #include "lights/illuminate.glsl"
 #include "shadows/suns.glsl"
+
+layout(constant_id = SHADOW_WEIGHS_ID) const uint SHADOW_WEIGHS = 0u; // 1: pixels are counted, too
+
+// Behind the bits of all rows: how many pixels each light may reach.
+void request_weigh(light_list_block l, uint_array wanted, uint row, uint pixels) {
+    uint rows = l.list.directional_count * SHADOW_SUN_ROWS + l.list.local_count;
+    if (pixels > 0u) atomicAdd(wanted.at[rows * SHADOW_ROW_WORDS + row], pixels);
+}
 
 bool request_is_made(uint_array wanted, uint row, uint bit) {
     return (wanted.at[row * SHADOW_ROW_WORDS + bit / 32u] >> (bit % 32u) & 1u) != 0u;
@@ -128,7 +137,11 @@ void request_pages(light_list_block l, uint_array wanted, light_point point) {
     float near = shadow_slack(l, point.position);
     request_suns(l, wanted, point.position, near);
     light_cursor cursor = lights_begin(l, point);
-    FOR_EACH_LIGHT(l, cursor, light) request_of_light(l, wanted, light, point.position, near);
+    FOR_EACH_LIGHT(l, cursor, light) {
+        if (SHADOW_WEIGHS != 0u && light_casts(l, light) && shadow_has_map(request_shape(l, light)) && light_reaches(l, light, point.position))
+            request_weigh(l, wanted, request_row(l, light), 1u);
+        request_of_light(l, wanted, light, point.position, near);
+    }
 }
 
 #endif
