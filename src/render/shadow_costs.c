@@ -12,19 +12,19 @@ enum {
 
 bool shadow_costs_probe(struct shadow_costs *costs) {
     costs->frames++;
-    return costs->frames == FIRST_PROBE || costs->frames % PROBE_EVERY == 0;
+    return costs->frames == FIRST_PROBE || costs->frames == 2 * FIRST_PROBE || costs->frames % PROBE_EVERY == 0;
 }
 
 /* A quarter of what is new: single frames may be far off. */
-static void learn(double *known, double milliseconds, uint64_t count, uint64_t few) {
-    if (count < few || !(milliseconds > 0)) return;
+static void learn(double *known, uint32_t *times, double milliseconds, uint64_t count, uint64_t few) {
+    if (count < few || !(milliseconds > 0) || (*times)++ == 0) return;
     const double found = milliseconds / (double)count;
     *known = *known > 0 ? *known + (found - *known) / 4 : found;
 }
 
 void shadow_costs_feed(struct shadow_costs *costs, struct shadow_times times) {
-    learn(&costs->page, times.page_milliseconds, times.pages, FEW_PAGES);
-    learn(&costs->ray, times.ray_milliseconds, times.rays, FEW_RAYS);
+    learn(&costs->page, &costs->page_times, times.page_milliseconds, times.pages, FEW_PAGES);
+    learn(&costs->ray, &costs->ray_times, times.ray_milliseconds, times.rays, FEW_RAYS);
 }
 
 float shadow_costs_page_rays(const struct shadow_costs *costs, bool is_cpu) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * What rays and pages of shadow maps cost on this device with this scene, for hybrid shadows. Knows nothing of the GPU: it is told the times and counts of frames, some
- * frames later. Pages are timed whenever enough of them are drawn. For rays some frames send a few more, whose time is known apart: the third, then each 64th.
+ * frames later. Pages are timed whenever enough of them are drawn. For rays some frames send a few more, whose time is known apart: the third, the sixth, then each 64th.
+ * The first time of each does not count, as drivers compile things late.
  */
 #ifndef FNL_RENDER_SHADOW_COSTS_H
 #define FNL_RENDER_SHADOW_COSTS_H
@@ -11,6 +12,7 @@
 
 struct shadow_costs {
     double page, ray; /* milliseconds; 0: not known */
+    uint32_t page_times, ray_times; /* that were told */
     uint32_t frames;  /* in which rays could have been timed */
 };
 

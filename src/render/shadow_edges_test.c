@@ -51,10 +51,10 @@ static void test_a_light_in_a_wall_lights_nothing(void **state) {
     fnl_scene *scene = bare_floor();
     const fnl_material_params material = matt(1);
     for (int i = 0; i < 2; i++) { /* the faces of a wall of 20 cm */
-        add_wall(scene, i ? 0.1f : -0.1f, 0.5f, 0.5f, 1.5f);
-        add_square(scene, &material, (vec3){0.1f, 1, 0.5f}, (vec3){0, i ? 1.5f : 0.5f, 0});
+        add_wall(scene, i ? 0.1f : -0.1f, 0.51f, 0.49f, 1.51f);
+        add_square(scene, &material, (vec3){0.11f, 1, 0.51f}, (vec3){0, i ? 1.5f : 0.5f, 0});
         add_instance(scene, add_square_mesh(scene, add_material(scene, &material)),
-                     mat4_from_trs((vec3){0, 1, i ? 0.5f : -0.5f}, quat_axis_angle((vec3){1, 0, 0}, PI / 2), (vec3){0.1f, 1, 0.5f}));
+                     mat4_from_trs((vec3){0, 1, i ? 0.5f : -0.5f}, quat_axis_angle((vec3){1, 0, 0}, PI / 2), (vec3){0.11f, 1, 0.51f}));
     }
     add_point_light(scene, (vec3){0.02f, 1, 0.1f}, 50);
     struct stage s = floor_stage(scene, 0.4f);
@@ -78,7 +78,7 @@ static void test_lights_on_surfaces_shine(void **state) {
         const uint32_t wrong = wrong_pixels(&s, &dark);
         print_message("case %d: %u wrong, %u dark\n", i, wrong, dark);
         assert_true(wrong <= SHADOW_SIZE * SHADOW_SIZE / 50);
-        assert_true(i == 1 || (dark > 200 && dark < SHADOW_SIZE * SHADOW_SIZE * 6 / 10));
+        assert_true(i == 1 || (dark > 150 && dark < SHADOW_SIZE * SHADOW_SIZE * 6 / 10));
         stage_close(&s);
     }
 }
@@ -138,7 +138,7 @@ static void test_no_acne_and_no_gap_MP_6(void **state) {
                 const bool is_dark = seen[y * SHADOW_SIZE + x] < 0.5f;
                 dark += is_dark;
                 gap += x == SHADOW_SIZE / 2 + 2 && !is_dark; /* two pixels, so at least two texels, behind the wall */
-                early += x < SHADOW_SIZE / 2 - 1 && is_dark;
+                early += x < SHADOW_SIZE / 2 - 4 && is_dark; /* two texels are wider yet on a floor that is seen at such an angle */
             }
         print_message("%d walls: %u dark, %u of them before it, %u missing at its foot\n", walls, dark, early, gap);
         assert_int_equal(early, 0);
