@@ -256,7 +256,7 @@ static void test_no_light_is_starved_ES_69(void **state) {
     static const char *const sources[] = {"builtin:hall?lights=64", "builtin:hall?lights=256", "builtin:hall?lights=1024"};
     for (uint32_t i = 0; i < COUNT_OF(sources); i++) {
         struct stage s = stage_open(sources[i], 0);
-        s.frame.width = 48, s.frame.height = 27;
+        s.frame.width = 32, s.frame.height = 18;
         s.frame.shadows = FNL_SHADOWS_MAPS;
         s.frame.shadow.memory = 32;
         s.frame.outputs = 0;

@@ -34,7 +34,7 @@ static struct world world_open(bool big, bool tiny) {
         lamp->intensity = 1;
         lamp->range = 0.5f;
         if (tiny) assert_int_equal(fnl_scene_add_light(scene, lamp, &w.ids[i]), FNL_OK);
-        add_square(scene, &material, (vec3){0.02f, 1, 0.2f}, (vec3){lamp->position.x + 0.1f, 0.1f, lamp->position.z});
+        add_square(scene, &material, (vec3){0.03f, 1, 0.07f}, (vec3){lamp->position.x + 0.11f, 0.1f, lamp->position.z + 0.02f});
     }
     w.s = stage_open_scene(scene);
     const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 0.4f, SHADOW_SIZE);
@@ -122,10 +122,10 @@ static void test_lights_do_not_flicker(void **state) {
     struct world w = world_open(false, true);
     const fnl_material_params material = matt(1);
     const fnl_mesh_id mesh = add_square_mesh(w.s.scene, add_material(w.s.scene, &material));
-    const fnl_instance_id mover = add_instance(w.s.scene, mesh, mat4_translation((vec3){0, 0.3f, 0}));
+    const fnl_instance_id mover = add_instance(w.s.scene, mesh, mat4_translation((vec3){0, 0.45f, 0}));
     uint64_t switched = 0, late = 0, by_rays = 0;
     for (uint32_t i = 0; i < 96; i++) {
-        const mat4 place = mat4_mul(mat4_translation((vec3){0.001f * (float)i, 0.3f, 0}), mat4_scaling((vec3){4, 1, 4}));
+        const mat4 place = mat4_mul(mat4_translation((vec3){0.001f * (float)i, 0.45f, 0}), mat4_scaling((vec3){4, 1, 4}));
         assert_int_equal(fnl_scene_set_instance_transform(w.s.scene, mover, &place), FNL_OK);
         const fnl_frame_stats stats = after_frame(&w.s);
         switched += counter(&stats, "shadows.switched");
@@ -140,6 +140,36 @@ static void test_lights_do_not_flicker(void **state) {
 }
 
 /* ---- pictures ---- */
+
+/* A square moves on one side of the lamps in the first column, which come back to rays. Pages on their other side are still there and true, but rays find all of the shadow. */
+static void test_pages_that_are_left_over_are_not_looked_up(void **state) {
+    UNUSED(state);
+    struct world w = world_open(false, true);
+    const fnl_material_params material = matt(1);
+    const fnl_instance_id mover = add_instance(w.s.scene, add_square_mesh(w.s.scene, add_material(w.s.scene, &material)), mat4_translation((vec3){0, 0.45f, 0}));
+    struct stage other = w.s;
+    assert_int_equal(fnl_renderer_create(harness_device(), w.s.scene, &other.renderer), FNL_OK);
+    other.frame.shadows = FNL_SHADOWS_RAYS;
+    bool had_maps = false, seen = false;
+    for (uint32_t i = 0; i < 40 && !seen; i++) {
+        const mat4 place = mat4_mul(mat4_translation((vec3){-5.7f - 0.001f * (float)i, 0.45f, 0}), mat4_scaling((vec3){2.4f, 1, 4}));
+        assert_int_equal(fnl_scene_set_instance_transform(w.s.scene, mover, &place), FNL_OK);
+        const fnl_frame_stats stats = after_frame(&w.s);
+        had_maps = had_maps || counter(&stats, "shadows.by-maps") == LAMPS;
+        seen = had_maps && counter(&stats, "shadows.by-rays") == LAMPS / GRID;
+    }
+    assert_true(seen);
+    struct shot rays = stage_shoot(&other, &other.frame);
+    fnl_image image = {0};
+    assert_int_equal(fnl_renderer_read(w.s.renderer, FNL_OUTPUT_RADIANCE, &image), FNL_OK);
+    for (uint32_t y = 0; y < SHADOW_SIZE; y++)
+        for (uint32_t x = 0; x < 11; x++) /* what no other column reaches */
+            if (pixel_at(&image, x, y)[1] != pixel_at(&rays.radiance, x, y)[1]) fail_msg("%u %u is not what rays show", x, y);
+    fnl_image_free(&w.s.renderer->host, &image);
+    shot_free(&rays);
+    fnl_renderer_destroy(&other.renderer);
+    stage_close(&w.s);
+}
 
 static struct shot shot_of(bool big, bool tiny, fnl_shadows shadows) {
     struct world w = world_open(big, tiny);
@@ -297,6 +327,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_lights_split_by_their_cost_ES_69, harness_check),
         cmocka_unit_test_teardown(test_it_costs_less_than_either_ES_69, harness_check),
         cmocka_unit_test_teardown(test_lights_do_not_flicker, harness_check),
+        cmocka_unit_test_teardown(test_pages_that_are_left_over_are_not_looked_up, harness_check),
         cmocka_unit_test_teardown(test_each_light_has_the_shadow_of_maps_or_rays_ES_69, harness_check),
         cmocka_unit_test_teardown(test_lists_and_paths_decide_alike, harness_check),
         cmocka_unit_test(test_costs_are_learned),
