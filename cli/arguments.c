@@ -63,7 +63,7 @@ bool argument_name(const char *option, const char *text, const char *(*name_of)(
 
 bool argument_light_shapes(const char *option, const char *text, fnl_scatter_params *out) {
     char copy[256], *rest = copy;
-    static const char wanted[] = "a list such as point,spot,capsule,wedge,box or point=3,spot=1";
+    static const char wanted[] = "a list such as point,spot,capsule,wedge,box,rectangle or point=3,spot=1";
     if (strlen(text) >= sizeof copy) return argument_bad(option, text, wanted);
     strcpy(copy, text);
     memset(out->shares, 0, sizeof out->shares);

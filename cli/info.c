@@ -77,7 +77,7 @@ static void print_counts(const fnl_scene_info *info) {
     print_count("materials", info->material_count, "");
     print_count("images", info->image_count, "");
     const uint32_t kinds[] = {info->directional_count, info->point_count, info->spot_count,
-                              info->capsule_count,     info->wedge_count, info->box_count};
+                              info->capsule_count,     info->wedge_count, info->box_count,  info->rectangle_count};
     int used = 0;
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (i <= FNL_LIGHT_SPOT || kinds[i])
@@ -186,6 +186,8 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
         if (light.kind == FNL_LIGHT_WEDGE)
             printf("  half angles %.1f, %.1f degrees", (double)light.wedge_angles[0] * 180 / 3.14159265358979,
                    (double)light.wedge_angles[1] * 180 / 3.14159265358979);
+        if (light.kind == FNL_LIGHT_RECTANGLE)
+            printf("  %.4g x %.4g m%s", (double)light.rectangle_size[0], (double)light.rectangle_size[1], light.two_sided ? ", two-sided" : "");
         const char *name = name_of(scene, FNL_ENTITY_LIGHT, i);
         if (*name) printf("  %s", name);
         putchar('\n');
@@ -318,8 +320,14 @@ static json_t *json_light(const char *name, const fnl_light_params *light) {
         json_object_set_new(object, "up", json_vec3(light->up));
         json_object_set_new(object, "inner_fraction", json_real((double)light->inner_fraction));
     }
+    if (light->kind == FNL_LIGHT_RECTANGLE) {
+        json_object_set_new(object, "up", json_vec3(light->up));
+        json_object_set_new(object, "rectangle_size", json_pack("[f,f]", (double)light->rectangle_size[0], (double)light->rectangle_size[1]));
+        json_object_set_new(object, "two_sided", json_boolean(light->two_sided));
+    }
     const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
-    json_object_set_new(object, parallel ? "source_angle" : "source_radius", json_real((double)(parallel ? light->source_angle : light->source_radius)));
+    if (light->kind != FNL_LIGHT_RECTANGLE)
+        json_object_set_new(object, parallel ? "source_angle" : "source_radius", json_real((double)(parallel ? light->source_angle : light->source_radius)));
     json_object_set_new(object, "casts_shadows", json_boolean(light->casts_shadows));
     return object;
 }

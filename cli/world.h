@@ -97,8 +97,8 @@ enum {
 #define WORLD_SCENE_HELP                                                                                                    \
     "  --lights N                 adds N point and spot lights at random places in the scene\n"                             \
     "  --light-seed S             the random seed for their places (1)\n"                                                   \
-    "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box, each with =SHARE or equal "                    \
-    "(point=3,spot=1)\n"                                                                                                    \
+    "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box,rectangle, each with =SHARE "                    \
+    "or equal (point=3,spot=1)\n"                                                                                                    \
     "  --light-scale X            multiplies their radius (1)\n"                                                            \
     "  --ies FILE                 points and spots shine as the luminaire of a photometric file (.ies) does\n"              \
     "  --range-roughness R        lights without a range reach as far as highlights on surfaces of roughness R are "        \

@@ -38,12 +38,13 @@ struct brdf_lobes {
     float n_l;
     float specular;
     float m5;
+    float m5_below; // the same, for what gets below the surface: another one only for lights of some size (lights/area.glsl)
 };
 
 // False for light from behind (NaN too); `to_light` is unit and points away from the surface.
 bool brdf_lobes_of(vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes) {
     precise float n_l = dot(normal, to_light);
-    lobes = brdf_lobes(0.0, 0.0, 0.0);
+    lobes = brdf_lobes(0.0, 0.0, 0.0, 0.0);
     if (!(n_l > 0.0)) return false;
     precise vec3 sum = to_light + b.to_view;
     precise vec3 half_vector = sum * inversesqrt(max(dot(sum, sum), 1e-20));
@@ -60,24 +61,30 @@ bool brdf_lobes_of(vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes
     precise float m = 1.0 - v_h;
     precise float m2 = m * m;
     precise float m5 = m2 * m2 * m;
-    lobes = brdf_lobes(n_l, specular, m5);
+    lobes = brdf_lobes(n_l, specular, m5, m5);
     return true;
 }
 
-// f(l, v) * cos. Exactly zero for light from behind.
-vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
-    brdf_lobes lobes;
-    if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return vec3(0.0);
+// f(l, v) * cos, of a light's lobes.
+vec3 brdf_cos_of(surface s, brdf_lobes lobes) {
     precise vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5;
+    precise vec3 taken = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below;
     if (HAS_METAL == 0u) { // what the blend below gives for metalness 0
-        precise vec3 plain = (s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * lobes.specular) * lobes.n_l;
+        precise vec3 plain = (s.base_color * ((1.0 - max_component(taken)) * (1.0 / PI)) + fresnel * lobes.specular) * lobes.n_l;
         return plain;
     }
     precise vec3 metal_fresnel = s.base_color + (1.0 - s.base_color) * lobes.m5;
-    precise vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * lobes.specular;
+    precise vec3 dielectric = s.base_color * ((1.0 - max_component(taken)) * (1.0 / PI)) + fresnel * lobes.specular;
     precise vec3 metal = metal_fresnel * lobes.specular;
     precise vec3 result = (dielectric + (metal - dielectric) * s.metallic) * lobes.n_l;
     return result;
+}
+
+// The same by its direction. Exactly zero for light from behind.
+vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
+    brdf_lobes lobes;
+    if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return vec3(0.0);
+    return brdf_cos_of(s, lobes);
 }
 
 // Reflection of light from all around, for the ambient term: analytic fit of the split-sum integral (Karis 2014,

@@ -139,38 +139,52 @@ float stretched_lobe(surface s, layers_view b, vec3 to_light, float n_l) {
     return n_h > 0.0 ? 1.0 / (b.alpha_along.x * b.alpha_along.y * d * d * shadowing * b.base.masking) : 0.0;
 }
 
-vec3 layered_base(surface s, layers_view b, vec3 to_light) {
-    brdf_lobes lobes;
-    if (!brdf_lobes_of(s.normal, b.base, to_light, lobes)) return vec3(0.0);
-    if (s.layers.anisotropy > 0.0) lobes.specular = stretched_lobe(s, b, to_light, lobes.n_l);
+// `n_l`: of `to_light`, which fibres know.
+vec3 layered_base_of(surface s, layers_view b, brdf_lobes lobes, vec3 to_light, float n_l) {
     vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5, b.film_dielectric, s.layers.film);
+    vec3 taken = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below, b.film_dielectric, s.layers.film);
     vec3 metal = mix(s.base_color + (1.0 - s.base_color) * lobes.m5, b.film_metal, s.layers.film) * lobes.specular;
-    vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI) * opaque_part(s)) + fresnel * lobes.specular;
+    vec3 dielectric = s.base_color * ((1.0 - max_component(taken)) * (1.0 / PI) * opaque_part(s)) + fresnel * lobes.specular;
     vec3 base = mix(dielectric, metal, s.metallic) * b.below_sheen;
     if (max_component(s.layers.sheen_color) > 0.0) {
         float n_h = clamp(dot(s.normal, normalize(to_light + b.base.to_view)), 0.0, 1.0);
-        base += s.layers.sheen_color * sheen_lobe(s.layers.sheen_roughness, lobes.n_l, b.n_v, n_h);
+        base += s.layers.sheen_color * sheen_lobe(s.layers.sheen_roughness, n_l, b.n_v, n_h);
     }
     return base * lobes.n_l;
 }
 
-// A light behind the surface: its mirror image in front says what gets in, and where the lobe of what is seen through lies.
-vec3 layered_behind(surface s, layers_view b, vec3 to_light) {
-    vec3 image = to_light - 2.0 * dot(s.normal, to_light) * s.normal;
-    brdf_view view = b.base;
+vec3 layered_base(surface s, layers_view b, vec3 to_light) {
     brdf_lobes lobes;
+    if (!brdf_lobes_of(s.normal, b.base, to_light, lobes)) return vec3(0.0);
+    if (s.layers.anisotropy > 0.0) lobes.specular = stretched_lobe(s, b, to_light, lobes.n_l);
+    return layered_base_of(s, b, lobes, to_light, lobes.n_l);
+}
+
+// A light behind the surface: its mirror image in front says what gets in, and where the lobe of what is seen through lies.
+brdf_view behind_view(surface s, layers_view b) {
 #ifdef TRANSMISSION
     surface sheet = s;
     sheet.roughness = sqrt(through_alpha(s));
-    view = brdf_prepare(sheet, b.base.to_view);
+    return brdf_prepare(sheet, b.base.to_view);
+#else
+    return b.base;
 #endif
-    if (!brdf_lobes_of(s.normal, view, image, lobes)) return vec3(0.0);
-    vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5, b.film_dielectric, s.layers.film);
+}
+
+vec3 layered_behind_of(surface s, layers_view b, brdf_lobes lobes) {
+    vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below, b.film_dielectric, s.layers.film);
     vec3 through = s.layers.diffuse_transmission_color * (s.layers.diffuse_transmission * (1.0 / PI));
 #ifdef TRANSMISSION
     through = mix(through, s.base_color * lobes.specular * through_left(s, s.layers.thickness), s.layers.transmission);
 #endif
     return through * ((1.0 - max_component(fresnel)) * (1.0 - s.metallic) * b.below_sheen * lobes.n_l);
+}
+
+vec3 layered_behind(surface s, layers_view b, vec3 to_light) {
+    vec3 image = to_light - 2.0 * dot(s.normal, to_light) * s.normal;
+    brdf_lobes lobes;
+    if (!brdf_lobes_of(s.normal, behind_view(s, b), image, lobes)) return vec3(0.0);
+    return layered_behind_of(s, b, lobes);
 }
 
 // f(l, v) times the cosine, as brdf_cos().
@@ -182,6 +196,61 @@ vec3 layers_cos(surface s, layers_view b, vec3 to_light) {
     if (s.layers.clearcoat > 0.0 && brdf_lobes_of(s.layers.clearcoat_normal, b.coat, to_light, coat))
         sum += s.layers.clearcoat * (COAT_F0 + (1.0 - COAT_F0) * coat.m5) * (coat.specular * coat.n_l);
     return sum;
+}
+
+// layers_cos() of a rectangle. Highlights that are stretched along the tangent are a fan of round ones (see stretched_radiance()); fibres see the rectangle
+// where most of its light comes from. All lobes are integrated in one loop, so that shaders hold its code once.
+vec3 area_cos(light_list_block l, uint light, surface s, layers_view b) {
+    const uint BASE = 0u, BEHIND = 1u, COAT = 2u, FAN = 3u, FAN_COUNT = 8u;
+    bool layered = LIST_LAYERS && s.layered, fans = layered && s.layers.anisotropy > 0.0;
+    brdf_lobes base = brdf_lobes(0.0, 0.0, 0.0, 0.0);
+    vec3 base_toward = s.normal, sum = vec3(0.0);
+    float fan = 0.0, weights = 1e-6;
+    for (uint lobe = BASE; lobe < (fans ? FAN + FAN_COUNT : layered ? FAN : BEHIND); lobe++) {
+        vec3 normal = s.normal, toward;
+        brdf_view view = b.base;
+        float weight = 1.0;
+        brdf_lobes lobes;
+        if (LIST_LAYERS && lobe == BEHIND) {
+            if (!lets_through(s)) continue;
+            view = behind_view(s, b);
+        } else if (LIST_LAYERS && lobe == COAT) {
+            if (!(s.layers.clearcoat > 0.0)) continue;
+            normal = s.layers.clearcoat_normal;
+            view = b.coat;
+        } else if (LIST_LAYERS && lobe >= FAN) {
+            float across = b.alpha_along.y, lean = sqrt(max(b.alpha_along.x * b.alpha_along.x - across * across, 0.0));
+            float u = 2.0 * (float(lobe - FAN) + 0.5) / float(FAN_COUNT) - 1.0;
+            surface leaning = s;
+            leaning.roughness = sqrt(max(across, lean / float(FAN_COUNT)));
+            normal += s.layers.tangent * (lean * u * inversesqrt(1.0 - u * u));
+            weight = max(dot(b.base.to_view, normal), 0.0);
+            normal = leaning.normal = normalize(normal);
+            view = brdf_prepare(leaning, b.base.to_view);
+        }
+        weights += lobe >= FAN ? weight : 0.0;
+        if (!area_lobes_of(l, light, s.position, normal, view, lobe == BEHIND, lobes, toward)) continue;
+        if (lobe == BASE) {
+            base = lobes;
+            base_toward = toward;
+        } else if (LIST_LAYERS && lobe == BEHIND) {
+            sum += layered_behind_of(s, b, lobes) * b.below_coat;
+        } else if (LIST_LAYERS && lobe == COAT) {
+            sum += s.layers.clearcoat * (COAT_F0 + (1.0 - COAT_F0) * lobes.m5) * (lobes.specular * lobes.n_l);
+        } else {
+            fan += weight * lobes.specular * lobes.n_l;
+        }
+    }
+    if (!(base.n_l > 0.0)) return sum;
+    if (!layered) return brdf_cos_of(s, base);
+    if (fans) base.specular = fan / (weights * base.n_l);
+    return sum + layered_base_of(s, b, base, base_toward, max(dot(s.normal, base_toward), 1e-4)) * b.below_coat;
+}
+
+// layers_cos() of any light, `to_light` as illuminate() has it.
+vec3 light_cos(light_list_block l, uint light, surface s, layers_view b, vec3 to_light) {
+    if (light_is_area(l, light, s.position)) return area_cos(l, light, s, b);
+    return layers_cos(s, b, to_light);
 }
 
 // ---- light from all around ----

@@ -7,6 +7,7 @@
 #include "brdf.glsl"
 #include "environment.glsl"
 #include "lights/illuminate.glsl"
+#include "lights/area.glsl"
 #include "shadows/sampled.glsl"
 
 // Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface; behind them, points that no cell of
@@ -156,12 +157,15 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
             if (COUNT_LIGHTS == 1u) visited++;
             if (illuminance != vec3(0.0)) {
                 if (COUNT_LIGHTS == 1u && walk == 1u) useful++;
+                bool area = light_is_area(lights, light, s.position);
+                vec3 of_area;
+                if (area) of_area = area_cos(lights, light, s, b);
                 if (LIST_SAMPLED) {
-                    precise float weight = luminance(illuminance * layers_cos(s, b, to_light));
+                    precise float weight = luminance(illuminance * (area ? of_area : layers_cos(s, b, to_light)));
                     if (!(weight > 0.0)) continue;
                     if (walk == 0u) {
                         if (LIST_DENOISED) {
-                            apart.open += illuminance * layers_cos(s, b, to_light);
+                            apart.open += illuminance * (area ? of_area : layers_cos(s, b, to_light));
                             apart.field += luminance(illuminance) * vec4(to_light, 1.0);
                         }
                         precise float more = weights + weight;
@@ -173,11 +177,11 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     if (share == 0.0) continue;
                     illuminance *= share;
                 }
-                if (LIST_DENOISED) apart.drawn += illuminance * layers_cos(s, b, to_light);
+                if (LIST_DENOISED) apart.drawn += illuminance * (area ? of_area : layers_cos(s, b, to_light));
                 if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
                 if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
-                if (LIST_DENOISED) apart.seen += illuminance * layers_cos(s, b, to_light);
-                else sum += illuminance * layers_cos(s, b, to_light);
+                if (LIST_DENOISED) apart.seen += illuminance * (area ? of_area : layers_cos(s, b, to_light));
+                else sum += illuminance * (area ? of_area : layers_cos(s, b, to_light));
                 if (LIST_SAMPLED && light_draw_done(draw)) break;
             }
         }

@@ -479,6 +479,9 @@ static void test_fields_of_lights(void **state) {
     LIGHT(WEDGE, wedge_angles[1], NAN, "wedge_angles[1] is NaN, must be above 0 and at most 1.5 radians");
     LIGHT(WEDGE, up.x, INFINITY, "up.x is infinity, must be finite");
     LIGHT(BOX, box_size.y, INFINITY, "box_size.y is infinity, must be 1.17549e-38 .. 1e+18 metres");
+    LIGHT(RECTANGLE, rectangle_size[0], 0, "rectangle_size[0] is 0, must be 1e-09 .. 1e+09 metres");
+    LIGHT(RECTANGLE, rectangle_size[1], NAN, "rectangle_size[1] is NaN, must be 1e-09 .. 1e+09 metres");
+    LIGHT(RECTANGLE, up.y, INFINITY, "up.y is infinity, must be finite");
     LIGHT(BOX, inner_fraction, 1.5f, "inner_fraction is 1.5, must be 0 .. 1");
     LIGHT(BOX, inner_fraction, 1.0000001f, "inner_fraction is 1.0000001, must be 0 .. 1");
     LIGHT(BOX, source_angle, 2, "source_angle is 2, must be 0 .. 1 radians");

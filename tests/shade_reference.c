@@ -24,6 +24,8 @@ static void to(dvec3 v, double out[3]) {
     out[2] = v.z;
 }
 
+enum { RECTANGLE_STEPS = 48 }; /* points on a side that stand for all */
+
 void reference_shade(const struct reference_surface *s, const double to_view[3], const fnl_light_params *lights,
                      uint32_t light_count, fnl_vec3 ambient_sky, fnl_vec3 ambient_ground, double out[3]) {
     struct ray_surface surface = {.position = from(s->position),
@@ -40,6 +42,12 @@ void reference_shade(const struct reference_surface *s, const double to_view[3],
         const struct ray_light light = ray_light_make(&lights[k], light_reference_range(&lights[k]), NULL);
         double distance;
         dvec3 to_light;
+        for (int i = 0; i < RECTANGLE_STEPS * RECTANGLE_STEPS && light.kind == FNL_LIGHT_RECTANGLE; i++) {
+            const double u = (i / RECTANGLE_STEPS + 0.5) / RECTANGLE_STEPS, v = (i % RECTANGLE_STEPS + 0.5) / RECTANGLE_STEPS,
+                         part = ray_light_sample(&light, surface.position, u, v, &to_light, &distance) / (RECTANGLE_STEPS * RECTANGLE_STEPS);
+            if (part > 0) sum = dvec3_add_scaled(sum, dvec3_mul(ray_brdf_cos(&surface, from(to_view), to_light), light.color), part);
+        }
+        if (light.kind == FNL_LIGHT_RECTANGLE) continue;
         double strength = ray_light_strength(&light, surface.position, &to_light, &distance);
         if (!(strength > 0)) continue;
         sum = dvec3_add_scaled(sum, dvec3_mul(ray_brdf_cos(&surface, from(to_view), to_light), light.color), strength);

@@ -285,6 +285,12 @@ static void draw_reach(const struct view *v, const struct maths_eye *eye, const 
         draw_box(v, eye, &world, maths_scale(half, -1), half);
         return;
     }
+    if (light->kind == FNL_LIGHT_RECTANGLE) { /* its edges too, and a ray from its middle */
+        const fnl_vec3 half = {0.5f * light->rectangle_size[0], 0.5f * light->rectangle_size[1], 0};
+        const fnl_mat4 world = maths_columns(maths_cross(light->direction, light->up), light->up, light->direction, light->position);
+        draw_box(v, eye, &world, maths_scale(half, -1), half);
+        draw_line(v, eye, light->position, maths_add(light->position, light->direction, fmaxf(half.x, half.y)), (uint32_t)PICKED_COLOR);
+    }
     const float range = isinf(light->range) ? fnl_light_range(light, 1, 0.05f) : light->range;
     fnl_vec3 beside[2], last = {0, 0, 0};
     const fnl_vec3 towards = eye->camera.orthographic ? eye->forward : maths_unit(maths_add(light->position, eye->camera.position, -1));

@@ -21,36 +21,43 @@ typedef enum fnl_light_kind {
     FNL_LIGHT_CAPSULE,         /**< a tube: each point is lit from the nearest point of a segment */
     FNL_LIGHT_WEDGE,           /**< from a point into a pyramid of rectangular cross-section */
     FNL_LIGHT_BOX,             /**< parallel light that fills an oriented box and nothing else */
+    FNL_LIGHT_RECTANGLE,       /**< a flat panel, alike from all sides (Lambert's law), that lights what is in front of it */
     FNL_LIGHT_KIND_COUNT
 } fnl_light_kind;
 
 typedef struct fnl_light_params {
     fnl_light_kind kind; /**< default point */
-    fnl_vec3 position;   /**< metres; apex of spots and wedges, middle of capsules and boxes; not for directional lights */
+    fnl_vec3 position;   /**< metres; apex of spots and wedges, middle of capsules, boxes and rectangles; not for directional lights */
     /** Where the light shines to; for capsules, along the segment. Normalised by the call. Default 0, 0, -1. Not for points. */
     fnl_vec3 direction;
     float color[3];  /**< linear RGB, >= 0; default 1 */
-    float intensity; /**< candela, or lux for directional lights and boxes, >= 0; default 1 */
     /**
-     * Distance from the position (capsules: from the segment) beyond which the light contributes exactly zero, metres, > 0;
+     * Candela, or lux for directional lights and boxes, >= 0; default 1. Of a rectangle it is what it sends straight ahead: its luminance in cd/m^2
+     * is this over its area, and a larger one does not give more light.
+     */
+    float intensity;
+    /**
+     * Distance from the position (capsules: from the segment, rectangles: from their nearest point) beyond which the light contributes exactly zero, metres, > 0;
      * INFINITY (the default) derives it from the intensity (fnl_light_range). Not for directional lights and boxes.
      */
     float range;
     float inner_cone_angle; /**< half angle of full intensity, radians, 0 .. outer; default 0 */
     float outer_cone_angle; /**< half angle beyond which there is no light, radians, up to pi/2; default pi/4 */
     /**
-     * Wedges and boxes: the direction of their height. The call makes it a unit vector perpendicular to `direction`; if the
+     * Wedges, boxes and rectangles: the direction of their height. The call makes it a unit vector perpendicular to `direction`; if the
      * two are parallel, it chooses another. The width lies along direction x up. Default 0, 1, 0.
      */
     fnl_vec3 up;
     float length;          /**< capsules: length of the segment, which is centred on the position, metres, >= 0; default 1 */
     float wedge_angles[2]; /**< wedges: half angles across the width and the height, radians, 0 .. 1.5; default pi/4, pi/6 */
     fnl_vec3 box_size;     /**< boxes: width, height and depth (along the direction), metres, > 0; default 1 */
+    float rectangle_size[2]; /**< rectangles: width and height, metres, 1e-9 .. 1e9; default 1 */
+    bool two_sided;        /**< rectangles: default false: light goes to the side of `direction`; true: to both sides alike */
     /** Wedges and boxes: full intensity up to this fraction of the way from the axis to the edge, then a fade to zero at the
         edge, 0 .. 1; default 0.7. */
     float inner_fraction;
     /**
-     * Radius of what shines, metres, >= 0; default 0, a point. Not for directional lights and boxes. It makes shadows soft, if the frame asks
+     * Radius of what shines, metres, >= 0; default 0, a point. Not for directional lights and boxes, nor for rectangles, whose own size counts. It makes shadows soft, if the frame asks
      * for that (fnl_shadow_options): a shadow is as dark as the part is large that is hidden of a disk of this radius that faces the surface;
      * for capsules of all disks round points of the segment. How bright the light is, and its highlights, do not change.
      */
@@ -126,7 +133,7 @@ typedef struct fnl_scatter_params {
 } fnl_scatter_params;
 
 static inline fnl_scatter_params fnl_scatter_params_default(void) {
-    const fnl_scatter_params params = {0, 1, {0, 3, 1, 0, 0, 0}, 1};
+    const fnl_scatter_params params = {0, 1, {0, 3, 1, 0, 0, 0, 0}, 1};
     return params;
 }
 /**

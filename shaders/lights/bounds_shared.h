@@ -15,6 +15,7 @@
 #define GPU_SHAPE_CAPSULE 3u
 #define GPU_SHAPE_WEDGE 4u  /* a pyramid with a spherical end */
 #define GPU_SHAPE_BOX 5u
+#define GPU_SHAPE_RECTANGLE 6u /* for lists a box */
 
 /* A convex volume in world space. It is the first member of a light, which contributes exactly zero outside it. */
 struct gpu_shape {
@@ -24,10 +25,10 @@ struct gpu_shape {
     uint hull_count;     /* planes that bound it besides; 0: none */
     vec3 direction;      /* unit, its axis; of a light where it shines to */
     float spot_scale;    /* cone: the half angle's cosine is -offset / scale. Of a light its ramp: see gpu_light */
-    float spot_offset;
+    float spot_offset;   /* rectangle: half its height, negative if both sides shine; spot_scale is half its width */
     vec3 side;           /* unit, at right angles to the direction: across a wedge or box; of spheres only those with a profile */
     vec3 size;           /* capsule: half length, radius; wedge: tangents of the half angles across and up;
-                            box: half sizes across, up and along; of lights that are spheres or cones x is the place of their profile, or 0 */
+                            box, rectangle: half sizes across, up and along; of lights that are spheres or cones x is the place of their profile, or 0 */
     uint hull_first;     /* of its first plane in gpu_light_list.planes */
 };
 

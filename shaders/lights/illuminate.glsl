@@ -57,6 +57,39 @@ float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, 
     return strength;
 }
 
+// Square metres.
+float light_rectangle_area(light_list_block l, uint light) {
+    precise float area = 4.0 * l.list.lights.at[light].shape.spot_scale * abs(l.list.lights.at[light].shape.spot_offset);
+    return area;
+}
+
+// The steradians of a rectangle, roughly: of a distant one in full, and never 0 in its volume.
+float light_rectangle_share(light_list_block l, uint light, vec3 position) {
+    precise vec3 ray = l.list.lights.at[light].shape.position - position;
+    precise float area = light_rectangle_area(l, light), distance2 = max(dot(ray, ray), 1e-8);
+    precise float along = max(abs(dot(ray, l.list.lights.at[light].shape.direction)), 1e-12);
+    precise float share = area * along * inversesqrt(distance2) / (distance2 + area * (1.0 / PI));
+    return share;
+}
+
+// The falloff of capsules, from the nearest point of the rectangle. Times illuminate()'s share, which layers of shading divide by again (lights/area.glsl).
+float light_rectangle_strength(light_list_block l, uint light, vec3 position, vec3 ray, out vec3 to_light) {
+    vec3 direction = l.list.lights.at[light].shape.direction, side = l.list.lights.at[light].shape.side;
+    precise vec3 up = cross(side, direction);
+    precise vec3 at = vec3(-dot(ray, side), -dot(ray, up), -dot(ray, direction));
+    float across = l.list.lights.at[light].shape.spot_scale, height = l.list.lights.at[light].shape.spot_offset;
+    float range = l.list.lights.at[light].shape.size.z;
+    to_light = vec3(0.0);
+    if (height > 0.0 ? !(at.z > 0.0) : at.z == 0.0) return 0.0; // behind, or in its plane
+    precise vec2 beside = max(abs(at.xy) - vec2(across, abs(height)), vec2(0.0));
+    precise float distance2 = dot(beside, beside) + at.z * at.z;
+    precise float ratio2 = distance2 / (range * range);
+    if (ratio2 >= 1.0) return 0.0;
+    to_light = ray * inversesqrt(max(dot(ray, ray), 1e-20));
+    precise float strength = (1.0 - ratio2 * ratio2) * light_rectangle_share(l, light, position) / light_rectangle_area(l, light);
+    return strength;
+}
+
 // Whether the light's hull holds a point; `ray` leads from the point to the light's position.
 bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
     plane_array planes = l.list.planes;
@@ -69,7 +102,8 @@ bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
 }
 
 // Illuminance at right angles to the ray that a light of colour 1 gives, in lux; `to_light` is unit. Exactly zero where the light's
-// volume does not hold the position. `light` is an index into the light array, not of a directional light.
+// volume does not hold the position. `light` is an index into the light array, not of a directional light. Of a rectangle it is about that, from its
+// middle: light_lobes_of() makes it right.
 float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_light) {
     precise vec3 ray = l.list.lights.at[light].shape.position - position;
     precise float distance2 = max(dot(ray, ray), 1e-8);
@@ -90,7 +124,8 @@ float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_
         }
         if (LIST_PROFILES) attenuation *= light_profile(l, light, to_light);
     } else {
-        attenuation = light_shape_strength(l, light, kind, ray, to_light);
+        if (LIST_RECTANGLES && kind == GPU_SHAPE_RECTANGLE) attenuation = light_rectangle_strength(l, light, position, ray, to_light);
+        else attenuation = light_shape_strength(l, light, kind, ray, to_light);
     }
     uint hull_count = LIST_SIMPLE ? 0u : l.list.lights.at[light].shape.hull_count;
     if (hull_count != 0u && !light_hull_holds(l, light, hull_count, ray)) return 0.0;
@@ -109,7 +144,7 @@ vec3 illuminate(light_list_block l, uint light, vec3 position, out vec3 to_light
 float light_distance(light_list_block l, uint light, vec3 position, vec3 to_light) {
     vec3 ray = l.list.lights.at[light].shape.position - position;
     uint kind = l.list.lights.at[light].shape.kind;
-    if (LIST_SIMPLE || kind <= GPU_SHAPE_CONE || kind == GPU_SHAPE_WEDGE) return length(ray);
+    if (LIST_SIMPLE || kind <= GPU_SHAPE_CONE || kind == GPU_SHAPE_WEDGE || LIST_RECTANGLES && kind == GPU_SHAPE_RECTANGLE) return length(ray);
     vec3 direction = l.list.lights.at[light].shape.direction, size = l.list.lights.at[light].shape.size;
     if (kind == GPU_SHAPE_BOX) return size.z - dot(ray, direction);
     return length(ray + direction * clamp(-dot(ray, direction), -size.x, size.x));
@@ -171,11 +206,16 @@ bool cubemap_sends_rays(shadowed_point p, ray_scope scope, vec3 open) {
     return max_component(open) > 0.0 && (scope.high > 0.0 || (p.probes.flags & PROBES_MOVERS) != 0u);
 }
 
+// Whether some of a light comes from before the surface, as far as the direction to its middle tells.
+bool light_may_face(light_list_block l, uint light, vec3 normal, vec3 to_light) {
+    return dot(normal, to_light) > 0.0 || LIST_RECTANGLES && l.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
+}
+
 // The part, 0 .. 1, of a light that no surface stops on its way to the point; `to_light` and `light` as illuminate() has them. 0 also for light that
 // comes from behind the surface, which reflects none of it. Its colours differ only with LIST_CUBEMAP.
 vec3 shadow_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light) {
     if (!LIST_SHADOWED || !light_casts(l, light)) return vec3(1.0);
-    if (!(dot(p.normal, to_light) > 0.0)) return vec3(0.0);
+    if (!light_may_face(l, light, p.normal, to_light)) return vec3(0.0);
     if (LIST_MAPS) {
         float open = map_visibility(l, light, p);
         if (!LIST_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light

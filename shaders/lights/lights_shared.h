@@ -63,9 +63,21 @@ struct gpu_light {
 /* Beside the kind: some spheres and cones have a profile (lights/profile.glsl). */
 #define GPU_LIST_PROFILES 0x100000u
 
+/* Beside the kind: some lights are rectangles (lights/area.glsl). */
+#define GPU_LIST_RECTANGLES 0x800000u
+
 /* Light profiles, one after the other: steps of the vertical angle, steps of the horizontal one, and the values, a row for each vertical angle. */
 #ifdef GL_core_profile
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer profile_array { float at[]; };
+#endif
+/* Of rectangles: how the specular lobe is made of a cosine, by roughness and then by the viewer's angle (tools/area_lobes.c). In alphas, the stretch along
+   the plane of the normal and the viewer, and across; the sine of the angle from the mirror direction to the axis; shear; what the transformed cosine is
+   multiplied by; and the part of it above the surface. */
+#define AREA_LOBE_ROWS 16
+#define AREA_LOBE_COLUMNS 32
+#define AREA_LOBE_VALUES 6
+#ifdef GL_core_profile
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lobe_array { float at[]; };
 #endif
 /* Beside the kind: in the boxes of reflection probes ambient light comes from these (shaders/reflections.glsl). */
 #define GPU_LIST_REFLECTIONS 0x200000u
@@ -167,6 +179,7 @@ struct gpu_light_list {
     uint shadow_rays;    /* that a point sends; of lists with GPU_LIST_SAMPLED, as the next */
     ADDRESS(profile_array) profiles; /* of lists with GPU_LIST_PROFILES */
     uint shadow_seed;    /* what the choice of lights depends on, besides the pixel */
+    ADDRESS(lobe_array) lobes; /* of lists with GPU_LIST_RECTANGLES */
 };
 
 #endif

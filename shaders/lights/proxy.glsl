@@ -37,7 +37,7 @@ void shape_corners(gpu_shape s, vec3 sphere_center, float radius, out vec3 corne
         x = shape_spread(s.range, s.size.x);
         y = shape_spread(s.range, s.size.y);
         z = vec2(0.0, s.range);
-    } else if (s.kind == GPU_SHAPE_BOX) {
+    } else if (s.kind >= GPU_SHAPE_BOX) {
         x = vec2(s.size.x);
         y = vec2(s.size.y);
         z = vec2(-s.size.z, s.size.z);

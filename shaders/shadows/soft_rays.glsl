@@ -8,7 +8,7 @@
 
 // The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
 // `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer
-// to the source than `margin` hides nothing. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
+// to the source than `margin` hides nothing. Of a rectangle the rays go to points of it. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
 // `scope`: which items hide it, with LIST_CUBEMAP.
 float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
     uint kind = l.list.lights.at[light].shape.kind;
@@ -25,11 +25,34 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
             source_axes(to_light, side, up);
         }
     }
-    float open = 0.0;
+    // A rectangle's points count by what they give a matt surface. One ray alone goes to its middle, or to the corner that is highest where that is below
+    // the horizon.
+    bool area = LIST_RECTANGLES && kind == GPU_SHAPE_RECTANGLE;
+    gpu_shape shape;
+    if (area) {
+        shape = l.list.lights.at[light].shape;
+        side = shape.side * shape.spot_scale;
+        up = cross(shape.side, shape.direction) * abs(shape.spot_offset);
+        count = LIST_SOFT ? l.list.view.view.frame.frame.shadow_samples : 1u;
+        turn = LIST_SOFT ? source_turn(l, light, position) : 0.0;
+    }
+    float open = 0.0, weights = 0.0;
     for (uint k = 0u; k < count; k++) {
         vec3 direction = to_light;
         float high = away;
-        if (LIST_SOFT && size > 0.0) {
+        float weight = 1.0;
+        if (area) {
+            vec2 at = vec2(0.0);
+            if (LIST_SOFT) at = 2.0 * rectangle_point(k, count, turn) - 1.0;
+            vec3 ray = shape.position - position;
+            if (!LIST_SOFT && !(dot(normal, ray) > 0.0)) at = vec2(dot(normal, side) > 0.0 ? 0.999 : -0.999, dot(normal, up) > 0.0 ? 0.999 : -0.999);
+            ray += side * at.x + up * at.y;
+            high = length(ray);
+            direction = ray / high;
+            weight = dot(normal, direction) * abs(dot(shape.direction, direction)) / (high * high);
+            if (!(weight > 0.0)) continue;
+            weights += weight;
+        } else if (LIST_SOFT && size > 0.0) {
             vec2 at = source_point(k, count, turn) * size;
             vec3 ray = to_light * away;
             if (!LIST_SIMPLE && kind == GPU_SHAPE_CAPSULE) { // R1, the golden ratio's sequence of another dimension
@@ -43,9 +66,11 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
             if (!(dot(normal, direction) > 0.0)) continue;
         }
         float end = endless ? 1e30 : high - margin;
-        open += LIST_CUBEMAP ? ray_visibility_in(rays_block(l.list.rays), scope, position, direction, end, slack)
-                             : ray_visibility(rays_block(l.list.rays), position, direction, end, slack);
+        float seen = LIST_CUBEMAP ? ray_visibility_in(rays_block(l.list.rays), scope, position, direction, end, slack)
+                                  : ray_visibility(rays_block(l.list.rays), position, direction, end, slack);
+        open += area ? weight * seen : seen;
     }
+    if (area) return weights > 0.0 ? open / weights : 0.0;
     return open / float(count);
 }
 

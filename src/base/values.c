@@ -116,7 +116,7 @@ static const struct names enums[] = {
     [FNL_ENUM_DEBUG_VIEW] = {"fnl_debug_view", AS_MANY_AS(FNL_DEBUG_COUNT, DEBUG_VIEWS(NAME_OF)),
                              (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(NAME_OF)},
                              (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(HELP_OF)}},
-    [FNL_ENUM_LIGHT_KIND] = NAMES(fnl_light_kind, FNL_LIGHT_KIND_COUNT, "directional", "point", "spot", "capsule", "wedge", "box"),
+    [FNL_ENUM_LIGHT_KIND] = NAMES(fnl_light_kind, FNL_LIGHT_KIND_COUNT, "directional", "point", "spot", "capsule", "wedge", "box", "rectangle"),
     [FNL_ENUM_DECAL_KIND] = NAMES(fnl_decal_kind, FNL_DECAL_KIND_COUNT, "box", "volume", "mesh", "redraw", "baked"),
     [FNL_ENUM_DECAL_BLEND] = NAMES(fnl_decal_blend, FNL_DECAL_BLEND_COUNT, "alpha", "multiply", "add", "screen", "overlay"),
     [FNL_ENUM_DEVICE_TYPE] = NAMES(fnl_device_type, FNL_DEVICE_OTHER + 1, "discrete", "integrated", "virtual", "cpu", "other"),

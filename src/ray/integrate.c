@@ -28,7 +28,7 @@ static dvec3 source_point(const struct context *c, const struct ray_light *light
     const bool parallel = light_is_parallel(light->kind);
     const double given = (double)(parallel ? c->params->sun_angle : c->params->light_radius), size = isinf(given) ? light->source : given;
     dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
-    if (!(size > 0)) return point;
+    if (!(size > 0) || light->kind == FNL_LIGHT_RECTANGLE) return point; /* that is one of its points */
     double radius = sqrt(chance(c)), angle = 2 * DPI * chance(c);
     radius *= parallel ? distance * tan(size) : size;
     if (light->kind == FNL_LIGHT_CAPSULE)
@@ -61,7 +61,13 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
     for (uint32_t i = 0; i < c->walk->lights.count; i++) {
         const struct ray_light *l = ray_scene_light(c->scene, c->walk->lights.data[i]);
         dvec3 to_light;
-        double distance, strength = ray_light_strength(l, s->position, &to_light, &distance);
+        double distance, strength;
+        if (l->kind == FNL_LIGHT_RECTANGLE) {
+            const double u = chance(c), v = chance(c);
+            strength = ray_light_sample(l, s->position, u, v, &to_light, &distance);
+        } else {
+            strength = ray_light_strength(l, s->position, &to_light, &distance);
+        }
         if (!(strength > 0)) continue;
         dvec3 light = dvec3_scale(dvec3_mul(ray_brdf_cos(s, to_view, to_light), l->color), strength);
         if (!(dvec3_max(light) > 0)) continue;

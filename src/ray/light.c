@@ -12,6 +12,9 @@ struct ray_light ray_light_make(const fnl_light_params *params, double range, co
                           .half_length = (double)params->length / 2,
                           .inner_fraction = (double)params->inner_fraction,
                           .half_size = dvec3_scale(dvec3_from(params->box_size), 0.5),
+                          .half_width = (double)params->rectangle_size[0] / 2,
+                          .half_height = (double)params->rectangle_size[1] / 2,
+                          .two_sided = params->two_sided,
                           .hull = params->kind == FNL_LIGHT_DIRECTIONAL ? NULL : hull,
                           .casts_shadows = params->casts_shadows,
                           .source = (double)(light_is_parallel(params->kind) ? params->source_angle : params->source_radius)};
@@ -53,6 +56,20 @@ static double parallel_strength(const struct ray_light *l, dvec3 at, dvec3 *to_l
     return edge * edge;
 }
 
+double ray_light_sample(const struct ray_light *l, dvec3 position, double u, double v, dvec3 *to_light, double *distance) {
+    const dvec3 middle = dvec3_sub(l->position, position);
+    const dvec3 at = {-dvec3_dot(middle, l->side), -dvec3_dot(middle, l->up), -dvec3_dot(middle, l->along)};
+    const double x = fmax(fabs(at.x) - l->half_width, 0), y = fmax(fabs(at.y) - l->half_height, 0), ratio2 = (x * x + y * y + at.z * at.z) / (l->range * l->range);
+    const dvec3 ray = dvec3_add_scaled(dvec3_add_scaled(middle, l->side, (2 * u - 1) * l->half_width), l->up, (2 * v - 1) * l->half_height);
+    *to_light = (dvec3){0, 0, 0};
+    *distance = dvec3_length(ray);
+    if (l->hull && !hull_holds(l->hull, position)) return 0;
+    if (l->two_sided ? at.z == 0 : !(at.z > 0)) return 0;
+    if (ratio2 >= 1 || *distance == 0) return 0;
+    *to_light = dvec3_scale(ray, 1 / *distance);
+    return (1 - ratio2 * ratio2) * fabs(dvec3_dot(*to_light, l->along)) / (*distance * *distance);
+}
+
 double ray_light_strength(const struct ray_light *l, dvec3 position, dvec3 *to_light, double *distance) {
     dvec3 ray = dvec3_sub(l->position, position);
     dvec3 at = {-dvec3_dot(ray, l->side), -dvec3_dot(ray, l->up), -dvec3_dot(ray, l->along)};
@@ -70,8 +87,15 @@ double ray_light_strength(const struct ray_light *l, dvec3 position, dvec3 *to_l
                fade(fabs(at.y) / (at.z * l->tangents[1]), l->inner_fraction);
     }
     *distance = dvec3_length(ray);
-    if (*distance == 0 || *distance >= l->range) return 0;
+    if (*distance == 0 || (*distance >= l->range && l->kind != FNL_LIGHT_RECTANGLE)) return 0;
     *to_light = dvec3_scale(ray, 1 / *distance);
+    if (l->kind == FNL_LIGHT_RECTANGLE) { /* as illuminate() has it */
+        const double x = fmax(fabs(at.x) - l->half_width, 0), y = fmax(fabs(at.y) - l->half_height, 0);
+        const double near2 = x * x + y * y + at.z * at.z, distance2 = *distance * *distance, ratio2 = near2 / (l->range * l->range);
+        if (l->two_sided ? at.z == 0 : !(at.z > 0)) return 0;
+        if (ratio2 >= 1) return 0;
+        return (1 - ratio2 * ratio2) * fabs(at.z) / *distance / (distance2 + 4 * l->half_width * l->half_height / DPI);
+    }
     if (l->profile) edge *= sqrt(light_profile_at(l->profile, at.x / *distance, at.y / *distance, at.z / *distance));
     double ratio2 = *distance * *distance / (l->range * l->range);
     return (1 - ratio2 * ratio2) / (*distance * *distance) * edge * edge;

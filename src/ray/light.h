@@ -16,6 +16,8 @@ struct ray_light {
     double range, inner_cosine, outer_cosine, half_length, inner_fraction;
     double tangents[2];
     dvec3 half_size;
+    double half_width, half_height; /* of rectangles */
+    bool two_sided;
     const struct light_hull *hull; /* borrowed; or NULL */
     const struct light_profile *profile; /* borrowed; or NULL. Points that have one have side, up and along too */
     bool casts_shadows;
@@ -26,8 +28,15 @@ struct ray_light {
 struct ray_light ray_light_make(const fnl_light_params *params, double range, const struct light_hull *hull);
 /**
  * Illuminance at right angles to the ray that the light gives at colour 1, lux; the unit direction to it; and how far away that is where the light
- * comes from: INFINITY for directional lights, for boxes the face where the light enters. 0 where its volume does not hold the point.
+ * comes from: INFINITY for directional lights, for boxes the face where the light enters. 0 where its volume does not hold the point. Of a
+ * rectangle only about that, from its middle: ray_light_sample() has to be asked about many of its points.
  */
 double ray_light_strength(const struct ray_light *light, dvec3 position, dvec3 *to_light, double *distance);
+
+/**
+ * What a point of the rectangle gives, times what there are points: the mean over `u` and `v` in 0 .. 1 is what all of it gives, for a function of the
+ * direction to the light. `distance`: to that point.
+ */
+double ray_light_sample(const struct ray_light *light, dvec3 position, double u, double v, dvec3 *to_light, double *distance);
 
 #endif

@@ -28,20 +28,20 @@ static uint32_t atlas_side(const fnl_frame *frame) {
     return SHADOW_PAGE * (uint32_t)sqrt(cells);
 }
 
-/* Lights that cast shadows and have no maps: capsules. */
+/* Lights that cast shadows and have no maps: capsules and rectangles. */
 static bool has_mapless(fnl_renderer *r) {
     const fnl_scene *scene = r->scene;
     if (r->mapless_version == scene->light_version + 1) return r->mapless;
     r->mapless = false;
     for (uint32_t i = 0; i < scene->lights.count && !r->mapless; i++) {
         const fnl_light_params *light = &scene->lights.data[i].params;
-        r->mapless = light->casts_shadows && light->kind == FNL_LIGHT_CAPSULE;
+        r->mapless = light->casts_shadows && (light->kind == FNL_LIGHT_CAPSULE || light->kind == FNL_LIGHT_RECTANGLE);
     }
     r->mapless_version = scene->light_version + 1;
     return r->mapless;
 }
 
-/* Whether rays find some shadows: those of capsules, and of any light where the atlas may not hold the coarsest pages of all; or are compared
+/* Whether rays find some shadows: those of capsules and rectangles, and of any light where the atlas may not hold the coarsest pages of all; or are compared
    with maps. */
 static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_RAYS || frame->shadows == FNL_SHADOWS_HYBRID || !has_maps(r, frame) || frame->debug == FNL_DEBUG_SHADOW_ERRORS) return true;

@@ -35,7 +35,8 @@ mat4 glb_pose(vec3 position, vec3 direction, vec3 up) {
 
 static const char *type_of(fnl_light_kind kind) {
     static const char *const types[] = {[FNL_LIGHT_DIRECTIONAL] = "directional", [FNL_LIGHT_POINT] = "point",     [FNL_LIGHT_SPOT] = "spot",
-                                        [FNL_LIGHT_CAPSULE] = "point",           [FNL_LIGHT_WEDGE] = "spot", [FNL_LIGHT_BOX] = "directional"};
+                                        [FNL_LIGHT_CAPSULE] = "point",           [FNL_LIGHT_WEDGE] = "spot", [FNL_LIGHT_BOX] = "directional",
+                                        [FNL_LIGHT_RECTANGLE] = "point"};
     return types[kind];
 }
 
@@ -59,6 +60,8 @@ static void write_shape(struct glb *g, json_t *object, const fnl_light_params *p
     if (p->kind == FNL_LIGHT_WEDGE) glb_set(g, shape, "wedgeAngles", glb_floats(p->wedge_angles, 2));
     if (p->kind == FNL_LIGHT_BOX) glb_set(g, shape, "boxSize", glb_floats(&p->box_size.x, 3));
     if (p->kind == FNL_LIGHT_WEDGE || p->kind == FNL_LIGHT_BOX) glb_set(g, shape, "innerFraction", glb_float(p->inner_fraction));
+    if (p->kind == FNL_LIGHT_RECTANGLE) glb_set(g, shape, "rectangleSize", glb_floats(p->rectangle_size, 2));
+    if (p->kind == FNL_LIGHT_RECTANGLE && p->two_sided) glb_set(g, shape, "twoSided", json_true());
     set_extra(g, object, "FNL_light_shapes", shape);
 }
 
@@ -105,7 +108,7 @@ static bool same_light(const fnl_light_params *a, const fnl_light_params *b) {
     return x.kind == y.kind && !differ(x.color, y.color, 3) && x.intensity == y.intensity && x.range == y.range && x.inner_cone_angle == y.inner_cone_angle &&
            x.outer_cone_angle == y.outer_cone_angle && x.length == y.length && !differ(x.wedge_angles, y.wedge_angles, 2) &&
            !differ(&x.box_size.x, &y.box_size.x, 3) && x.inner_fraction == y.inner_fraction && x.source_radius == y.source_radius &&
-           x.source_angle == y.source_angle && x.casts_shadows == y.casts_shadows && x.profile.index == y.profile.index &&
+           !differ(x.rectangle_size, y.rectangle_size, 2) && x.two_sided == y.two_sided && x.source_angle == y.source_angle && x.casts_shadows == y.casts_shadows && x.profile.index == y.profile.index &&
            x.profile.generation == y.profile.generation;
 }
 

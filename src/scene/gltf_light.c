@@ -83,13 +83,15 @@ static void load_shape(struct gltf *g, json_t *light_object, const struct at *li
     fnl_light_kind kind = FNL_LIGHT_CAPSULE;
     while (kind < FNL_LIGHT_KIND_COUNT && strcmp(shape, fnl_value_name(FNL_ENUM_LIGHT_KIND, kind)) != 0) kind++;
     if (kind == FNL_LIGHT_KIND_COUNT) {
-        gltf_warn(g, AT_KEY(at, "shape"), "is none of capsule, wedge, box; it is ignored");
+        gltf_warn(g, AT_KEY(at, "shape"), "is none of capsule, wedge, box, rectangle; it is ignored");
         return;
     }
     light->kind = kind;
     gltf_float(g, object, at, "length", false, 0, FLT_MAX, &light->length);
     gltf_floats(g, object, at, "wedgeAngles", 2, 1e-3f, 1.5f, light->wedge_angles);
     gltf_floats(g, object, at, "boxSize", 3, 1e-6f, 1e18f, &light->box_size.x);
+    gltf_floats(g, object, at, "rectangleSize", 2, 1e-9f, 1e9f, light->rectangle_size);
+    light->two_sided = gltf_bool(g, object, at, "twoSided", false);
     gltf_float(g, object, at, "innerFraction", false, 0, 1, &light->inner_fraction);
 }
 

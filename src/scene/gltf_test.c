@@ -460,10 +460,11 @@ static void test_light_shapes_in_extras(void **state) {
         "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
         "{\"type\":\"point\",\"extras\":{\"FNL_light_shapes\":{\"shape\":\"egg\"}}},"
         "{\"type\":\"spot\",\"spot\":{},\"extras\":[1,2]},"
-        "{\"type\":\"point\",\"extras\":{\"FNL_light_shapes\":{\"shape\":\"wedge\",\"wedgeAngles\":[9,0.5]}}}]}},"
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shapes\":{\"shape\":\"wedge\",\"wedgeAngles\":[9,0.5]}}},"
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shapes\":{\"shape\":\"rectangle\",\"rectangleSize\":[0.5,2],\"twoSided\":true}}}]}},"
         "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
-        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
-        "}";
+        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}},"
+        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":3}}}]}";
     size_t size;
     unsigned char *glb = test_glb(json, NULL, 0, &size);
     fnl_host host = test_host(&file_log);
@@ -472,6 +473,8 @@ static void test_light_shapes_in_extras(void **state) {
     assert_non_null(strstr(file_log.text, "/lights/0/extras/FNL_light_shapes/shape: is none of capsule, wedge, box"));
     assert_non_null(strstr(file_log.text, "wedgeAngles"));
     assert_int_equal(file_log.count, 2);
+    const fnl_light_params *panel = &scene->lights.data[3].params;
+    assert_true(panel->kind == FNL_LIGHT_RECTANGLE && panel->rectangle_size[0] == 0.5f && panel->rectangle_size[1] == 2 && panel->two_sided);
     assert_int_equal(scene->lights.data[0].params.kind, FNL_LIGHT_POINT);
     assert_int_equal(scene->lights.data[1].params.kind, FNL_LIGHT_SPOT);
     assert_int_equal(scene->lights.data[2].params.kind, FNL_LIGHT_WEDGE);

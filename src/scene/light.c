@@ -39,6 +39,7 @@ fnl_light_params fnl_light_params_default(void) {
         .length = 1,
         .wedge_angles = {PI / 4, PI / 6},
         .box_size = {1, 1, 1},
+        .rectangle_size = {1, 1},
         .inner_fraction = 0.7f,
         .casts_shadows = true,
     };
@@ -81,7 +82,7 @@ static fnl_result check_light(const struct call *call, const fnl_scene *scene, c
     }
     if (light_is_parallel(kind))
         TRY(check_range(call, "source_angle", (double)params->source_angle, 0, 1, " radians"));
-    else
+    else if (kind != FNL_LIGHT_RECTANGLE)
         TRY(check_range(call, "source_radius", (double)params->source_radius, 0, infinite, " metres"));
     if (kind == FNL_LIGHT_CAPSULE) TRY(check_range(call, "length", (double)params->length, 0, infinite, " metres"));
     if (kind == FNL_LIGHT_WEDGE) {
@@ -90,6 +91,11 @@ static fnl_result check_light(const struct call *call, const fnl_scene *scene, c
     }
     if (kind == FNL_LIGHT_BOX) /* the square of the diagonal stays finite */
         TRY(check_vector(call, "box_size", params->box_size, (double)FLT_MIN, 1e18, " metres"));
+    if (kind == FNL_LIGHT_RECTANGLE) { /* its area is a float above 0, too */
+        TRY(check_range(call, "rectangle_size[0]", (double)params->rectangle_size[0], 1e-9, 1e9, " metres"));
+        TRY(check_range(call, "rectangle_size[1]", (double)params->rectangle_size[1], 1e-9, 1e9, " metres"));
+        TRY(check_finite(call, "up", params->up));
+    }
     if (kind == FNL_LIGHT_WEDGE || kind == FNL_LIGHT_BOX) {
         TRY(check_finite(call, "up", params->up));
         TRY(check_range(call, "inner_fraction", (double)params->inner_fraction, 0, 1, ""));
@@ -129,7 +135,7 @@ static bool poses_differ(const fnl_light_params *a, const fnl_light_params *b) {
     bool position = a->kind != FNL_LIGHT_DIRECTIONAL && memcmp(&a->position, &b->position, sizeof a->position) != 0;
     bool profiled = is_profiled(a) || is_profiled(b);
     bool direction = (a->kind != FNL_LIGHT_POINT || profiled) && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;
-    bool up = (a->kind == FNL_LIGHT_WEDGE || a->kind == FNL_LIGHT_BOX || profiled) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
+    bool up = (a->kind >= FNL_LIGHT_WEDGE || profiled) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
     return position || direction || up;
 }
 

@@ -92,6 +92,12 @@ static void shape_light(struct random_state *random, fnl_light_params *light, ve
         light->box_size = vec3_make(range * (0.6f + a), range * (0.6f + b), range * (0.8f + 1.2f * c));
         light->intensity = 2 * SCATTER_ILLUMINANCE; /* lux */
         break;
+    case FNL_LIGHT_RECTANGLE: /* flux of a point's, to one side */
+        light->rectangle_size[0] = range * (0.1f + 0.4f * a);
+        light->rectangle_size[1] = range * (0.1f + 0.4f * b);
+        light->two_sided = c < 0.25f;
+        light->intensity *= 2;
+        break;
     default:
         break;
     }

@@ -402,6 +402,7 @@ struct fnl_scene {
     ARRAY(struct scene_light_slot) light_slots;
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
+    bool has_rectangles;              /* some light was a rectangle at some time */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
 
     ARRAY(uint32_t) free_nodes, free_lights, free_decals, free_probes; /* the holes */

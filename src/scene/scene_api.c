@@ -395,6 +395,9 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         case FNL_LIGHT_BOX:
             out->box_count++;
             break;
+        case FNL_LIGHT_RECTANGLE:
+            out->rectangle_count++;
+            break;
         case FNL_LIGHT_KIND_COUNT:
             break;
         }

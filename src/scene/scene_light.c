@@ -87,6 +87,7 @@ static void list_sun(fnl_scene *scene, uint32_t light, bool is_sun) {
 static void place_light(fnl_scene *scene, uint32_t index) {
     struct scene_light *light = &scene->lights.data[index];
     bool directional = light->params.kind == FNL_LIGHT_DIRECTIONAL;
+    scene->has_rectangles |= light->params.kind == FNL_LIGHT_RECTANGLE;
     list_sun(scene, index, directional && !light->removed);
     bool local = !directional && !light->removed;
     uint32_t slot = light->slot;

@@ -26,7 +26,7 @@ check() { # SOURCE OPTIONS_OF_BOTH OPTION…: the others add to the scene
 eye='--eye 3,2.5,5 --look-at 0,1,0 --shadows off'
 check builtin:spheres "$eye"
 check 'builtin:hall?lights=40' "$eye"
-check builtin:onetile "$eye" --lights 20 --light-shapes point,spot,capsule,wedge,box --ambient 0.2,0.3,0.4 --background 0.1,0,0.3
+check builtin:onetile "$eye" --lights 20 --light-shapes point,spot,capsule,wedge,box,rectangle --ambient 0.2,0.3,0.4 --background 0.1,0,0.3
 check builtin:onetile "$eye" --environment builtin:sky --environment-rotation 40 --environment-intensity 0.5
 if [ -d "$scenes" ]; then
     check "$scenes/CesiumMan.glb" '--time 0.7 --shadows off'

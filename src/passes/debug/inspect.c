@@ -89,7 +89,7 @@ void inspect_add(struct graph *graph, gpu_device *device, const struct inspect_i
     graph_add_row(pass, graph_row_if(input->counters.id, graph_reads(&push.counters, input->counters)));
     light_list_use(pass, input->whole, GRAPH_READ_COMPUTE);
     if (!input->own) return;
-    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_SCATTERED | GPU_LIST_SIMPLE | GPU_LIST_PROFILES;
+    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_SCATTERED | GPU_LIST_SIMPLE | GPU_LIST_PROFILES | GPU_LIST_RECTANGLES;
     push.lights = input->own->header;
     pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "inspect list",
                                                           .pipeline = {&shader_inspect_list_comp, 1, {input->own->kind & heeded}},

@@ -72,11 +72,11 @@ bool evaluate(surface s, layers_view b, uint light, inout shadowed_point p, out 
         if (LIST_LAYERS) p.normal = lit_normal(s, to_light);
         if (is_sun) visible = sun_visibility(push.lights, light, p);
         else visible = shadow_visibility(push.lights, light, p, to_light);
-        g.shadow = !(dot(p.normal, to_light) > 0.0) ? INSPECT_SHADOW_BEHIND : LIST_RAYS ? INSPECT_SHADOW_RAYS : INSPECT_SHADOW_NONE;
+        g.shadow = !light_may_face(push.lights, light, p.normal, to_light) ? INSPECT_SHADOW_BEHIND : LIST_RAYS ? INSPECT_SHADOW_RAYS : INSPECT_SHADOW_NONE;
         if (LIST_CUBEMAP && g.shadow == INSPECT_SHADOW_RAYS && is_outside(light, p, to_light)) g.shadow = INSPECT_SHADOW_CUBEMAP;
     }
     g.visibility = max_component(visible);
-    precise vec3 radiance = illuminance * visible * layers_cos(s, b, to_light);
+    precise vec3 radiance = illuminance * visible * (is_sun ? layers_cos(s, b, to_light) : light_cos(push.lights, light, s, b, to_light));
     g.radiance = radiance;
     return reaches;
 }

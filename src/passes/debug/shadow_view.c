@@ -16,7 +16,7 @@ void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images
                      graph_image target, bool swap) {
     const struct graph_image_params image = graph_image_info(graph, target);
     struct gpu_shadow_view_push push = {.view = view, .lights = lights->header, .swap = swap, .mode = mode};
-    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_MAPS | GPU_LIST_CUBEMAP | (mode == GPU_DEBUG_SHADOW_ERRORS ? GPU_LIST_RAYS | GPU_LIST_RAY_QUERY : 0);
+    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_MAPS | GPU_LIST_CUBEMAP | GPU_LIST_RECTANGLES | (mode == GPU_DEBUG_SHADOW_ERRORS ? GPU_LIST_RAYS | GPU_LIST_RAY_QUERY : 0);
     struct graph_pass *pass =
         graph_dispatch(graph, &(struct graph_dispatch){.name = "debug view",
                                                        .pipeline = {&shader_shadow_view_comp, 1, {lights->kind & heeded}},

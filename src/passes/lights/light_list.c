@@ -40,6 +40,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .shadow_maps = words_of(input->maps.address),
                                                                        .probes = words_of(input->probes.address),
                                                                        .profiles = input->profiles,
+                                                                       .lobes = input->lobes,
                                                                        .shadow_rays = input->shadow_rays,
                                                                        .shadow_seed = input->shadow_seed};
     return slice.data;
@@ -69,6 +70,7 @@ void light_list_cast(struct light_list *list, const struct light_input *input) {
     list->kind |= environment_kind(&input->environment);
     if (input->layered) list->kind |= GPU_LIST_LAYERS;
     if (input->profiles) list->kind |= GPU_LIST_PROFILES;
+    if (input->lobes) list->kind |= GPU_LIST_RECTANGLES;
     list->environment = input->environment;
     if (input->probes.address) list->kind |= GPU_LIST_CUBEMAP;
     list->rays = input->rays;

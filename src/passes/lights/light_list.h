@@ -25,6 +25,7 @@ struct light_input {
     VkDeviceAddress shapes;   /* where gpu_entity_bounds.shape counts from; 0 where none has a shape */
     VkDeviceAddress planes;   /* of hulls; 0 where none has one */
     VkDeviceAddress lights;   /* struct gpu_light[directional_count + local_count], for shading; 0 where no light is among the bounds */
+    VkDeviceAddress lobes;    /* of rectangles, where there are some (shaders/lights/area.glsl): shaders get GPU_LIST_RECTANGLES; 0: there are none */
     VkDeviceAddress profiles; /* of lights that have one (shaders/lights/profile.glsl): shaders get GPU_LIST_PROFILES; 0: none has */
     uint32_t kinds;           /* bits 1 << GPU_ENTITY_…: what the lists are for; bounds of other kinds are left out */
     uint32_t directional_count, local_count; /* local_count: bounds */

@@ -34,6 +34,7 @@ static struct extent extent_of(const struct gpu_shape *shape) {
         e.z[0] = 0;
         break;
     case GPU_SHAPE_BOX:
+    case GPU_SHAPE_RECTANGLE:
         e = (struct extent){{shape->size.x, shape->size.x}, {shape->size.y, shape->size.y}, {-shape->size.z, shape->size.z}};
         break;
     default:

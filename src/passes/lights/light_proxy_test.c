@@ -25,7 +25,7 @@ static vec3 random_vector(struct random_state *random, float size) {
 
 static fnl_light_params random_light(struct random_state *random, uint32_t i) {
     fnl_light_params l = fnl_light_params_default();
-    l.kind = (fnl_light_kind)(1 + i % 5);
+    l.kind = (fnl_light_kind)(1 + i % 6);
     l.position = random_vector(random, i % 7 == 6 ? 3000.0f : 20.0f);
     l.direction = i % 4 == 3 ? vec3_make(0, -1, 0) : random_vector(random, 1);
     l.up = i % 4 == 3 ? vec3_make(0, 1, 0) : random_vector(random, 1); /* parallel: another one is taken */
@@ -37,6 +37,8 @@ static fnl_light_params random_light(struct random_state *random, uint32_t i) {
     for (int k = 0; k < 2; k++) l.wedge_angles[k] = random_range(random, 0.02f, i % 2 ? 0.3f : 1.5f);
     l.box_size =
         (vec3){exp2f(random_range(random, -3, 4)), exp2f(random_range(random, -3, 4)), exp2f(random_range(random, -3, 4))};
+    l.rectangle_size[0] = exp2f(random_range(random, -4, 3)), l.rectangle_size[1] = exp2f(random_range(random, -4, 3));
+    l.two_sided = i % 4 < 2;
     l.inner_fraction = i % 9 == 4 ? 1 : random_range(random, 0, 0.99f);
     return l;
 }
@@ -59,7 +61,7 @@ struct ask_data {
 
 static void execute_ask(const struct graph_context *context, const void *data) {
     const struct ask_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_light_proxy_test_comp};
+    struct gpu_compute_params params = {&shader_light_proxy_test_comp, 1, {GPU_LIST_RECTANGLES}};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &d->push, sizeof d->push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(POINT_COUNT, 64));
@@ -181,12 +183,19 @@ static double distance_of(const fnl_light_params *l, const double p[3]) {
         double along = fmin(fmax(-light_dot(ray, axes[2]), -(double)l->length / 2), (double)l->length / 2);
         for (int i = 0; i < 3; i++) ray[i] += axes[2][i] * along;
     }
+    if (l->kind == FNL_LIGHT_RECTANGLE) {
+        light_axes(l, axes);
+        for (int k = 0; k < 2; k++) {
+            const double half = (double)l->rectangle_size[k] / 2, along = fmin(fmax(-light_dot(ray, axes[k]), -half), half);
+            for (int i = 0; i < 3; i++) ray[i] += axes[k][i] * along;
+        }
+    }
     return sqrt(light_dot(ray, ray));
 }
 
 static void test_answers(void **state) {
     UNUSED(state);
-    uint32_t lit[6] = {0}, dark[6] = {0}, cut = 0, beyond = 0;
+    uint32_t lit[FNL_LIGHT_KIND_COUNT] = {0}, dark[FNL_LIGHT_KIND_COUNT] = {0}, cut = 0, beyond = 0;
     for (uint32_t i = 0; i < POINT_COUNT; i++) {
         uint32_t light = i / POINTS_EACH;
         const fnl_light_params *l = &bench.params[light];

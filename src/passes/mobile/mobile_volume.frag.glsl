@@ -36,5 +36,8 @@ void main() {
         illuminance *= shadow_visibility(push.list, push.list.list.directional_count + in_light, shadowed_point_of(push.list, s.position, s.normal), to_light);
     count_rays(push.view, push.counters);
     brdf_view b = brdf_prepare(s, to_viewer(push.view, s.position));
-    out_sum = vec4(mobile_scaled(push.view, illuminance * brdf_cos(s, b, to_light)), 0.0);
+    brdf_lobes lobes;
+    vec3 sum = vec3(0.0);
+    if (light_lobes_of(push.list, push.list.list.directional_count + in_light, s.position, s.normal, b, to_light, lobes)) sum = illuminance * brdf_cos_of(s, lobes);
+    out_sum = vec4(mobile_scaled(push.view, sum), 0.0);
 }

@@ -37,12 +37,11 @@ surface surface_at(ivec2 pixel, float view_depth, bool is_shared) {
 // ---- parts of the light ----
 
 // The BRDF of brdf.glsl, by base colour and rest; both are linear in it.
-coarse_light brdf_parts(surface s, brdf_view b, vec3 to_light) {
-    brdf_lobes lobes;
+coarse_light brdf_parts(surface s, brdf_lobes lobes) {
     coarse_light f = coarse_light(vec3(0.0), vec3(0.0));
-    if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return f;
     vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5;
-    float diffuse = (1.0 - max_component(fresnel)) * (1.0 / PI) * (1.0 - s.metallic);
+    vec3 taken = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below;
+    float diffuse = (1.0 - max_component(taken)) * (1.0 / PI) * (1.0 - s.metallic);
     float metal = s.metallic * lobes.specular;
     if (SPLIT == COARSE_SPLIT_ALBEDO) {
         f.by_color = vec3((diffuse + metal * (1.0 - lobes.m5)) * lobes.n_l);
@@ -81,9 +80,11 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     float rest_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts >> 1u & 1u) : 1.0;
     bool is_slow = (parts & PART_SLOW) != 0u;
     shadowed_point shadowed = shadowed_point_of(push.lights, s.position, s.normal);
+    brdf_lobes lobes;
     uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        coarse_light f = brdf_parts(s, b, -push.lights.list.lights.at[i].shape.direction);
+        if (!brdf_lobes_of(s.normal, b, -push.lights.list.lights.at[i].shape.direction, lobes)) continue;
+        coarse_light f = brdf_parts(s, lobes);
         vec3 color = sun_illuminance(push.lights, i, shadowed);
         sum.by_color += color * f.by_color * diffuse_weight;
         sum.rest += color * f.rest * rest_weight;
@@ -97,10 +98,11 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
             if (LIST_SHADOWED) illuminance *= shadow_visibility(push.lights, light, shadowed, to_light);
-            coarse_light f = brdf_parts(s, b, to_light);
+            if (COUNT_LIGHTS == 1u) useful++;
+            if (!light_lobes_of(push.lights, light, s.position, s.normal, b, to_light, lobes)) continue;
+            coarse_light f = brdf_parts(s, lobes);
             sum.by_color += illuminance * f.by_color * diffuse_weight;
             sum.rest += illuminance * f.rest * rest_weight;
-            if (COUNT_LIGHTS == 1u) useful++;
         }
     }
     if (COUNT_LIGHTS == 1u) {

@@ -34,23 +34,21 @@ light_sums light_sums_none() {
     return sums;
 }
 
-// Adds one light; `light` is its illuminance at right angles to the ray.
-void light_sums_add(inout light_sums sums, light_surface s, brdf_view b, vec3 to_light, vec3 light) {
-    brdf_lobes lobes;
-    if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return;
+// Adds one light by its lobes; `light` is its illuminance at right angles to the ray.
+void light_sums_add(inout light_sums sums, light_surface s, brdf_lobes lobes, vec3 light) {
     precise vec3 diffuse = light * (lobes.n_l * (1.0 / PI)), specular = light * (lobes.n_l * lobes.specular);
     if (LIGHT_BUFFER == LIGHT_BUFFER_RGBA) {
         precise vec4 sum = sums.at[0] + vec4(diffuse, luminance(specular));
         sums.at[0] = sum;
     } else if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) {
-        precise float reflected = s.greatest_f0 + (s.dielectric_f90 - s.greatest_f0) * lobes.m5;
+        precise float reflected = s.greatest_f0 + (s.dielectric_f90 - s.greatest_f0) * lobes.m5_below;
         precise vec3 kept = sums.at[0].rgb + diffuse * (1.0 - reflected);
         precise vec3 mirrored = sums.at[1].rgb + specular * (s.f0 + (vec3(s.f90) - s.f0) * lobes.m5);
         sums.at[0].rgb = kept;
         sums.at[1].rgb = mirrored;
     } else {
         precise vec3 a = sums.at[0].rgb + diffuse, c = sums.at[2].rgb + specular;
-        precise vec3 b5 = sums.at[1].rgb + diffuse * lobes.m5, d5 = sums.at[3].rgb + specular * lobes.m5;
+        precise vec3 b5 = sums.at[1].rgb + diffuse * lobes.m5_below, d5 = sums.at[3].rgb + specular * lobes.m5;
         sums.at[0].rgb = a;
         sums.at[1].rgb = b5;
         sums.at[2].rgb = c;
@@ -67,8 +65,9 @@ light_sums light_sums_of(light_surface s, view_block v, light_list_block lights,
     light_sums sums = light_sums_none();
     shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
     uint directional_count = lights.list.directional_count;
+    brdf_lobes lobes;
     for (uint i = 0u; i < directional_count; i++)
-        light_sums_add(sums, s, b, -lights.list.lights.at[i].shape.direction, sun_illuminance(lights, i, shadowed));
+        if (brdf_lobes_of(s.normal, b, -lights.list.lights.at[i].shape.direction, lobes)) light_sums_add(sums, s, lobes, sun_illuminance(lights, i, shadowed));
     light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
     uint visited = 0u, useful = 0u;
     FOR_EACH_LIGHT(lights, cursor, light) {
@@ -77,7 +76,7 @@ light_sums light_sums_of(light_surface s, view_block v, light_list_block lights,
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
             if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
-            light_sums_add(sums, s, b, to_light, illuminance);
+            if (light_lobes_of(lights, light, s.position, s.normal, b, to_light, lobes)) light_sums_add(sums, s, lobes, illuminance);
             if (COUNT_LIGHTS == 1u) useful++;
         }
     }

@@ -35,7 +35,7 @@ void main() {
         vec3 illuminance = illuminate(lights, push.light, s.position, to_light);
         bool reaches = illuminance != vec3(0.0);
         if (LIST_SHADOWED && reaches) illuminance *= shadow_visibility(lights, push.light, shadowed, to_light);
-        if (reaches) sum = illuminance * layers_cos(s, b, to_light);
+        if (reaches) sum = illuminance * light_cos(lights, push.light, s, b, to_light);
         if (COUNT_LIGHTS == 1u) {
             uint at = (uint(gl_FragCoord.y) * v.view.size.x + uint(gl_FragCoord.x)) * 2u;
             atomicAdd(push.geometry.counters.at[at], 1u);

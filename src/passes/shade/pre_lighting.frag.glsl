@@ -50,7 +50,9 @@ void main() {
     shape.normal = s.normal;
     shape.roughness = s.roughness;
     light_sums sums = light_sums_none();
-    light_sums_add(sums, s, brdf_prepare(shape, to_viewer(v, position)), to_light, illuminance);
+    brdf_lobes lobes;
+    if (light_lobes_of(push.head.list, push.head.list.list.directional_count + in_light, position, s.normal, brdf_prepare(shape, to_viewer(v, position)), to_light, lobes))
+        light_sums_add(sums, s, lobes, illuminance);
     out_diffuse = min(sums.at[0], MOST);
     out_specular = min(sums.at[1], MOST);
 }

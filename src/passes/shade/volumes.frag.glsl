@@ -52,5 +52,5 @@ void main() {
         illuminance *= shadow_visibility(push.list, push.list.list.directional_count + in_light, shadowed_point_of(push.list, position, facing_normal(s)), to_light);
     count_rays(push.view, push.counters);
     layers_view b = layers_prepare(s, push.view, to_viewer(push.view, position));
-    out_radiance = vec4(min(illuminance * layers_cos(s, b, to_light), vec3(MOST)), 0.0);
+    out_radiance = vec4(min(illuminance * light_cos(push.list, push.list.list.directional_count + in_light, s, b, to_light), vec3(MOST)), 0.0);
 }

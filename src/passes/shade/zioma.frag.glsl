@@ -35,8 +35,11 @@ void main() {
     for (; stored < push.layers; stored++) {
         vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);
         if (ray.w == 0.0) break;
-        vec3 color = texelFetch(textures[push.colors[stored]], pixel, 0).rgb;
-        sum += color * ray.w * layers_cos(s, b, ray.xyz);
+        vec4 color = texelFetch(textures[push.colors[stored]], pixel, 0);
+        vec3 to_light = ray.xyz;
+        // A rectangle's layer names it: its direction is not all there is to know.
+        if (LIST_RECTANGLES && color.a > 0.0) sum += color.rgb * ray.w * light_cos(l, l.list.directional_count + uint(color.a) - 1u, s, b, to_light);
+        else sum += color.rgb * ray.w * layers_cos(s, b, to_light);
     }
     useful = stored;
     if (stored == push.layers) {
@@ -48,7 +51,7 @@ void main() {
             visited++;
             if (illuminance == vec3(0.0)) continue;
             if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
-            sum += illuminance * layers_cos(s, b, to_light);
+            sum += illuminance * light_cos(l, light, s, b, to_light);
             useful++;
         }
     }

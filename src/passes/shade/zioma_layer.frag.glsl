@@ -44,6 +44,6 @@ void main() {
     if (LIST_SHADOWED) color *= shadow_visibility(push.head.list, light, shadowed_point_of(push.head.list, position, to_light), to_light);
     count_rays(v, push.head.counters);
     out_ray = vec4(to_light, strength);
-    out_color = vec4(color, 0.0);
+    out_color = vec4(color, LIST_RECTANGLES && push.head.list.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE ? float(in_light + 1u) : 0.0);
     gl_FragDepth = place;
 }

@@ -50,7 +50,7 @@ void main() {
         visited++;
         if (illuminance == vec3(0.0)) continue;
         if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
-        sum += illuminance * layers_cos(s, b, to_light);
+        sum += illuminance * light_cos(l, light, s, b, to_light);
         useful++;
     }
     atomicAdd(push.totals.at[1], useful);

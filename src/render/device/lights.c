@@ -2,6 +2,7 @@
 #include "render/device/scene.h"
 
 #include "passes/lights/sprites.h"
+#include "render/device/light_lobes.h"
 
 /* The smallest sphere round a cone and its spherical end: through apex and rim, or round the rim of a wide cone. */
 static void bound_cone(struct gpu_entity_bounds *bounds, const struct gpu_shape *s, float cosine, float sine) {
@@ -33,6 +34,14 @@ static void set_box(struct gpu_shape *s, const fnl_light_params *light) {
     s->size = vec3_scale(light->box_size, 0.5f);
     s->spot_scale = edge_scale(light);
     s->range = vec3_length(s->size) * SHAPE_SLACK;
+}
+
+/* The box that lists see holds all within its range of the rectangle. */
+static void set_rectangle(struct gpu_shape *s, const fnl_light_params *light) {
+    s->spot_scale = 0.5f * light->rectangle_size[0];
+    s->spot_offset = light->two_sided ? -0.5f * light->rectangle_size[1] : 0.5f * light->rectangle_size[1];
+    s->size = (vec3){s->spot_scale + s->range, fabsf(s->spot_offset) + s->range, s->range};
+    s->range = (s->range + hypotf(s->spot_scale, s->spot_offset)) * SHAPE_SLACK;
 }
 
 static void set_cone(struct gpu_shape *s, const fnl_light_params *light, struct gpu_entity_bounds *bounds) {
@@ -69,6 +78,7 @@ void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light
         }
         if (light->kind == FNL_LIGHT_CAPSULE) set_capsule(s, light);
         if (light->kind == FNL_LIGHT_BOX) set_box(s, light);
+        if (light->kind == FNL_LIGHT_RECTANGLE) set_rectangle(s, light);
         bounds.radius = s->range;
         if (light->kind == FNL_LIGHT_SPOT) set_cone(s, light, &bounds);
         if (light->kind == FNL_LIGHT_WEDGE) set_wedge(s, light, &bounds);
@@ -131,6 +141,8 @@ static bool is_place_profiled(const struct gpu_light *place) {
     return is_place_lit(place) && place->shape.kind <= GPU_SHAPE_CONE && place->shape.size.x > 0;
 }
 
+static bool is_place_area(const struct gpu_light *place) { return is_place_lit(place) && place->shape.kind == GPU_SHAPE_RECTANGLE; }
+
 static bool must_gather(const struct device_scene *d) {
     return d->sent.lights == UINT64_MAX || d->sent.lights < d->scene->light_set_version;
 }
@@ -177,6 +189,7 @@ static bool refresh(struct device_scene *d, uint32_t slot) {
     d->lit_count += (uint32_t)is_place_lit(&g) - (uint32_t)is_place_lit(place);
     d->shaped_count -= (uint32_t)is_place_shaped(place);
     d->profiled_count += (uint32_t)is_place_profiled(&g) - (uint32_t)is_place_profiled(place);
+    d->area_count += (uint32_t)is_place_area(&g) - (uint32_t)is_place_area(place);
     ranges_give(&d->host, &d->planes_taken, place->shape.hull_first, place->shape.hull_count);
     *place = g;
     if (!light || !light->hull) {
@@ -222,7 +235,7 @@ static fnl_result reserve_places(struct device_scene *d) {
 }
 
 fnl_result device_lights_gather(struct device_scene *d) {
-    d->light_data.count = d->light_bounds.count = d->bound_radii.count = d->lit_count = d->shaped_count = d->profiled_count = 0;
+    d->light_data.count = d->light_bounds.count = d->bound_radii.count = d->lit_count = d->shaped_count = d->profiled_count = d->area_count = 0;
     d->planes_taken.gaps.count = d->planes_taken.end = 0;
     TRY(reserve_places(d));
     for (uint32_t slot = 0; slot < d->light_data.count; slot++) UNUSED(refresh(d, slot)); /* one after the other, all fit */
@@ -248,10 +261,17 @@ static fnl_result send_profiles(struct device_scene *d) {
     return result;
 }
 
+/* Once a scene has a rectangle. */
+static fnl_result send_lobes(struct device_scene *d) {
+    if (d->lobes.buffer.size || !d->scene->has_rectangles) return FNL_OK;
+    return device_array_set(d, GPU_USE_LIGHTS, "light lobes", &d->lobes, light_lobes, COUNT_OF(light_lobes), sizeof *light_lobes);
+}
+
 fnl_result device_lights_prepare(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
     enum { LEAST_SUNS = 4 };
     TRY(send_profiles(d));
+    TRY(send_lobes(d));
     if (scene->suns.count > d->sun_room || !d->sun_room) { /* all others move */
         d->sun_room = MAX(scene->suns.count * 3 / 2, (uint32_t)LEAST_SUNS);
         d->sent.lights = UINT64_MAX;
@@ -448,6 +468,7 @@ struct light_input device_lights_input(const struct device_scene *d, graph_buffe
                                 .lights = first_place - d->sun_data.count * sizeof(struct gpu_light),
                                 .kinds = 1u << GPU_ENTITY_LIGHT,
                                 .profiles = d->profiled_count > 0 ? d->profiles.buffer.address : 0,
+                                .lobes = d->area_count > 0 ? d->lobes.buffer.address : 0,
                                 .simple = d->shaped_count == 0,
                                 .directional_count = d->sun_data.count,
                                 .local_count = local_count,

@@ -65,7 +65,7 @@ static void free_structure(struct device_scene *d) {
                                     &d->instances, &d->clusters,   &d->cluster_words};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     struct device_array *arrays[] = {&d->primitives, &d->materials, &d->layers, &d->profiles, &d->material_entries, &d->items,
-                                     &d->groups,     &d->table,     &d->deforms};
+                                     &d->groups,     &d->table,     &d->deforms, &d->lobes};
     for (uint32_t i = 0; i < COUNT_OF(arrays); i++) {
         gpu_buffer_destroy(d->device, &arrays[i]->buffer);
         array_free(&d->host, &arrays[i]->sent);

@@ -170,7 +170,7 @@ struct device_scene {
     struct gpu_buffer positions, attributes; /* of primitives, and of deforming nodes */
     struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles, which culling fills in each frame */
     struct gpu_buffer influences, morphs, clusters, cluster_words, instances;
-    struct device_array primitives, materials, layers, material_entries, items, groups, table, deforms, profiles;
+    struct device_array primitives, materials, layers, material_entries, items, groups, table, deforms, profiles, lobes;
     struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken;
     ARRAY(struct device_primitive) primitive_places;
     ARRAY(struct device_node) nodes;
@@ -229,6 +229,7 @@ struct device_scene {
     uint32_t plane_room;                /* in the buffer */
     uint32_t lit_count, shaped_count;   /* of light_data; those of other shapes than sphere and cone, and with hulls */
     uint32_t profiled_count;            /* lights in places that have a profile */
+    uint32_t area_count;                /* rectangles in places */
     uint32_t profile_floats;            /* of `profiles`, as sent */
     uint64_t light_bytes_sent;          /* with the last frame, of whichever user */
     ARRAY(float) bound_radii;       /* of light_bounds before they were faded; empty: they are not */
