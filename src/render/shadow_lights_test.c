@@ -167,7 +167,8 @@ static void test_soft_rays_converge_to_the_tracer_MP_8(void **state) {
             if (now.rms > error.rms * (samples == 1 ? 1 : 0.7)) fail_msg("%s, %u rays: an error of %g after %g", name, samples, now.rms, error.rms);
             error = now;
         }
-        if (error.rms > 0.035 || fabs(error.bias) > 0.003) fail_msg("%s: an error of %g, %g on the whole", name, error.rms, error.bias);
+        /* a rectangle's is a ratio of two sums, whose mean is right but for a part of 1 / rays */
+        if (error.rms > 0.035 || fabs(error.bias) > (kind == FNL_LIGHT_RECTANGLE ? 0.006 : 0.003)) fail_msg("%s: an error of %g, %g on the whole", name, error.rms, error.bias);
         fnl_trace_free(NULL, &truth);
         stage_close(&s);
     }
