@@ -457,8 +457,8 @@ static void test_null_is_named_by_every_export(void **state) {
 
 static void test_fields_of_lights(void **state) {
     UNUSED(state);
-    LIGHT(POINT, kind, (fnl_light_kind)-1, "kind is -1, must be a value of fnl_light_kind, 0 .. 5");
-    LIGHT(POINT, kind, (fnl_light_kind)77, "kind is 77, must be a value of fnl_light_kind, 0 .. 5");
+    LIGHT(POINT, kind, (fnl_light_kind)-1, "kind is -1, must be a value of fnl_light_kind, 0 .. 6");
+    LIGHT(POINT, kind, (fnl_light_kind)77, "kind is 77, must be a value of fnl_light_kind, 0 .. 6");
     LIGHT(POINT, position.y, NAN, "position.y is NaN, must be finite");
     LIGHT(POINT, position.x, -INFINITY, "position.x is -infinity, must be finite");
     LIGHT(SPOT, direction.z, INFINITY, "direction.z is infinity, must be finite");

@@ -325,11 +325,11 @@ static void test_scattered_shapes(void **state) {
     for (uint32_t i = 0; i < 103; i++)
         assert_memory_equal(&plain->lights.data[i].params, &same->lights.data[i].params, sizeof(fnl_light_params));
     for (int k = FNL_LIGHT_POINT; k < FNL_LIGHT_KIND_COUNT; k++) params.shares[k] = (float)k;
-    params.count = 150;
+    params.count = 210;
     params.radius_scale = 0.5f;
     assert_int_equal(fnl_scene_scatter_light_shapes(mixed, &params), FNL_OK);
     uint32_t given[FNL_LIGHT_KIND_COUNT] = {0};
-    for (uint32_t i = 0; i < 150; i++) {
+    for (uint32_t i = 0; i < 210; i++) {
         fnl_light_id id;
         given[mixed->lights.data[i].params.kind]++;
         assert_int_equal(fnl_scene_add_light(plain, &mixed->lights.data[i].params, &id), FNL_OK);
