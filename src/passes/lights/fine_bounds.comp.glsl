@@ -155,6 +155,7 @@ void main() {
     if (index >= push.visible_sums.at[light_count]) return;
     gpu_entity_bounds entity = push.list.list.entities.at[push.visible_ids.at[index]];
     gpu_shape shape = shape_of(push.list, entity);
+    store_volume(index, entity, shape); // first: what it needs is not kept in registers
     gpu_bound bound = push.bounds.at[index];
     low = vec3(FINE_FAR);
     high = vec3(-FINE_FAR);
@@ -179,5 +180,4 @@ void main() {
     if (any(greaterThan(box.rect.xy, box.rect.zw)) || low.z > high.z) box.rect = vec4(1.0, 1.0, -1.0, -1.0);
     box.depth = vec2(low.z * (1.0 - CELL_SLACK), high.z * (1.0 + CELL_SLACK));
     push.boxes.at[index] = box;
-    store_volume(index, entity, shape);
 }
