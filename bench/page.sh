@@ -121,7 +121,7 @@ The 19 456 bytes of scratch memory are no array of ours: fragment shaders that t
 each of 64 threads. In compute shaders it uses 4096 bytes of shared memory instead.
 
 No result depends on the size of subgroups. The only subgroup operations are those of `dais` on quads, which are four pixels on every device; and bounds of tiles take as
-many rows of threads as a subgroup has, with the same lists (a test builds them for subgroups of 8 to 64).
+many rows of threads as a subgroup has, with the same lists (a test builds them for subgroups of 4 to 128).
 END
         fi
         printf '\n### %s\n\n| shader | programs | waves | registers | scratch | shared | instructions | latency |\n|---|---|---|---|---|---|---|---|\n' "$(sed -n 's/^# \([^;]*\);.*/\1/p' "$file")"
