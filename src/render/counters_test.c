@@ -117,6 +117,8 @@ static void test_frames_have_what_they_do(void **state) {
         frame.shadow.denoise = false;
         frame.shadows = FNL_SHADOWS_CUBEMAP;
         look(&stage, &frame);
+        frame.shadows = FNL_SHADOWS_HYBRID;
+        look(&stage, &frame);
         frame.shadows = FNL_SHADOWS_SAMPLED;
         if (!(info.msaa_counts & 4)) continue;
         frame.msaa = 4;
