@@ -148,6 +148,31 @@ static void test_lists_stay_exact(void **state) {
     stage_close(&s);
 }
 
+/* Paths that shade in ways of their own: by volumes, by sums of light, by lights in layers and in pixels. */
+static void test_paths_are_alike(void **state) {
+    UNUSED(state);
+    static const fnl_shading paths[] = {FNL_SHADING_DEFERRED_VOLUMES, FNL_SHADING_LIGHT_PREPASS, FNL_SHADING_ZIOMA, FNL_SHADING_LIGHT_INDEXED};
+    struct stage s = stage_open("builtin:spheres?lights=0", 0);
+    fnl_scatter_params scatter = fnl_scatter_params_default();
+    scatter.count = 8;
+    scatter.shares[FNL_LIGHT_SPOT] = 0;
+    scatter.shares[FNL_LIGHT_RECTANGLE] = 3;
+    assert_int_equal(fnl_scene_scatter_light_shapes(s.scene, &scatter), FNL_OK);
+    s.frame.width = 65, s.frame.height = 37;
+    s.frame.lists = FNL_LISTS_ALL;
+    s.frame.shading = FNL_SHADING_FORWARD;
+    struct shot forward = stage_shoot(&s, &s.frame);
+    for (uint32_t i = 0; i < COUNT_OF(paths); i++) {
+        s.frame.shading = paths[i];
+        struct shot shot = stage_shoot(&s, &s.frame);
+        const int difference = (int)greatest_difference(&forward.color, &shot.color);
+        if (difference > PAIRS_ALLOWED) fail_msg("%s differs by %d", fnl_value_name(FNL_ENUM_SHADING, paths[i]), difference);
+        shot_free(&shot);
+    }
+    shot_free(&forward);
+    stage_close(&s);
+}
+
 /* A rectangle that is taken away again leaves the picture as it was, and the shaders of before. */
 static void test_without_rectangles_nothing_changes(void **state) {
     UNUSED(state);
@@ -203,6 +228,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_surfaces_get_the_integral_MP_8, harness_check),
         cmocka_unit_test_teardown(test_lists_stay_exact, harness_check),
+        cmocka_unit_test_teardown(test_paths_are_alike, harness_check),
         cmocka_unit_test_teardown(test_without_rectangles_nothing_changes, harness_check),
         cmocka_unit_test_teardown(test_no_light_comes_through_walls, harness_check),
     };
