@@ -115,6 +115,7 @@ static const fnl_rigid_pose head = {{0, 0, 0}, {0, 0, 0, 1}};
 static const fnl_eye eye = {{{0, 0, 0}, {0, 0, 0, 1}}, -1, 1, -1, 1};
 static fnl_vec2 corners[FNL_HIDDEN_ROUND_CORNERS(3)];
 static fnl_hidden_area hidden_area;
+static fnl_eye_cell cells[9];
 static fnl_compositor *made_compositor;
 static const fnl_composition composition = {.head = {{0, 0, 0}, {0, 0, 0, 1}}};
 static fnl_compositor_stats compositor_stats;
@@ -183,6 +184,8 @@ static fnl_loaded loaded;
       NULLED("eye", fnl_eye_query_camera(&host, NULL, &head, 1, 1, 1, &camera));                                            \
       NULLED("head", fnl_eye_query_camera(NULL, &eye, NULL, 1, 1, 1, &camera));                                             \
       NULLED("out", fnl_eye_query_camera(NULL, &eye, &head, 1, 1, 1, NULL)))                                                \
+    X(fnl_eye_query_cells, NULLED("eye", fnl_eye_query_cells(NULL, NULL, 9, 9, 1, 1, cells));                               \
+      NULLED("cells", fnl_eye_query_cells(NULL, &eye, 9, 9, 1, 1, NULL)))                                                  \
     X(fnl_hidden_area_round, NULLED("eye", fnl_hidden_area_round(NULL, NULL, corners[0], 1, 3, corners, &hidden_area));    \
       NULLED("eye", fnl_hidden_area_round(&host, NULL, corners[0], 1, 3, corners, &hidden_area));                          \
       NULLED("corners", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 3, NULL, &hidden_area));                          \
@@ -628,6 +631,8 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_image_difference_picture", "gain is -1, must be at least 0 and finite",
          fnl_image_difference_picture(NULL, &picture, &other, -1, &difference_image));
     SAYS("fnl_eye_query_camera", "width is 0, must be 1 .. 16384", fnl_eye_query_camera(NULL, &eye, &head, 0, 1, 1, &camera));
+    SAYS("fnl_eye_query_cells", "width is 2, must be 3 .. 16384", fnl_eye_query_cells(NULL, &eye, 2, 9, 1, 1, cells));
+    SAYS("fnl_eye_query_cells", "scale is 0, must be above 0 and at most 1", fnl_eye_query_cells(NULL, &eye, 9, 9, 1, 0, cells));
     SAYS("fnl_hidden_area_round", "segments is 2, must be 3 .. 1024", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 2, corners, &hidden_area));
     SAYS("fnl_hidden_area_round", "radius is 0, must be above 0 and at most 10000", fnl_hidden_area_round(NULL, &eye, corners[0], 0, 3, corners, &hidden_area));
     SAYS("fnl_exr_save", "width is 0, must be 1 .. 32768", fnl_exr_save(NULL, "x.exr", 0, 1, &channel, 1));

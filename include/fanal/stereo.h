@@ -69,6 +69,27 @@ typedef struct fnl_hidden_area {
 FNL_API fnl_result fnl_hidden_area_round(const fnl_host *host, const fnl_eye *eye, fnl_vec2 center, float radius, uint32_t segments, fnl_vec2 *corners,
                                          fnl_hidden_area *out);
 
+/** A rectangle of an eye's picture that is rendered as a picture of its own. */
+typedef struct fnl_eye_cell {
+    fnl_eye eye;                              /**< for fnl_eye_query_camera(), with the rendered size */
+    uint32_t x, y, width, height;             /**< in the eye's picture, pixels from its upper left corner */
+    uint32_t rendered_width, rendered_height; /**< pixels that are shaded for it, at least 1 */
+} fnl_eye_cell;
+
+/**
+ * Multi-resolution: 3 x 3 cells in reading order. The middle one, `inner` of the width and of the height (0 < inner <= 1, but each border is at least a pixel), has
+ * as many pixels as the picture has there; the borders have `scale` times as many across (0 < scale <= 1). Cells of one size can be views of one frame: the
+ * corners, left and right, top and bottom. width and height: 3 .. 16384.
+ */
+FNL_API fnl_result fnl_eye_query_cells(const fnl_host *host, const fnl_eye *eye, uint32_t width, uint32_t height, float inner, float scale,
+                                       fnl_eye_cell cells[9]);
+
+/**
+ * Lens-matched shading: where a place of the picture (-1 .. 1) is drawn if w grows by strength.x |x| + strength.y |y| away from the middle, as
+ * VK_NV_clip_space_w_scaling does in each quadrant, both at least 0; `back`: the way back.
+ */
+FNL_API fnl_vec2 fnl_lens_matched_place(fnl_vec2 strength, fnl_vec2 place, bool back);
+
 #ifdef __cplusplus
 }
 #endif

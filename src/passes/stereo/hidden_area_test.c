@@ -205,6 +205,27 @@ static void test_exposure_is_that_of_what_is_seen(void **state) {
     stage_close(&stage);
 }
 
+/* A frame that was warmed up compiles nothing, for one view and for two at once. */
+static void test_pipelines_ahead_of_frames(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:hall?lights=2", 0);
+    const struct eyes e = place_eyes(&stage.frame.camera, 0.9f);
+    stage.frame.msaa = 4;
+    stage.frame.lists = FNL_LISTS_ALL;
+    stage.frame.hidden_areas = e.areas;
+    stage.frame.views = e.cameras;
+    for (uint32_t count = 0; count <= 2; count += 2) {
+        fnl_frame_stats stats;
+        stage.frame.view_count = count;
+        stage.frame.multiview = FNL_MULTIVIEW_ON;
+        assert_int_equal(fnl_renderer_warm(stage.renderer, &stage.frame, NULL, true, NULL), FNL_OK);
+        assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
+        assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
+        assert_int_equal(stats.pipelines_made, 0);
+    }
+    stage_close(&stage);
+}
+
 static void test_what_has_no_hidden_areas(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:hall?lights=2", 0);
@@ -233,6 +254,7 @@ static void test_what_has_no_hidden_areas(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_pipelines_ahead_of_frames, harness_check), /* before others make them */
         cmocka_unit_test_teardown(test_seen_pixels_stay_as_they_were_vr_7, harness_check),
         cmocka_unit_test_teardown(test_work_falls_by_the_area_vr_7, harness_check),
         cmocka_unit_test_teardown(test_what_a_vive_saves_vr_7, harness_check),
