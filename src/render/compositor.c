@@ -57,8 +57,10 @@ float fnl_lens_display_edge(const fnl_lens *lens, float edge, bool vertical) {
 static fnl_result check_pose(const struct call *call, const char *name, const fnl_rigid_pose *pose) {
     const quat q = pose->rotation;
     const float length = sqrtf(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-    if (!vec3_finite(pose->position)) return misuse(call, "%s.position is %g, %g, %g, must be finite", name, (double)pose->position.x, (double)pose->position.y, (double)pose->position.z);
-    return fabsf(length - 1) < 1e-3f ? FNL_OK : misuse(call, "%s.rotation is %g, %g, %g, %g, must be a unit quaternion", name, (double)q.x, (double)q.y, (double)q.z, (double)q.w);
+    const vec3 at = pose->position;
+    if (!vec3_finite(at)) return misuse(call, "%s.position is %g, %g, %g, must be finite", name, (double)at.x, (double)at.y, (double)at.z);
+    if (fabsf(length - 1) < 1e-3f) return FNL_OK;
+    return misuse(call, "%s.rotation is %g, %g, %g, %g, must be a unit quaternion", name, (double)q.x, (double)q.y, (double)q.z, (double)q.w);
 }
 
 static fnl_result check_edges(const struct call *call, const char *name, float left, float right, float down, float up) {
@@ -209,7 +211,8 @@ fnl_result fnl_compositor_submit(fnl_compositor *c, const fnl_eye_pictures *pict
     TRY(check_picture(call, "pictures->color", color, FNL_PIXEL_FORMAT_RGBA8));
     if (normal) TRY(check_picture(call, "pictures->normal", normal, FNL_PIXEL_FORMAT_RGBA32F));
     if (color->height % c->params.eye_count) return misuse(call, "pictures->color has %u rows, which %u eyes do not divide", color->height, c->params.eye_count);
-    if (normal && (normal->width != color->width || normal->height != color->height)) return misuse(call, "pictures->normal has %u x %u pixels, but color %u x %u", normal->width, normal->height, color->width, color->height);
+    if (normal && (normal->width != color->width || normal->height != color->height))
+        return misuse(call, "pictures->normal has %u x %u pixels, but color %u x %u", normal->width, normal->height, color->width, color->height);
     TRY(check_pose(call, "pictures->head", &pictures->head));
     c->source_width = color->width;
     c->source_height = color->height / c->params.eye_count;
