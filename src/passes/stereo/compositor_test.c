@@ -65,7 +65,7 @@ static const uint8_t *pixel_of(const fnl_image *image, uint32_t x, uint32_t y) {
 /* ---- lenses ---- */
 
 /* Without lens and turn each pixel of the display is that of the eye, to the bit, whatever way it comes (VR-8, VR-12). */
-static void test_identity_is_a_copy_vr_8_vr_12(void **state) {
+static void test_identity_is_a_copy_VR_8_VR_12(void **state) {
     UNUSED(state);
     enum { W = 61, H = 47 };
     fnl_image color = painted(W, H, 2, paint_noise);
@@ -93,7 +93,7 @@ static void test_identity_is_a_copy_vr_8_vr_12(void **state) {
 }
 
 /* What the mesh shows at each pixel of a display of 1080 x 1200 that is seen, against the polynomial: below half a pixel of the eye's picture (VR-8). */
-static void test_mesh_is_close_to_the_polynomial_vr_8(void **state) {
+static void test_mesh_is_close_to_the_polynomial_VR_8(void **state) {
     UNUSED(state);
     static struct gpu_lens_vertex v[LENS_VERTICES];
     const fnl_compositor_params p = params_of(1080, 1200, 1, &lens);
@@ -131,7 +131,7 @@ static void paint_waves(uint32_t eye, float x, float y, uint8_t pixel[4]) {
 }
 
 /* The same as pictures, in which a pixel of the eye's picture is 8 steps. */
-static void test_mesh_and_pixels_give_one_picture_vr_8(void **state) {
+static void test_mesh_and_pixels_give_one_picture_VR_8(void **state) {
     UNUSED(state);
     enum { SIDE = 240 };
     fnl_image color = painted(SIDE, SIDE, 2, paint_waves), out[2];
@@ -171,7 +171,7 @@ static void paint_line(uint32_t eye, float x, float y, uint8_t pixel[4]) {
 }
 
 /* A white line comes apart into colours, each where the inverse of its polynomial says (VR-8). */
-static void test_colours_come_apart_vr_8(void **state) {
+static void test_colours_come_apart_VR_8(void **state) {
     UNUSED(state);
     enum { SIDE = 200 };
     fnl_image color = painted(SIDE, SIDE, 1, paint_line);
@@ -205,7 +205,7 @@ static void test_colours_come_apart_vr_8(void **state) {
 }
 
 /* The trimmed mesh gives the same picture with less work (VR-9). */
-static void test_trimming_saves_work_vr_9(void **state) {
+static void test_trimming_saves_work_VR_9(void **state) {
     UNUSED(state);
     enum { W = 162, H = 180 }; /* a Vive's 1080 x 1200 */
     static const fnl_lens vive = {{0, 0}, {{0.09f, 0.03f, 0, 0}, {0.10f, 0.035f, 0, 0}, {0.115f, 0.04f, 0, 0}}};
@@ -298,7 +298,7 @@ static double reprojected(fnl_compositor *c, fnl_rigid_pose now, fnl_reprojectio
 }
 
 /* A turned head: what is far is where a frame for that head has it (VR-12). A moved head: depth brings it closer to such a frame. */
-static void test_late_poses_vr_12(void **state) {
+static void test_late_poses_VR_12(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:hall?lights=200", 0);
     fnl_compositor_params p = params_of(EYE, EYE, 1, NULL);
@@ -347,7 +347,7 @@ static void paint_far_dot(uint32_t eye, float x, float y, uint8_t pixel[4]) {
 static float yaw_at(double time) { return 0.15f * sinf((float)time * 12); }
 static fnl_rigid_pose looking(double time) { return (fnl_rigid_pose){{0, 0, 0}, quat_axis_angle(vec3_make(0, 1, 0), yaw_at(time))}; }
 
-static void test_a_stall_misses_no_refresh_vr_12(void **state) {
+static void test_a_stall_misses_no_refresh_VR_12(void **state) {
     UNUSED(state);
     fnl_compositor_params p = params_of(EYE, EYE, 1, NULL);
     p.eyes[0].eye.pose = nowhere;
@@ -437,7 +437,7 @@ static double contrast(const fnl_image *out, uint32_t row, uint32_t from, uint32
 }
 
 /* With the scene at half the resolution the layer stays as sharp as before; blended first it does not (VR-14). */
-static void test_layers_stay_sharp_vr_14(void **state) {
+static void test_layers_stay_sharp_VR_14(void **state) {
     UNUSED(state);
     enum { SIDE = 192 };
     double widths[2][2], contrasts[2][2];
@@ -569,14 +569,14 @@ static void test_misuse(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_identity_is_a_copy_vr_8_vr_12, harness_check),
-        cmocka_unit_test_teardown(test_mesh_is_close_to_the_polynomial_vr_8, harness_check),
-        cmocka_unit_test_teardown(test_mesh_and_pixels_give_one_picture_vr_8, harness_check),
-        cmocka_unit_test_teardown(test_colours_come_apart_vr_8, harness_check),
-        cmocka_unit_test_teardown(test_trimming_saves_work_vr_9, harness_check),
-        cmocka_unit_test_teardown(test_late_poses_vr_12, harness_check),
-        cmocka_unit_test_teardown(test_a_stall_misses_no_refresh_vr_12, harness_check),
-        cmocka_unit_test_teardown(test_layers_stay_sharp_vr_14, harness_check),
+        cmocka_unit_test_teardown(test_identity_is_a_copy_VR_8_VR_12, harness_check),
+        cmocka_unit_test_teardown(test_mesh_is_close_to_the_polynomial_VR_8, harness_check),
+        cmocka_unit_test_teardown(test_mesh_and_pixels_give_one_picture_VR_8, harness_check),
+        cmocka_unit_test_teardown(test_colours_come_apart_VR_8, harness_check),
+        cmocka_unit_test_teardown(test_trimming_saves_work_VR_9, harness_check),
+        cmocka_unit_test_teardown(test_late_poses_VR_12, harness_check),
+        cmocka_unit_test_teardown(test_a_stall_misses_no_refresh_VR_12, harness_check),
+        cmocka_unit_test_teardown(test_layers_stay_sharp_VR_14, harness_check),
         cmocka_unit_test_teardown(test_layers_lie_where_they_are, harness_check),
         cmocka_unit_test_teardown(test_views_of_what_goes_on, harness_check),
         cmocka_unit_test_teardown(test_misuse, harness_check),

@@ -4,7 +4,7 @@
 
 static const fnl_eye eye = {{{0, 0, 0}, {0, 0, 0, 1}}, -1.1f, 0.9f, -1, 1};
 
-static void test_cells_cover_the_picture_vr_11(void **state) {
+static void test_cells_cover_the_picture_VR_11(void **state) {
     UNUSED(state);
     static const uint32_t sizes[][2] = {{3, 3}, {64, 37}, {101, 100}};
     for (uint32_t s = 0; s < COUNT_OF(sizes); s++)
@@ -38,7 +38,7 @@ static fnl_camera camera_of(const fnl_eye *of, const fnl_camera *at, uint32_t wi
 }
 
 /* The middle is as in the whole picture; the borders cost less and come close to it. */
-static void test_the_middle_stays_as_it_was_vr_11(void **state) {
+static void test_the_middle_stays_as_it_was_VR_11(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:hall?lights=100", 0);
     fnl_eye_cell cells[9];
@@ -86,7 +86,7 @@ static void test_the_middle_stays_as_it_was_vr_11(void **state) {
     stage_close(&stage);
 }
 
-static void test_lens_matched_places_come_back_vr_11(void **state) {
+static void test_lens_matched_places_come_back_VR_11(void **state) {
     UNUSED(state);
     const fnl_vec2 strength = {0.35f, 0.5f};
     for (int y = -20; y <= 20; y++)
@@ -103,9 +103,9 @@ static void test_lens_matched_places_come_back_vr_11(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_cells_cover_the_picture_vr_11, harness_check),
-        cmocka_unit_test_teardown(test_the_middle_stays_as_it_was_vr_11, harness_check),
-        cmocka_unit_test_teardown(test_lens_matched_places_come_back_vr_11, harness_check),
+        cmocka_unit_test_teardown(test_cells_cover_the_picture_VR_11, harness_check),
+        cmocka_unit_test_teardown(test_the_middle_stays_as_it_was_VR_11, harness_check),
+        cmocka_unit_test_teardown(test_lens_matched_places_come_back_VR_11, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

@@ -64,7 +64,7 @@ static const struct path {
              {FNL_SHADING_FORWARD_PREPASS, false, 4, "builtin:hall?lights=24"}, {FNL_SHADING_FORWARD_PREPASS, false, 1, "builtin:glass?lights=24"},
              {FNL_SHADING_VISIBILITY, false, 1, "builtin:hall?lights=24"},       {FNL_SHADING_VISIBILITY, false, 4, "builtin:glass?lights=24"}};
 
-static void test_seen_pixels_stay_as_they_were_vr_7(void **state) {
+static void test_seen_pixels_stay_as_they_were_VR_7(void **state) {
     UNUSED(state);
     const float radius = 0.9f;
     for (uint32_t p = 0; p < COUNT_OF(paths); p++) {
@@ -80,6 +80,7 @@ static void test_seen_pixels_stay_as_they_were_vr_7(void **state) {
         both.views = e.cameras;
         both.view_count = 2;
         both.hidden_areas = e.areas;
+        both.stereo.eyes = p % 3 == 0 ? 2 : 0;
         both.multiview = p % 2 ? FNL_MULTIVIEW_ON : FNL_MULTIVIEW_OFF;
         struct shot hidden = stage_shoot(&stage, &both);
         for (uint32_t eye = 0; eye < 2; eye++) {
@@ -111,7 +112,7 @@ static uint32_t count_shaded(const struct stage *stage, const fnl_eye *eye, floa
 }
 
 /* By the area of the mask, as the geometry of a circle in a rectangle has it, within a hundredth. */
-static void test_work_falls_by_the_area_vr_7(void **state) {
+static void test_work_falls_by_the_area_VR_7(void **state) {
     UNUSED(state);
     const float radius = 0.8f, half = PI / SEGMENTS;
     static const fnl_shading shadings[] = {FNL_SHADING_DEFERRED, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_VISIBILITY, FNL_SHADING_FORWARD};
@@ -147,7 +148,7 @@ static void test_work_falls_by_the_area_vr_7(void **state) {
 }
 
 /* A Vive's eye, and a round field that touches its upper and lower edge: the source's figure is 17 % of the fill (VR-7). */
-static void test_what_a_vive_saves_vr_7(void **state) {
+static void test_what_a_vive_saves_VR_7(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:hall?lights=6", 0);
     const struct eyes place = place_eyes(&stage.frame.camera, 1);
@@ -255,9 +256,9 @@ static void test_what_has_no_hidden_areas(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_pipelines_ahead_of_frames, harness_check), /* before others make them */
-        cmocka_unit_test_teardown(test_seen_pixels_stay_as_they_were_vr_7, harness_check),
-        cmocka_unit_test_teardown(test_work_falls_by_the_area_vr_7, harness_check),
-        cmocka_unit_test_teardown(test_what_a_vive_saves_vr_7, harness_check),
+        cmocka_unit_test_teardown(test_seen_pixels_stay_as_they_were_VR_7, harness_check),
+        cmocka_unit_test_teardown(test_work_falls_by_the_area_VR_7, harness_check),
+        cmocka_unit_test_teardown(test_what_a_vive_saves_VR_7, harness_check),
         cmocka_unit_test_teardown(test_exposure_is_that_of_what_is_seen, harness_check),
         cmocka_unit_test_teardown(test_what_has_no_hidden_areas, harness_check),
     };
