@@ -49,24 +49,35 @@ static void *read_raw(const char *folder, const char *kind, const char *frame, u
     return bytes;
 }
 
-static void check_color(const uint8_t *given, const uint8_t *own, size_t pixels, bool swapped, uint32_t view) {
-    size_t wrong = 0;
-    for (size_t i = 0; i < pixels; i++)
-        for (uint32_t c = 0; c < 4; c++) wrong += given[4 * i + c] != own[4 * i + (swapped && c < 3 ? 2 - c : c)];
-    if (!wrong) return;
-    fprintf(stderr, "xr_picture: view %u: %zu of %zu bytes differ\n", view, wrong, 4 * pixels);
+/* `hidden`: the part of the picture that the mask covers, whose pixels are black; those at its edge may be on either side. */
+static bool is_masked(size_t black, size_t pixels, double hidden) {
+    return (double)black <= hidden * (double)pixels + (hidden > 0 ? 2 * sqrt((double)pixels) : 0) && (hidden < 0.02 || (double)black > hidden / 2 * (double)pixels);
+}
+
+static void check_color(const uint8_t *given, const uint8_t *own, size_t pixels, bool swapped, double hidden, uint32_t view) {
+    size_t wrong = 0, black = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        bool differs = false;
+        for (uint32_t c = 0; c < 4; c++) differs = differs || given[4 * i + c] != own[4 * i + (swapped && c < 3 ? 2 - c : c)];
+        if (given[4 * i] + given[4 * i + 1] + given[4 * i + 2] == 0) black += differs;
+        else wrong += differs;
+    }
+    if (!wrong && is_masked(black, pixels, hidden)) return;
+    fprintf(stderr, "xr_picture: view %u: %zu of %zu pixels differ, %zu are black instead; %g of the picture is hidden\n", view, wrong, pixels, black, hidden);
     exit(1);
 }
 
 /* `own`: RGBA32F with the view depth in W. */
-static void check_depth(const float *given, const float *own, size_t pixels, float near_distance, bool forward, uint32_t view) {
-    size_t wrong = 0, seen = 0;
+static void check_depth(const float *given, const float *own, size_t pixels, float near_distance, bool forward, double hidden, uint32_t view) {
+    size_t wrong = 0, seen = 0, covered = 0; /* by the mask, which is nearest of all */
     for (size_t i = 0; i < pixels; i++) {
         const float depth = forward ? 1 - given[i] : given[i], distance = own[4 * i + 3];
         seen += distance > 0;
+        covered += depth == 1;
+        if (depth == 1) continue;
         wrong += distance > 0 ? !(fabsf(depth - near_distance / distance) <= 1e-6f + 2e-5f * depth) : depth != 0;
     }
-    if (!wrong && seen > 0) return;
+    if (!wrong && seen > 0 && is_masked(covered, pixels, hidden)) return;
     fprintf(stderr, "xr_picture: view %u: the depth of %zu of %zu pixels is wrong; %zu show something\n", view, wrong, pixels, seen);
     exit(1);
 }
@@ -117,18 +128,20 @@ int main(int argc, char **argv) {
         }
         frame.views = cameras;
         frame.view_count = together;
+        frame.stereo.eyes = together > 1 ? together : 0;
         frame.outputs = FNL_OUTPUT_COLOR | (has_depth ? FNL_OUTPUT_NORMAL : 0);
         if (fnl_renderer_create(device, scene, &renderer) != FNL_OK || fnl_renderer_render(renderer, &frame) != FNL_OK ||
             fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &color) != FNL_OK || (has_depth && fnl_renderer_read(renderer, FNL_OUTPUT_NORMAL, &normal) != FNL_OK))
             return fail("nothing was rendered");
         const size_t pixels = (size_t)frame.width * frame.height;
         for (uint32_t i = 0; i < together; i++) {
+            const double hidden = json_number_value(json_object_get(json_array_get(views, first + i), "hidden"));
             uint8_t *given = read_raw(folder, "color", number_text, first + i, pixels * 4);
-            check_color(given, (const uint8_t *)color.pixels + i * pixels * 4, pixels, swapped, first + i);
+            check_color(given, (const uint8_t *)color.pixels + i * pixels * 4, pixels, swapped, hidden, first + i);
             free(given);
             if (!has_depth) continue;
             float *depth = read_raw(folder, "depth", number_text, first + i, pixels * 4);
-            check_depth(depth, (const float *)normal.pixels + i * pixels * 4, pixels, cameras[i].near_distance, forward, first + i);
+            check_depth(depth, (const float *)normal.pixels + i * pixels * 4, pixels, cameras[i].near_distance, forward, hidden, first + i);
             free(depth);
         }
         fnl_image_free(NULL, &color);

@@ -39,6 +39,7 @@ struct xr_mask {
     XrVector2f *vertices;
     uint32_t *indices;
     uint32_t vertex_count, index_count;
+    fnl_vec2 *corners; /* index_count of them: the same, as frames take it */
     uint32_t version; /* 0: never read */
 };
 
@@ -139,6 +140,7 @@ struct xr {
     struct xr_group groups[XR_VIEWS];
     uint32_t group_count;
     struct xr_mask masks[XR_VIEWS];
+    fnl_hidden_area hidden[XR_VIEWS]; /* of `masks` */
     PFN_xrGetVisibilityMaskKHR get_mask;
 
     /* Where the space of play stands in the world. */

@@ -103,6 +103,7 @@ bool xr_warm(struct xr *x) {
         xr_scaled_size(x, group, &frame.width, &frame.height);
         frame.views = cameras;
         frame.view_count = group->count;
+        frame.stereo.eyes = group->count > 1 ? group->count : 0;
         frame.outputs = 0;
         const fnl_vulkan_target target = target_of(x, group, &frame, group->colors[0].image, group->depth ? group->depths[0].image : VK_NULL_HANDLE);
         if (fnl_renderer_warm(group->renderer, &frame, &target, true, NULL) == FNL_OK) continue;
@@ -120,6 +121,7 @@ static bool render(struct xr *x, struct xr_group *group, const struct located *l
     frame.camera = cameras[0];
     frame.views = cameras;
     frame.view_count = group->count;
+    frame.stereo.eyes = group->count > 1 ? group->count : 0;
     frame.outputs = 0;
     frame.reset_history = x->past_count == 0;
     xr_use_masks(x, group, &frame);

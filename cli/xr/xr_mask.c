@@ -7,6 +7,8 @@
 static void free_mask(struct xr_mask *mask) {
     free(mask->vertices);
     free(mask->indices);
+    free(mask->corners);
+    mask->corners = NULL;
     mask->vertices = NULL;
     mask->indices = NULL;
     mask->vertex_count = mask->index_count = 0;
@@ -41,8 +43,9 @@ void xr_read_mask(struct xr *x, uint32_t view) {
     if (out.vertexCountOutput <= MOST && out.indexCountOutput <= MOST) {
         mask->vertices = calloc(out.vertexCountOutput, sizeof *mask->vertices);
         mask->indices = calloc(out.indexCountOutput, sizeof *mask->indices);
+        mask->corners = calloc(out.indexCountOutput, sizeof *mask->corners);
     }
-    if (!mask->vertices || !mask->indices) {
+    if (!mask->vertices || !mask->indices || !mask->corners) {
         xr_may(x, "xrGetVisibilityMaskKHR", XR_ERROR_OUT_OF_MEMORY, "the visibility mask");
         free_mask(mask);
         return;
@@ -59,6 +62,7 @@ void xr_read_mask(struct xr *x, uint32_t view) {
         xr_may(x, "xrGetVisibilityMaskKHR", XR_ERROR_VALIDATION_FAILURE, "the visibility mask, whose triangles are broken");
         free_mask(mask);
     }
+    for (uint32_t i = 0; i < mask->index_count; i++) mask->corners[i] = (fnl_vec2){mask->vertices[mask->indices[i]].x, mask->vertices[mask->indices[i]].y};
 }
 
 double xr_mask_area(const struct xr_mask *mask, const XrFovf *fov) {
@@ -71,11 +75,21 @@ double xr_mask_area(const struct xr_mask *mask, const XrFovf *fov) {
     return sum / (width * height);
 }
 
+/* What fnl_frame.hidden_areas says. */
+static bool takes_masks(const fnl_frame *frame) {
+    if (frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS) return false;
+    return frame->shading == FNL_SHADING_FORWARD || frame->shading == FNL_SHADING_FORWARD_PREPASS || frame->shading == FNL_SHADING_DEFERRED ||
+           (frame->shading == FNL_SHADING_VISIBILITY && !frame->visibility.grid);
+}
+
 void xr_use_masks(struct xr *x, const struct xr_group *group, fnl_frame *frame) {
-    (void)frame; /* frames do not take hidden triangles yet */
-    for (uint32_t i = 0; i < group->count; i++)
-        if (x->masks[group->first + i].index_count > 0) {
-            x->numbers.mask_frames++;
-            return;
-        }
+    uint32_t count = 0;
+    if (!takes_masks(frame)) return;
+    for (uint32_t i = group->first; i < group->first + group->count; i++) {
+        x->hidden[i] = (fnl_hidden_area){x->masks[i].corners, x->masks[i].index_count};
+        count += x->masks[i].index_count;
+    }
+    if (count == 0) return;
+    frame->hidden_areas = &x->hidden[group->first];
+    x->numbers.mask_frames++;
 }
