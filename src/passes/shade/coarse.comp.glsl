@@ -153,6 +153,7 @@ void spread(ivec2 first, coarse_light light) {
 void main() {
     coarse_walk walk = coarse_begin();
     coarse_light kept;
+    bool keeps = walk.kind == COARSE_SHARED && (FLAGS & COARSE_GATHER) != 0u;
     for (uint turn = 0u; turn < walk.turns; turn++) {
         ivec2 pixel;
         float depth = 0.0;
@@ -167,12 +168,13 @@ void main() {
                                                               LIGHT_NO_ITEM));
             else
                 light = light_parts(s, uvec2(pixel), view_depth, is_shared ? PART_SLOW : PART_SLOW | PART_PIXEL);
-            if (is_shared)
+            if (is_shared) {
                 kept = light;
-            else
+                keeps = true;
+            } else {
                 store(pixel, put_together(light, s.base_color));
-            if (is_shared && (FLAGS & COARSE_GATHER) == 0u) spread(walk.first, light);
+            }
         }
     }
-    if (walk.kind == COARSE_SHARED && (FLAGS & COARSE_GATHER) != 0u) spread(walk.first, kept);
+    if (keeps) spread(walk.first, kept); // one call, as it is inlined
 }
