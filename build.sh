@@ -109,7 +109,7 @@ test)
     if [ -n "$sanitize" ]; then folder+=/sanitize; options+=("-DFANAL_SANITIZE=address,undefined"); fi
     build $folder all "${options[@]}"
     [ -z "$coverage" ] || tools/checklist.sh
-    ctest --test-dir $folder --output-on-failure --no-tests=error -j 2 ${regex:+-R "$regex"} ${quick:+-E "$quick"}
+    ctest --test-dir $folder --output-on-failure --no-tests=error -j 3 ${regex:+-R "$regex"} ${quick:+-E "$quick"}
     ;;
 shaders) setup --tests; build build shader_report -DFANAL_TESTS=ON; if [ -n "$record" ]; then what=record; else what=show; fi; tools/shaders.sh $what build/tests/shader_report ;;
 fuzz)

@@ -301,7 +301,7 @@ void bench_table_shadows(const struct bench_data *data, json_t *tables) {
                 json_array_append_new(line, value ? json_incref(value) : json_null());
         }
         json_array_append_new(cells, line);
-        if (!json_object_get(row, "traced")) continue;
+        if (!json_object_get(row, "traced") || strcmp(json_string_value(json_object_get(row, "shadows")), "maps") != 0) continue;
         lights += (uint64_t)bench_number(row, "lights", 0);
         traced += (uint64_t)bench_number(row, "traced", 0);
     }

@@ -372,7 +372,7 @@ static bool check_files(const struct render_options *o) {
         for (int k = i + 1; k < count; k++) {
             if (!is_same_file(files[i], files[k])) continue;
             fprintf(stderr, "fanal: error: %s and %s are one file%s\n", files[i], files[k],
-                    k < written ? ", which would be written twice" : ": it would be overwritten");
+                    k < written ? ", which would be written twice" : k == written ? ": the scene would be overwritten" : ": the headset would be overwritten");
             return false;
         }
     return true;

@@ -216,7 +216,7 @@ enum { TAA_FRAMES = 16 }; /* that a picture is collected from, unless --frames s
 /* The picture alone: no frame more than it takes. */
 static bool run_picture(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame, struct render_report *report) {
     uint32_t count = frame.aa == FNL_ANTIALIASING_TAA ? TAA_FRAMES : 1;
-    if (!settle_choice(o, renderer, &frame) || fnl_renderer_warm(renderer, &frame, NULL, true, NULL) != FNL_OK) return false;
+    if (!settle_choice(o, renderer, &frame)) return false;
     for (uint32_t i = 0; i < count; i++) {
         progress_show("rendering", i, count);
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
@@ -233,7 +233,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
                        struct trace_history *trace) {
     report->frame_count = o->frame_count;
     if (o->frame_count == 0) return run_picture(o, renderer, frame, report);
-    if (!settle_choice(o, renderer, &frame) || fnl_renderer_warm(renderer, &frame, NULL, true, NULL) != FNL_OK) return false;
+    if (!settle_choice(o, renderer, &frame)) return false;
     bool counts = o->stats || !o->quiet;
     uint32_t collected = frame.aa == FNL_ANTIALIASING_TAA && !o->has_frames ? TAA_FRAMES - 1 : 0;
     uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts + (counts && frame.msaa > 1);

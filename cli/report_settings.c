@@ -3,6 +3,7 @@
 
 #include "options.h"
 
+#include <math.h>
 #include <string.h>
 
 static json_t *vector(bool is_set, fnl_vec3 v) {
@@ -16,6 +17,15 @@ static json_t *names(uint32_t bits, const char *(*name_of)(int)) {
     for (int i = 0; name_of(i); i++)
         if (bits >> i & 1) json_array_append_new(array, json_string(name_of(i)));
     return array;
+}
+
+static void add_eyes(json_t *json, const struct render_options *o) {
+    json_object_set_new(json, "stereo", text(stereo_kind_name((int)o->stereo.kind - 1)));
+    json_object_set_new(json, "ipd", number(!isnan(o->stereo.ipd), (double)o->stereo.ipd));
+    json_object_set_new(json, "hmd", text(o->stereo.hmd));
+    json_object_set_new(json, "lens", text(o->display.given ? display_warp_name((int)o->display.warp) : NULL));
+    json_object_set_new(json, "lens_view", text(display_view_name((int)o->display.view)));
+    json_object_set_new(json, "hidden_mesh", json_boolean(o->display.hides));
 }
 
 static json_t *make_picture(const struct render_options *o) {
@@ -90,6 +100,7 @@ static void add_run(json_t *json, const struct render_options *o) {
 
 json_t *report_settings(const struct render_options *o) {
     json_t *json = make_picture(o);
+    add_eyes(json, o);
     add_scene(json, o);
     json_object_set_new(json, "options", options_json(&o->frame));
     json_object_set_new(json, "supersample", json_integer(o->supersample ? o->supersample : 1));

@@ -52,6 +52,7 @@ static bool option_value(const fnl_option *o, uint32_t row, uint32_t index, char
 static bool is_of_lists(const fnl_option *o) { return o->lists != UINT32_MAX; }
 static bool is_shown(const fnl_option *o) {
     return strcmp(o->key, "list.tree-hybrid") != 0 && /* what a tree looks like inside: tree_test.c */
+           strcmp(o->key, "stereo.lists") != 0 &&     /* takes two eyes: stereo_test.c */
            strcmp(o->key, "raster.path") != 0;        /* some devices have but one */
 }
 

@@ -125,7 +125,7 @@ static void test_shapes_are_checked(void **state) {
         fnl_light_params lamp = fnl_light_params_default();
         static const char *const expected[] = {
             "length is -1, must be at least 0 metres", "wedge_angles[0]",     "wedge_angles[1]", "box_size", "box_size", "inner_fraction",
-            "up",          "kind is 6, must be"};
+            "up",          "kind is 7, must be"};
         lamp.kind = i == 0 ? FNL_LIGHT_CAPSULE : i < 3 || i == 6 ? FNL_LIGHT_WEDGE : FNL_LIGHT_BOX;
         if (i == 0) lamp.length = -1;
         if (i == 1) lamp.wedge_angles[0] = 1.6f;

@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Maps or rays, for each local light: split.h.
 #include "passes/shadow/pages.glsl"
 #include "passes/shadow/split.glsl"
@@ -11,7 +12,7 @@ layout(push_constant, scalar) uniform push_block { gpu_shadow_split_push push; }
 // Pages that pixels ask for; bits that are of no page are left out.
 uint pages_asked(uint row) {
     uint count = 0u;
-    for (uint i = 0u; i < SHADOW_ROW_WORDS; i++) {
+    [[dont_unroll]] for (uint i = 0u; i < SHADOW_ROW_WORDS; i++) { // unrolled, it takes all registers
         uint bits = push.wanted.at[row * SHADOW_ROW_WORDS + i];
         count += bitCount(i % SHADOW_FACE_WORDS == 10u ? bits & 0xffffffu : bits);
     }
@@ -58,7 +59,7 @@ void main() {
         } else {
             atomicAdd(push.counts.counts.rays, 1u);
             atomicAdd(push.counts.counts.reached, pixels);
-            for (uint i = 0u; i < SHADOW_ROW_WORDS; i++) push.wanted.at[row * SHADOW_ROW_WORDS + i] = 0u;
+            [[dont_unroll]] for (uint i = 0u; i < SHADOW_ROW_WORDS; i++) push.wanted.at[row * SHADOW_ROW_WORDS + i] = 0u;
         }
     }
     push.traced.at[row] = (kept.flags & SPLIT_TRACED) != 0u ? 1u : 0u; // also where nothing is asked for

@@ -14,7 +14,7 @@ static fnl_light_id ids[4 * LIGHTS];
 
 static fnl_light_params some_light(uint32_t i) {
     fnl_light_params light = fnl_light_params_default();
-    light.kind = (fnl_light_kind)(FNL_LIGHT_POINT + i % 6);
+    light.kind = (fnl_light_kind)(FNL_LIGHT_POINT + (i + i / 6) % 6); /* of any third light, too */
     uint32_t at = i * 61 % LIGHTS; /* a few are all over the scene, too */
     light.position = vec3_make((float)(at % 20) * 0.5f - 5, 0.5f + (float)(i % 3) * 0.4f, (float)(at / 20) * 0.5f - 5);
     light.direction = vec3_make(0.6f, -0.8f, 0);
