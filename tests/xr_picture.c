@@ -78,7 +78,8 @@ static void check_depth(const float *given, const float *own, size_t pixels, flo
         wrong += distance > 0 ? !(fabsf(depth - near_distance / distance) <= 1e-6f + 2e-5f * depth) : depth != 0;
     }
     if (!wrong && seen > 0 && is_masked(covered, pixels, hidden) && (hidden < 0.02 || (double)covered > hidden / 4 * (double)pixels)) return;
-    fprintf(stderr, "xr_picture: view %u: the depth of %zu of %zu pixels is wrong; %zu show something\n", view, wrong, pixels, seen);
+    fprintf(stderr, "xr_picture: view %u: the depth of %zu of %zu pixels is wrong; %zu show something, %zu are covered; %g of the picture is hidden\n", view, wrong, pixels,
+            seen, covered, hidden);
     exit(1);
 }
 

@@ -3,6 +3,7 @@
 #include "xr/xr.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static void free_mask(struct xr_mask *mask) {
     free(mask->vertices);
@@ -65,14 +66,35 @@ void xr_read_mask(struct xr *x, uint32_t view) {
     for (uint32_t i = 0; i < mask->index_count; i++) mask->corners[i] = (fnl_vec2){mask->vertices[mask->indices[i]].x, mask->vertices[mask->indices[i]].y};
 }
 
+/* Leaves of a polygon what lies at `sign` * coordinate >= `sign` * `at`; the new number of corners, at most one more. */
+static uint32_t clip(XrVector2f *corners, uint32_t count, bool by_y, float sign, float at) {
+    XrVector2f out[8];
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const XrVector2f p = corners[i], q = corners[(i + 1) % count];
+        const float from = sign * ((by_y ? p.y : p.x) - at), to = sign * ((by_y ? q.y : q.x) - at);
+        if (from >= 0) out[kept++] = p;
+        if ((from >= 0) != (to >= 0)) out[kept++] = (XrVector2f){p.x + (q.x - p.x) * from / (from - to), p.y + (q.y - p.y) * from / (from - to)};
+    }
+    memcpy(corners, out, kept * sizeof *out);
+    return kept;
+}
+
 double xr_mask_area(const struct xr_mask *mask, const XrFovf *fov) {
-    const double width = tan((double)fov->angleRight) - tan((double)fov->angleLeft), height = tan((double)fov->angleUp) - tan((double)fov->angleDown);
+    const float left = tanf(fov->angleLeft), right = tanf(fov->angleRight), down = tanf(fov->angleDown), up = tanf(fov->angleUp);
     double sum = 0;
     for (uint32_t i = 0; i + 2 < mask->index_count; i += 3) {
-        const XrVector2f a = mask->vertices[mask->indices[i]], b = mask->vertices[mask->indices[i + 1]], c = mask->vertices[mask->indices[i + 2]];
-        sum += fabs((double)(b.x - a.x) * (double)(c.y - a.y) - (double)(c.x - a.x) * (double)(b.y - a.y)) / 2;
+        XrVector2f p[8] = {mask->vertices[mask->indices[i]], mask->vertices[mask->indices[i + 1]], mask->vertices[mask->indices[i + 2]]};
+        uint32_t count = clip(p, 3, false, 1, left);
+        count = clip(p, count, false, -1, right);
+        count = clip(p, count, true, 1, down);
+        count = clip(p, count, true, -1, up);
+        double area = 0;
+        for (uint32_t k = 1; k + 1 < count; k++)
+            area += (double)(p[k].x - p[0].x) * (double)(p[k + 1].y - p[0].y) - (double)(p[k + 1].x - p[0].x) * (double)(p[k].y - p[0].y);
+        sum += fabs(area) / 2;
     }
-    return sum / (width * height);
+    return sum / ((double)(right - left) * (double)(up - down));
 }
 
 /* What fnl_frame.hidden_areas says. */
