@@ -81,9 +81,13 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
 }
 
 bool argument_exposure(const char *option, const char *text, fnl_exposure *out, float *out_ev) {
-    double ev = 0;
+    char *end;
+    double ev = strtod(text, &end);
     *out = strcmp(text, "auto") == 0 ? FNL_EXPOSURE_AUTO : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE : FNL_EXPOSURE_EV;
-    if (*out == FNL_EXPOSURE_EV && !argument_number(option, text, &ev)) return false;
+    if (*out != FNL_EXPOSURE_EV)
+        ev = 0;
+    else if (!*text || *end || !(ev >= -64 && ev <= 64))
+        return argument_bad(option, text, "auto, none, or an EV100 from -64 to 64");
     *out_ev = (float)ev;
     return true;
 }

@@ -17,7 +17,7 @@ bool argument_size(const char *option, const char *text, uint32_t *out_width, ui
 bool argument_name(const char *option, const char *text, const char *(*name_of)(int), int *out);
 /** "point,spot,box" or, with shares, "point=3,spot=1": which lights are scattered; kinds that are not named get none. */
 bool argument_light_shapes(const char *option, const char *text, fnl_scatter_params *out);
-/** "auto", "none", or an EV100. */
+/** "auto", "none", or an EV100 from -64 to 64. */
 bool argument_exposure(const char *option, const char *text, fnl_exposure *out, float *out_ev);
 
 /** --device INDEX|NAME; NULL: any. */

@@ -111,8 +111,6 @@ static bool parse_option(struct trace_options *o, int option, const char *value)
         break;
     case O_EXPOSURE:
         good = argument_exposure("exposure", value, &p->exposure, &p->ev);
-        if (good && !(p->ev >= -64 && p->ev <= 64))
-            good = argument_bad("exposure", value, "auto, none, or an EV100 from -64 to 64");
         break;
     case O_TONEMAP:
         good = argument_name("tonemap", value, tonemap_name, &index);
