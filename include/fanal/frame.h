@@ -203,8 +203,8 @@ typedef struct fnl_frame {
     /**
      * Which views share draw calls, in forward-prepass, deferred and visibility: the depth prepass, the G-buffer and the ids are then drawn once into
      * several layers, with what any of the views sees. Where that does not work, views are drawn one by one, without an error: on devices without
-     * fnl_device_info.multiview, with culling by clusters or triangles, occlusion or decals, and in visibility with grid, barycentrics or
-     * count_lights. Default auto.
+     * fnl_device_info.multiview, with culling by clusters or triangles, decals, or occlusion where views are no eyes, and in visibility with grid,
+     * barycentrics or count_lights. Default auto.
      */
     fnl_multiview multiview;
     /** Which views are eyes of one viewer. Default none are. */

@@ -13,13 +13,13 @@ bool frame_culls_hidden(const fnl_frame *frame) {
 
 /*
  * The test draws in two parts and makes a pyramid of depths, which takes the same time in all scenes: it pays where there is much to hide, in parts
- * that can be hidden one by one. Debug views show what is drawn without it; several views may be drawn together, which it rules out.
+ * that can be hidden one by one. Debug views show what is drawn without it; of several views eyes alone are drawn together with it.
  */
 fnl_occlusion frame_choose_occlusion(const fnl_renderer *r, const fnl_frame *frame) {
     enum { TRIANGLES = 1000000, PARTS = 256 };
     if (frame->occlusion != FNL_OCCLUSION_AUTO) return frame->occlusion;
     const struct device_scene *d = r->device_scene;
-    bool pays = d->triangle_count >= TRIANGLES && d->item_count >= PARTS && frame_view_count(frame) == 1 && frame->debug == FNL_DEBUG_NONE;
+    bool pays = d->triangle_count >= TRIANGLES && d->item_count >= PARTS && (frame_view_count(frame) == 1 || frame->stereo.eyes) && frame->debug == FNL_DEBUG_NONE;
     return pays ? FNL_OCCLUSION_ON : FNL_OCCLUSION_OFF;
 }
 

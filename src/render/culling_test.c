@@ -56,6 +56,9 @@ static void test_large_scenes_of_many_parts_cull_occluded_surfaces(void **state)
     s.frame.views = cameras;
     s.frame.view_count = 2;
     assert_false(culls(&s));
+    s.frame.stereo.eyes = 2;
+    assert_true(culls(&s));
+    s.frame.stereo.eyes = 0;
     s.frame.views = NULL;
     s.frame.view_count = 0;
     s.frame.shading = FNL_SHADING_LOW_RES; /* which looks at other samples */

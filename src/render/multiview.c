@@ -3,12 +3,12 @@
 
 #include "render/shading.h"
 
-/* Culling by clusters and occlusion leaves what one view sees, and decals are found in lists of one view. */
+/* Culling by clusters leaves what one view sees, and so does occlusion, of which eyes draw the union; decals are found in lists of one view. */
 static bool is_possible(const fnl_renderer *r, const fnl_frame *frame) {
     const struct device_scene *scene = r->device_scene;
     bool decals = frame->decals != FNL_DECALS_OFF && scene->decals.order.count > 0;
     return gpu_info(r->device)->multiview && frame_is(frame, SHADING_MULTIVIEW) &&
-           frame->culling == FNL_CULLING_INSTANCES && frame->occlusion == FNL_OCCLUSION_OFF && !decals;
+           frame->culling == FNL_CULLING_INSTANCES && (frame->occlusion == FNL_OCCLUSION_OFF || frame->stereo.eyes) && !decals;
 }
 
 static vec3 direction_of(const fnl_camera *camera) { return vec3_normalize(vec3_sub(camera->target, camera->position)); }
@@ -54,7 +54,11 @@ void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together
     all.layers = views;
     all.layer_count = count;
     graph_push_names(graph, graph_name(graph, "views %u-%u", all.view_index, all.view_index + together - 1));
-    if (all.display && all.display->draws.sums.id) {
+    if (frame_culls_hidden(all.frame)) {
+        const struct geometry_draws *draws[MULTIVIEW_MOST];
+        for (uint32_t i = 0; i < count; i++) draws[i] = &views[i].draws;
+        all.draws = cull_union_add(graph, &all.scene->geometry, draws, count, together);
+    } else if (all.display && all.display->draws.sums.id) {
         all.draws = all.display->draws;
         all.draws.view_mask = UINT32_MAX >> (32 - together);
     } else {

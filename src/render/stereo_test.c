@@ -5,6 +5,7 @@
 #include "fanal/stereo.h"
 #include "render/view.h"
 #include "tests/render_test.h"
+#include "tests/vulkan_spy.h"
 
 enum { WIDTH = 53, HEIGHT = 37 };
 
@@ -317,6 +318,71 @@ static void test_shared_work_VR_2(void **state) {
     stage_close(&stage);
 }
 
+/* Marks of the union in the last frame, after their prefix sum: how many items both eyes draw at once. */
+static uint32_t count_union(struct stage *stage, const fnl_frame *frame, uint32_t items) {
+    struct gpu_buffer sums;
+    assert_int_equal(gpu_buffer_create(harness_device(), "sums", (items + 1) * 4ull, GPU_MEMORY_READBACK, &sums), FNL_OK);
+    spy_capture(stage->renderer->graph, "views 0-1/cull fill", "views 0-1/cull visible sums", &sums);
+    test_render_frame(stage->renderer, frame);
+    assert_int_equal(gpu_wait_idle(harness_device()), FNL_OK);
+    spy_capture(NULL, NULL, NULL, NULL);
+    const uint32_t count = ((const uint32_t *)sums.mapped)[items];
+    gpu_buffer_destroy(harness_device(), &sums);
+    return count;
+}
+
+/* A wall before a row of small things. Each eye sees past it on its own side: what it hides from one alone is drawn all the same, and what from both is not. */
+static void test_eyes_draw_what_either_sees_VR_1_VR_2(void **state) {
+    UNUSED(state);
+    enum { THINGS = 33, ITEMS = THINGS + 1 };
+    fnl_scene *scene = test_scene();
+    const fnl_material_params material = fnl_material_params_default();
+    const uint32_t mesh = test_quad_mesh(scene, test_material(scene, &material).index);
+    test_place(scene, mesh, (vec3){0, 0, -2}, (vec3){0.5f, 2, 1});
+    for (int i = 0; i < THINGS; i++) test_place(scene, mesh, (vec3){0.1f * (float)(i - THINGS / 2), 0, -6}, (vec3){0.02f, 0.3f, 1});
+    spy_begin(harness_device()); /* sees only images made from here on */
+    struct stage stage = stage_open_scene(scene);
+    stage.frame.width = 160;
+    stage.frame.height = 90;
+    stage.frame.camera.position = (vec3){0, 0, 0};
+    stage.frame.camera.target = (vec3){0, 0, -1};
+    stage.frame.outputs = FNL_OUTPUT_RADIANCE;
+    stage.frame.shading = FNL_SHADING_DEFERRED;
+    fnl_renderer *other = test_renderer(stage.scene);
+    fnl_camera eyes[2];
+    place_eyes(&stage, 0.3f, false, eyes);
+    fnl_frame frame = frame_of(&stage, eyes);
+    frame.record_threads = 1; /* the spy looks on */
+    test_render_frame(stage.renderer, &frame);
+    const uint32_t draws = harness_stats(stage.renderer).views[0].draws;
+    frame.occlusion = FNL_OCCLUSION_ON;
+    for (uint32_t n = 0; n < 3; n++) { /* the second has depth of the first to begin with */
+        if (n == 2) frame.shading = FNL_SHADING_VISIBILITY;
+        fnl_frame plain = frame;
+        plain.occlusion = FNL_OCCLUSION_OFF;
+        const uint32_t together = count_union(&stage, &frame, ITEMS);
+        const fnl_frame_stats stats = harness_stats(stage.renderer);
+        assert_true(stats.occlusion);
+        const uint64_t hidden[2] = {stats.views[0].items_occluded, stats.views[1].items_occluded};
+        assert_true(hidden[0] > 10 && hidden[1] > 10);
+        assert_true(together > stats.views[0].items_visible && together > stats.views[1].items_visible && together < ITEMS - 5);
+        assert_int_equal(count_passes(&stage, "cull union'"), 1);
+        if (n < 2) assert_int_equal(stats.views[0].draws, draws);
+        assert_int_equal(stats.views[1].draws, 0);
+        fnl_image a = test_read(stage.renderer, FNL_OUTPUT_RADIANCE);
+        plain.stereo = fnl_frame_default().stereo;
+        plain.multiview = FNL_MULTIVIEW_OFF;
+        test_render_frame(other, &plain);
+        fnl_image b = test_read(other, FNL_OUTPUT_RADIANCE);
+        assert_int_equal(count_differing(&a, &b), 0);
+        free_picture(&a);
+        free_picture(&b);
+    }
+    fnl_renderer_destroy(&other);
+    stage_close(&stage);
+    spy_end();
+}
+
 /* An eye that looks into the dark is not metered alone. */
 static void test_one_exposure(void **state) {
     UNUSED(state);
@@ -468,6 +534,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_eyes_equal_each_alone_VR_1, harness_check),
         cmocka_unit_test_teardown(test_histories_and_shadows_VR_1, harness_check),
         cmocka_unit_test_teardown(test_shared_work_VR_2, harness_check),
+        cmocka_unit_test_teardown(test_eyes_draw_what_either_sees_VR_1_VR_2, harness_check),
         cmocka_unit_test_teardown(test_one_exposure, harness_check),
         cmocka_unit_test_teardown(test_disparity_of_a_known_box_VR_4, harness_check),
         cmocka_unit_test_teardown(test_eyes_at_one_place_are_equal_VR_4, harness_check),

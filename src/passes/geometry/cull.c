@@ -103,6 +103,21 @@ struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_
     return draws;
 }
 
+struct geometry_draws cull_union_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *const views[],
+                                     uint32_t view_count, uint32_t together) {
+    struct geometry_draws draws = create_draws(graph, "cull", scene);
+    draws.view_mask = UINT32_MAX >> (32 - together);
+    struct gpu_cull_union_push push = {.item_count = scene->item_count, .view_count = MIN(view_count, (uint32_t)COUNT_OF(push.views))};
+    struct graph_pass *pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "cull union",
+                                                                             .pipeline = {.shader = &shader_cull_union_comp},
+                                                                             .groups = {DIVIDE_UP(scene->item_count + 1, 64u)},
+                                                                             GRAPH_PUSH(push),
+                                                                             GRAPH_ROWS(graph_writes(&push.sums, draws.sums))});
+    for (uint32_t i = 0; i < push.view_count; i++) graph_add_row(pass, graph_reads(&push.views[i], views[i]->sums));
+    add_fill(graph, "cull", scene, 0, &draws);
+    return draws;
+}
+
 struct geometry_draws cull_add_hidden(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,
                                       const struct hierarchy *occluders) {
     struct geometry_draws draws = cull_items_add(graph, "cull", scene, view, occluders);

@@ -28,6 +28,14 @@ struct gpu_cull_views_push {
     uint view_count;
 };
 
+/* Marks for several views, each of which has been culled by itself. */
+struct gpu_cull_union_push {
+    ADDRESS(const_uint_array) views[6]; /* one per item and one more: prefix sums of the marks of each view */
+    ADDRESS(uint_array) sums;           /* the same for all: 1 for those that some view draws */
+    uint item_count;
+    uint view_count;
+};
+
 /* Back-to-front order of blended items. */
 struct gpu_sort_push {
     ADDRESS(view_block) view;

@@ -65,7 +65,7 @@ struct geometry_draws {
     graph_buffer mesh_draws, mesh_list, mesh_slots, mesh_sums,
         mesh_masks;           /* in place of item_draws, triangles and indices */
     uint32_t mesh_draw_count; /* of each bucket */
-    uint32_t view_mask;       /* of cull_views_add: passes draw into these layers at once; 0: one view */
+    uint32_t view_mask;       /* of cull_views_add and cull_union_add: passes draw into these layers at once; 0: one view */
     bool depth_begun; /* the depth target holds what nothing is drawn over (passes/stereo/hidden_area.h): passes that would clear it for the opaque set do not */
     graph_buffer hidden; /* of occlusion_add, one per item and their number; id 0: nothing is hidden */
 };
@@ -86,6 +86,12 @@ void cull_sort_add(struct graph *graph, const struct geometry_scene *scene, VkDe
  */
 struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress views,
                                      uint32_t view_count);
+
+/**
+ * The same of views that have been culled by themselves, 1 .. 6 of them, of which occlusion may have hidden different items; draws go to `together` views.
+ */
+struct geometry_draws cull_union_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *const views[],
+                                     uint32_t view_count, uint32_t together);
 
 enum geometry_set {
     GEOMETRY_OPAQUE, /* opaque and cutout items */
