@@ -48,6 +48,7 @@ struct bench_run {
     struct bench_path path;
     struct stereo stereo;
     fnl_camera eyes[HEADSET_EYES];
+    fnl_vec3 gaze;
     struct lane *lanes;
     uint32_t lane_count, opened, case_index;
     bool shared;         /* one renderer for all lanes, because memory is short */
@@ -140,6 +141,7 @@ static fnl_frame frame_at(struct bench_run *run, const struct lane *lane, uint32
     frame.view_count = HEADSET_EYES;
     if (!lane->frame.stereo.eyes) frame.stereo.eyes = HEADSET_EYES;
     if (!stereo_cameras(&run->stereo, &frame.camera, point->time, frame.width, frame.height, run->eyes)) run->failed = true;
+    frame.gaze = stereo_gaze(&run->stereo, &frame.camera, point->time, &run->gaze);
     return frame;
 }
 

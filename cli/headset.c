@@ -178,9 +178,11 @@ static bool read_eye(struct reader *r, const char *place, json_t *eye, float sid
 
 static bool read_pose(struct reader *r, const char *place, json_t *pose, struct headset_pose *out) {
     char at[PLACE];
-    json_t *time = json_object_get(pose, "time"), *position = json_object_get(pose, "position"), *rotation = json_object_get(pose, "rotation");
-    if (!check_keys(r, place, pose, " time position rotation ")) return false;
-    *out = (struct headset_pose){.pose.rotation = {0, 0, 0, 1}};
+    json_t *time = json_object_get(pose, "time"), *position = json_object_get(pose, "position"), *rotation = json_object_get(pose, "rotation"),
+           *gaze = json_object_get(pose, "gaze");
+    if (!check_keys(r, place, pose, " time position rotation gaze ")) return false;
+    *out = (struct headset_pose){.pose.rotation = {0, 0, 0, 1}, .gaze = {0, 0, -1000}};
+    if (gaze && !read_numbers(r, below(at, place, "gaze"), gaze, 3, 3, -1e6, 1e6, &out->gaze.x)) return false;
     if (!json_is_number(time)) return fail(r, below(at, place, "time"), "must be a number of seconds");
     out->time = json_number_value(time);
     if (position && !read_numbers(r, below(at, place, "position"), position, 3, 3, -1e6, 1e6, &out->pose.position.x)) return false;
@@ -196,6 +198,7 @@ static bool read_poses(struct reader *r, json_t *poses, struct headset *out) {
     for (size_t i = 0; i < count; i++) {
         element(at, "/poses", i);
         if (!read_pose(r, at, json_array_get(poses, i), &out->poses[i])) return false;
+        out->has_gaze |= json_object_get(json_array_get(poses, i), "gaze") != NULL;
         if (i > 0 && !(out->poses[i].time > out->poses[i - 1].time)) return fail(r, at, "its time must be after that of the pose before");
         out->pose_count++;
     }
@@ -278,16 +281,32 @@ static fnl_vec4 turn_between(fnl_vec4 a, fnl_vec4 b, float part) {
     return (fnl_vec4){q.x / length, q.y / length, q.z / length, q.w / length};
 }
 
-fnl_rigid_pose headset_pose_at(const struct headset *headset, double time) {
+/* The pose before a time, the one after it, and how far between them it is: the same one before the first and after the last. */
+static float find_poses(const struct headset *headset, double time, const struct headset_pose **before, const struct headset_pose **after) {
     const struct headset_pose *p = headset->poses;
     const uint32_t count = headset->pose_count;
-    if (count == 0) return (fnl_rigid_pose){.rotation = {0, 0, 0, 1}};
     uint32_t next = 0;
     while (next < count && p[next].time <= time) next++;
-    if (next == 0) return p[0].pose;
-    if (next == count) return p[count - 1].pose;
-    const float part = (float)((time - p[next - 1].time) / (p[next].time - p[next - 1].time));
-    const fnl_vec3 a = p[next - 1].pose.position, b = p[next].pose.position;
-    return (fnl_rigid_pose){.position = {a.x + (b.x - a.x) * part, a.y + (b.y - a.y) * part, a.z + (b.z - a.z) * part},
-                            .rotation = turn_between(p[next - 1].pose.rotation, p[next].pose.rotation, part)};
+    *before = &p[next > 0 ? next - 1 : 0];
+    *after = &p[next < count ? next : count - 1];
+    return *before == *after ? 0 : (float)((time - (*before)->time) / ((*after)->time - (*before)->time));
+}
+
+static fnl_vec3 between(fnl_vec3 a, fnl_vec3 b, float part) {
+    return (fnl_vec3){a.x + (b.x - a.x) * part, a.y + (b.y - a.y) * part, a.z + (b.z - a.z) * part};
+}
+
+fnl_rigid_pose headset_pose_at(const struct headset *headset, double time) {
+    const struct headset_pose *a, *b;
+    if (headset->pose_count == 0) return (fnl_rigid_pose){.rotation = {0, 0, 0, 1}};
+    const float part = find_poses(headset, time, &a, &b);
+    if (a == b) return a->pose;
+    return (fnl_rigid_pose){between(a->pose.position, b->pose.position, part), turn_between(a->pose.rotation, b->pose.rotation, part)};
+}
+
+fnl_vec3 headset_gaze_at(const struct headset *headset, double time) {
+    const struct headset_pose *a, *b;
+    if (headset->pose_count == 0) return (fnl_vec3){0, 0, -1000};
+    const float part = find_poses(headset, time, &a, &b);
+    return between(a->gaze, b->gaze, part);
 }

@@ -28,6 +28,7 @@ struct headset_eye {
 struct headset_pose {
     double time; /* seconds; they ascend */
     fnl_rigid_pose pose;
+    fnl_vec3 gaze; /* the point that the eyes look at, seen from the head, metres */
 };
 
 struct headset {
@@ -35,6 +36,7 @@ struct headset {
     struct headset_eye eyes[HEADSET_EYES]; /* left, right */
     struct headset_pose *poses;            /* of the head, seen from the camera; none: it stays there */
     uint32_t pose_count;
+    bool has_gaze; /* some pose says where the eyes look; without, straight ahead */
 };
 
 /** Reads a file, or one of those built in ("builtin:simple"). False after a message that names the file and the place in it. */
@@ -48,5 +50,7 @@ void headset_set_ipd(struct headset *headset, float ipd);
 float headset_ipd(const struct headset *headset);
 /** The head at a time: between two poses what lies between them, before the first and after the last these. */
 fnl_rigid_pose headset_pose_at(const struct headset *headset, double time);
+/** Likewise where the eyes look, seen from the head. */
+fnl_vec3 headset_gaze_at(const struct headset *headset, double time);
 
 #endif

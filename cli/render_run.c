@@ -329,6 +329,7 @@ static int run(const struct render_options *o) {
     }
     bool sequence = render_makes_sequence(o);
     fnl_camera cameras[FNL_VIEWS_MAX];
+    fnl_vec3 gaze;
     uint32_t view_count = 0;
     bool good = load_and_save(o, &host, &scene, &frame.camera) &&
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) &&
@@ -339,7 +340,7 @@ static int run(const struct render_options *o) {
     if (good && o->screen) frame.hidden_areas = display_hidden(o->screen);
     if (good && o->lit_casts) frame.shadows = world_usual_shadows(&report.scene, &report.device, o->quiet);
     if (view_count > 0) frame.camera = cameras[0];
-    if (o->eyes) view_count = stereo_view_count(o->eyes);
+    if (o->eyes) view_count = stereo_view_count(o->eyes), frame.gaze = stereo_gaze(o->eyes, &frame.camera, o->world.time, &gaze);
     if (o->eyes && !render_was_given(o, "stereo.eyes")) frame.stereo.eyes = view_count > 1 ? view_count : 0;
     frame.views = cameras;
     frame.view_count = view_count;

@@ -42,6 +42,7 @@ static uint32_t earlier_pictures(const fnl_frame *frame) {
 struct sequence {
     const struct render_options *o;
     fnl_camera eyes[HEADSET_EYES];
+    fnl_vec3 gaze;
     const fnl_host *host;
     fnl_scene *scene;
     fnl_renderer *renderer;
@@ -63,6 +64,7 @@ static bool pose(struct sequence *s, uint32_t index) {
     s->frame.camera = point->camera;
     if (o->world.fov > 0) s->frame.camera.vertical_fov = o->world.fov;
     if (o->eyes && !stereo_cameras(o->eyes, &s->frame.camera, s->time, s->frame.width, s->frame.height, s->eyes)) return false;
+    if (o->eyes) s->frame.gaze = stereo_gaze(o->eyes, &s->frame.camera, s->time, &s->gaze);
     return world_set_time(&o->world, s->scene, s->time);
 }
 

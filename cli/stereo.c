@@ -102,6 +102,15 @@ static fnl_rigid_pose head_at(const struct stereo *s, const fnl_camera *camera, 
     return base;
 }
 
+const fnl_vec3 *stereo_gaze(const struct stereo *s, const fnl_camera *camera, double time, fnl_vec3 *out) {
+    if (!s->headset.has_gaze) return NULL;
+    const fnl_rigid_pose head = head_at(s, camera, time);
+    const fnl_vec3 p = headset_gaze_at(&s->headset, time), q = {head.rotation.x, head.rotation.y, head.rotation.z}, t = cross(q, p), u = cross(q, t);
+    *out = (fnl_vec3){head.position.x + p.x + 2 * (head.rotation.w * t.x + u.x), head.position.y + p.y + 2 * (head.rotation.w * t.y + u.y),
+                      head.position.z + p.z + 2 * (head.rotation.w * t.z + u.z)};
+    return out;
+}
+
 /* The camera's own field of view. */
 static void take_field(const fnl_camera *camera, uint32_t width, uint32_t height, fnl_eye *eye) {
     const float y = tanf(camera->vertical_fov / 2), x = y * camera->pixel_aspect * (float)width / (float)height;

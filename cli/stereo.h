@@ -41,6 +41,8 @@ void stereo_size(const struct stereo *stereo, uint32_t *width, uint32_t *height)
 uint32_t stereo_view_count(const struct stereo *stereo);
 /** The cameras of a head that stands at `camera`, or moves there as the file says. False after a message. */
 bool stereo_cameras(const struct stereo *stereo, const fnl_camera *camera, double time, uint32_t width, uint32_t height, fnl_camera out[HEADSET_EYES]);
+/** The point in the world that the eyes look at then: `out`, or NULL where the file does not say. */
+const fnl_vec3 *stereo_gaze(const struct stereo *stereo, const fnl_camera *camera, double time, fnl_vec3 *out);
 /** Whether the pictures of both eyes become one. */
 bool stereo_joins(enum stereo_kind kind);
 /**

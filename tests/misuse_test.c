@@ -677,6 +677,8 @@ static void test_fields_of_frames(void **state) {
     camera.vertical_fov = 0;
     FRAME(viewer, &camera, "viewer->vertical_fov is 0, must be above 0 and below pi radians");
     camera = fnl_camera_default();
+    const fnl_vec3 nowhere = {0, NAN, 0};
+    FRAME(gaze, &nowhere, "gaze[1] is NaN, must be -1e+09 .. 1e+09 metres");
     FRAME(camera.vertical_fov, -1, "camera.vertical_fov is -1, must be above 0 and below pi radians");
     FRAME(camera.near_distance, INFINITY, "camera.near_distance is infinity, must be above 0 metres and finite");
     FRAME_ENUM(shading, fnl_shading, FNL_SHADING_COUNT - 1);
@@ -735,6 +737,8 @@ static void test_fields_of_frames(void **state) {
     FRAME(coarse.tolerance, NAN, "coarse.tolerance is NaN, must be 0 .. 1");
     FRAME(coarse.albedo_tolerance, 2, "coarse.albedo_tolerance is 2, must be 0 .. 1");
     FRAME(coarse.ao_radius, INFINITY, "coarse.ao_radius is infinity, must be at least 0 metres and finite");
+    FRAME(coarse.fovea, 181, "coarse.fovea is 181, must be 0 .. 180 degrees");
+    FRAME(coarse.fovea_far, NAN, "coarse.fovea_far is NaN, must be 0 .. 180 degrees");
     FRAME(dais.cache_buckets, 3, "dais.cache_buckets is 3, must be a power of two");
     FRAME(dais.cache_buckets, 0, "dais.cache_buckets is 0, must be 1 .. 4194304");
     frame.exposure = FNL_EXPOSURE_EV;

@@ -201,6 +201,11 @@ typedef struct fnl_frame {
      */
     const fnl_camera *viewer;
     /**
+     * The point in the world that the viewer looks at, for `coarse.fovea`; of all views. A direction is a point far away. Read only during the call. Default
+     * NULL: straight ahead, along the axis of each view.
+     */
+    const fnl_vec3 *gaze;
+    /**
      * Which views share draw calls, in forward-prepass, deferred and visibility: the depth prepass, the G-buffer and the ids are then drawn once into
      * several layers, with what any of the views sees. Where that does not work, views are drawn one by one, without an error: on devices without
      * fnl_device_info.multiview, with culling by clusters or triangles, decals, or occlusion where views are no eyes, and in visibility with grid,

@@ -149,6 +149,13 @@ typedef struct fnl_coarse_options {
     bool gather;
     /** Radius of ambient occlusion in metres, >= 0, computed at the same coarse rate. 0 (default): off. */
     float ao_radius;
+    /**
+     * Foveation: how far from where the viewer looks (fnl_frame.gaze) each pixel is shaded, 0 .. 180 degrees. Farther out blocks are shaded once, whatever they show:
+     * criterion and tolerances are not used. Perspective cameras. 0 (default): off.
+     */
+    float fovea;
+    /** With fovea and size 4: up to this angle, 0 .. 180 degrees, each 2x2 pixels are shaded once, farther out each 4x4. Default 30. */
+    float fovea_far;
 } fnl_coarse_options;
 
 /* ---- dais ---- */

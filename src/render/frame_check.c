@@ -49,6 +49,7 @@ static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
     if (eyes > 0 && (frame->view_count == 0 || frame->view_count % eyes != 0))
         return misuse(call, "stereo.eyes is %u, but view_count is %u, which must be a multiple of it", eyes, frame->view_count);
     if (frame->viewer) TRY(camera_check(call, "viewer->", frame->viewer));
+    if (frame->gaze) TRY(check_floats(call, "gaze", &frame->gaze->x, 3, -1e9, 1e9, " metres"));
     if (frame->view_count == 0) return camera_check(call, "camera.", &frame->camera);
     if (!frame->views) return misuse(call, "views is NULL, but view_count is %u", frame->view_count);
     for (uint32_t i = 0; i < frame->view_count; i++) {

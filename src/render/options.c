@@ -198,6 +198,9 @@ static const struct row rows[] = {
     SWITCH("coarse.gather", coarse.gather, PATH(COARSE), EVERY, "writes what blocks share in a pass of its own", EXACT),
     NUMBER("coarse.ao-radius", coarse.ao_radius, 0, (double)FLT_MAX, "metres", PATH(COARSE), EVERY,
            "radius of ambient occlusion at the coarse rate; 0: off"),
+    NUMBER("coarse.fovea", coarse.fovea, 0, 180, "degrees", PATH(COARSE), EVERY, "foveation: how far from the gaze each pixel is shaded, and only there; 0: off"),
+    NUMBER("coarse.fovea-far", coarse.fovea_far, 0, 180, "degrees", PATH(COARSE), EVERY,
+           "foveation, size=4: how far from the gaze blocks of 2x2 are shaded once; beyond it those of 4x4"),
     NAME("dais.mode", dais.mode, FNL_ENUM_DAIS_MODE, PATH(DAIS), EVERY, "where references to triangles are stored"),
     COUNT("dais.cache-buckets", dais.cache_buckets, 1, 1 << 22, "", PATH(DAIS), EVERY,
           "buckets of the triangle cache, two triangles each", .power_of_two = true),
@@ -381,7 +384,7 @@ fnl_frame fnl_frame_default(void) {
                        .light_buffer = {.scale = 2},
                        .light_indexed = {.layers = 4},
                        .texturing = {.atlas_size = 8192},
-                       .coarse = {.size = 2, .depth_factor = 1, .normal_degrees = 2, .tolerance = 0.05f, .albedo_tolerance = 1},
+                       .coarse = {.size = 2, .depth_factor = 1, .normal_degrees = 2, .tolerance = 0.05f, .albedo_tolerance = 1, .fovea_far = 30},
                        .dais = {.cache_buckets = 1 << 16},
                        .mobile = {.range = 8}};
 }

@@ -156,7 +156,7 @@ static void test_rows_have_their_own_places(void **state) {
     static const fnl_frame zeroed;
     uint32_t free_bytes = 0;
     for (size_t b = 0; b < sizeof owner; b++) free_bytes += owner[b] == 0;
-    const size_t pointers = sizeof zeroed.views + sizeof zeroed.hidden_areas + sizeof zeroed.viewer + sizeof zeroed.overlay;
+    const size_t pointers = sizeof zeroed.views + sizeof zeroed.hidden_areas + sizeof zeroed.viewer + sizeof zeroed.gaze + sizeof zeroed.overlay;
     const size_t others = sizeof(fnl_camera) + sizeof zeroed.view_count + pointers + sizeof zeroed.outputs + sizeof(fnl_pixel_query);
     assert_true(free_bytes >= others && free_bytes <= others + 3 * 24); /* at most three bytes of padding behind each switch */
 }

@@ -309,6 +309,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     r->frame.views = NULL;
     r->frame.hidden_areas = NULL;
     r->frame.viewer = NULL;
+    r->frame.gaze = NULL;
     r->frame.overlay = NULL;
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - at.asked) * 1e3);

@@ -54,6 +54,22 @@ cmp t2.png t3.png || fail "the head goes on after its last pose"
 cmp -s walk-0.png walk-1.png && fail "a sequence stands still"
 for name in simple asymmetric canted; do draw --stereo side-by-side --hmd builtin:$name -o $name.png; done
 
+# ---- the eyes move ----
+for gaze in '-0.4, 0.2, -1' '0.4, 0, -1'; do
+    echo '{"resolution": [40, 32], "ipd": 0.06, "eyes": [{"tangents": [-1, 1, -1, 1]}, {"tangents": [-1, 1, -1, 1]}],
+           "poses": [{"time": 0, "gaze": ['"$gaze"'], "rotation": [0, 0.0871557, 0, 0.9961947]}, {"time": 1, "gaze": [0, 0, -2]}]}' >gaze.json
+    fovea() { draw --shading coarse --set coarse.size=4 --set coarse.fovea=9 --set coarse.fovea-far=16 --debug coarse --stereo left --hmd gaze.json "$@"; }
+    # The middle of the pixels that are shaded each, which the view shows in magenta.
+    middle() {
+        fovea --time "$1" --size 40x32 --frames 1 --format raw -o - | od -An -v -t u1 -w4 |
+            awk '$1 > $2 + 40 && $3 > $2 + 40 { x += (NR - 1) % 40 + 0.5; y += int((NR - 1) / 40) + 0.5; n++ } END { printf "%d %d\n", x / n, y / n }'
+    }
+    middle 0; middle 1
+done >middles
+# tangents 1 to a half of the picture; the eye is 3 cm beside the head
+awk 'BEGIN { split("12 20 28 20", x); split("13 16 16 16", y) } ($1 - x[NR]) ^ 2 > 9 || ($2 - y[NR]) ^ 2 > 9 { bad = 1 } END { exit bad || NR != 4 }' middles ||
+    { cat middles >&2; fail "the pixels that are shaded each are not where the eyes look"; }
+
 # ---- what is wrong ----
 refuse() { # MESSAGE ARGUMENTS...
     local message=$1; shift
@@ -74,6 +90,7 @@ bad ': /eyes/0: has no' "{\"eyes\":[$eyes]}"
 bad ': /ipd: is -1' "{\"ipd\":-1,\"eyes\":[$eyes]}"
 bad ': /poses/1: its time' "{\"ipd\":0.06,\"eyes\":[$eyes],\"poses\":[{\"time\":1},{\"time\":1}]}"
 bad ': /poses/0/rotation: must be a unit' "{\"ipd\":0.06,\"eyes\":[$eyes],\"poses\":[{\"time\":1,\"rotation\":[0,0,0,0.5]}]}"
+bad ': /poses/0/gaze: must be an array of 3' "{\"ipd\":0.06,\"eyes\":[$eyes],\"poses\":[{\"time\":1,\"gaze\":[0,0]}]}"
 bad ': /eyes/0/hidden: must be' '{"ipd":0.06,"eyes":[{"tangents":[-1,1,-1,1],"hidden":[[0,0]]},{}]}'
 bad ': /eyes/0/lens: has no' '{"ipd":0.06,"eyes":[{"tangents":[-1,1,-1,1],"lens":{"red":[1]}},{}]}'
 bad ': /resolution: must be whole' "{\"ipd\":0.06,\"resolution\":[1.5,2],\"eyes\":[$eyes]}"

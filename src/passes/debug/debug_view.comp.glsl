@@ -73,8 +73,8 @@ void main() {
     }
     if (mode == GPU_DEBUG_COARSE || mode == GPU_DEBUG_COARSE_REASON) {
         const vec3 kinds[COARSE_KINDS] = vec3[](vec3(0.0), DEBUG_COARSE_SHARED(vec3), DEBUG_COARSE_DEPTH(vec3), DEBUG_COARSE_NORMAL(vec3),
-                                                DEBUG_COARSE_OTHER(vec3));
-        bool is_shown = counted != COARSE_NOTHING && (mode == GPU_DEBUG_COARSE_REASON || counted == COARSE_SHARED);
+                                                DEBUG_COARSE_OTHER(vec3), DEBUG_COARSE_EACH(vec3), DEBUG_COARSE_HALF(vec3));
+        bool is_shown = counted != COARSE_NOTHING && (mode == GPU_DEBUG_COARSE_REASON || counted == COARSE_SHARED || counted > COARSE_OTHER);
         color = is_shown ? mix(vec3(grey), kinds[min(counted, COARSE_KINDS - 1u)], 0.5) : vec3(grey);
     }
     if (mode == GPU_DEBUG_CLUSTERS) {

@@ -75,6 +75,8 @@ static bool has_samplers(const struct coarse_params *p) {
     return p->options.criterion == FNL_COARSE_CRITERION_MINMAX && p->samplers && p->options.size > 1;
 }
 
+static bool has_fovea(const fnl_coarse_options *o) { return o->fovea > 0 && o->size > 1; }
+
 static uint32_t sampler(gpu_device *device, VkFilter filter, VkSamplerReductionMode reduction) {
     struct gpu_sampler_params params = {.mag = filter,
                                         .min = filter,
@@ -95,7 +97,7 @@ static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data
     uint32_t flags = (color ? COARSE_COLOR : 0) | (has_color(o, FNL_COARSE_FILTER_MEAN) ? COARSE_MEAN : 0) |
                      (o->gather ? COARSE_GATHER : 0) | (d->words.id ? COARSE_WORDS : 0) |
                      (has_samplers(&d->params) ? COARSE_SAMPLERS : 0) | (d->ao.id ? COARSE_AO : 0) |
-                     (o->albedo_tolerance < 1 ? COARSE_ALBEDO : 0);
+                     (o->albedo_tolerance < 1 ? COARSE_ALBEDO : 0) | (has_fovea(o) ? COARSE_FOVEA : 0);
     struct gpu_compute_params pipeline = {
         .shader = shader,
         .constant_count = 10,
@@ -129,6 +131,9 @@ static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data
     return pass;
 }
 
+/* That all directions pass at 180 degrees, whatever rounding makes of theirs. */
+static float cosine_of(float degrees) { return degrees < 180 ? cosf(degrees * (PI / 180)) : -2; }
+
 static VkDeviceAddress write_settings(gpu_device *device, const struct coarse_params *params) {
     const fnl_coarse_options *o = &params->options;
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_coarse_settings));
@@ -139,6 +144,9 @@ static VkDeviceAddress write_settings(gpu_device *device, const struct coarse_pa
         .tolerance = o->tolerance,
         .albedo_tolerance = o->albedo_tolerance,
         .ao_radius = o->ao_radius,
+        .gaze = params->gaze,
+        .fovea = cosine_of(o->fovea),
+        .fovea_far = cosine_of(fmaxf(o->fovea, o->fovea_far)),
         .point = sampler(device, VK_FILTER_NEAREST, VK_SAMPLER_REDUCTION_MODE_WEIGHTED_AVERAGE)};
     if (has_samplers(params)) {
         settings.least = sampler(device, VK_FILTER_LINEAR, VK_SAMPLER_REDUCTION_MODE_MIN);
@@ -191,7 +199,7 @@ struct coarse coarse_add(struct graph *graph, gpu_device *device, const struct s
     data.kind = input->lights->kind;
     data.counters = input->counters;
     struct graph_pass *pass =
-        add_pass(graph, &data, "coarse", &shader_coarse_comp, GRAPH_READ_COMPUTE, GRAPH_READ_WRITE_COMPUTE);
+        add_pass(graph, &data, "coarse", has_fovea(&params->options) ? &shader_coarse_fovea_comp : &shader_coarse_comp, GRAPH_READ_COMPUTE, GRAPH_READ_WRITE_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
     return coarse;
 }

@@ -1,9 +1,13 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Deferred shading at a coarse rate: blocks of pixels that are alike are lit once, and other pixels each.
+// Deferred shading at a coarse rate: blocks of pixels that are alike are lit once, and other pixels each. The variant FOVEATED: where the viewer looks
+// decides; a thread then lights several blocks or quads, so that it writes each at once.
 #include "common.glsl"
 #include "shade.glsl"
+#ifndef FOVEATED
+#define UNFOVEATED
+#endif
 #include "passes/shade/coarse.glsl"
 
 layout(constant_id = COARSE_SPLIT_ID) const uint SPLIT = COARSE_SPLIT_NONE;
@@ -17,19 +21,27 @@ struct coarse_light {
 // Parts of the light: what blocks share, what each pixel has of its own.
 const uint PART_SLOW = 1u, PART_PIXEL = 2u;
 
-// The base colour of a block: filtered where it was sampled, or the mean of its pixels.
-vec3 shared_color(ivec2 first, vec3 own) {
-    if ((FLAGS & COARSE_COLOR) != 0u) return gbuffer_decode_color(texelFetch(textures[push.color], first, 0).rgb);
+// The base colour of a block: filtered where it was sampled, or the mean of its pixels. `pixel` stands for those from `first` on.
+vec3 shared_color(ivec2 first, ivec2 pixel, uint side, vec3 own) {
+    if (COARSE_IS_FOVEA && (side < SIZE || (FLAGS & COARSE_MEAN) != 0u)) { // there may be background between them
+        vec4 sum = vec4(0.0);
+        for (uint i = 0u; i < side * side; i++) {
+            ivec2 at = first + ivec2(i % side, i / side);
+            if (coarse_inside(at) && gbuffer_depth(push.gbuffer, at) > 0.0) sum += vec4(color_at(at), 1.0);
+        }
+        return sum.rgb / max(sum.a, 1.0);
+    }
+    if ((FLAGS & COARSE_COLOR) != 0u) return gbuffer_decode_color(texelFetch(textures[push.color], pixel, 0).rgb);
     if ((FLAGS & COARSE_MEAN) == 0u) return own;
     for (uint i = 1u; i < SIZE * SIZE; i++)
         own += color_at(min(first + ivec2(i % SIZE, i / SIZE), coarse_last()));
     return own * (1.0 / float(SIZE * SIZE));
 }
 
-surface surface_at(ivec2 pixel, float view_depth, bool is_shared) {
+surface surface_at(ivec2 pixel, float view_depth, bool is_shared, ivec2 first, uint side) {
     view_block v = push.gbuffer.view;
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(v, pixel, view_depth), vec3(0.0));
-    if ((FLAGS & (COARSE_COLOR | COARSE_MEAN)) != 0u && is_shared) s.base_color = shared_color(pixel, s.base_color);
+    if ((FLAGS & (COARSE_COLOR | COARSE_MEAN)) != 0u && is_shared) s.base_color = shared_color(first, pixel, side, s.base_color);
     if ((FLAGS & COARSE_AO) != 0u) s.occlusion *= texelFetch(textures[push.ao], pixel, 0).r;
     return s;
 }
@@ -133,16 +145,17 @@ void store(ivec2 pixel, vec3 light) {
 }
 
 // Writes what a block shares to its pixels, with what each has of its own.
-void spread(ivec2 first, coarse_light light) {
-    for (uint i = 0u; i < SIZE * SIZE; i++) {
-        ivec2 pixel = first + ivec2(i % SIZE, i / SIZE);
+void spread(ivec2 first, uint side, coarse_light light) {
+    for (uint i = 0u; i < side * side; i++) {
+        ivec2 pixel = first + ivec2(i % side, i / side);
         if (!coarse_inside(pixel)) continue;
+        if (COARSE_IS_FOVEA && gbuffer_depth(push.gbuffer, pixel) <= 0.0) continue;
         coarse_light own = light;
         vec3 color = vec3(0.0);
         if (SPLIT == COARSE_SPLIT_ALBEDO) color = color_at(pixel);
         if (SPLIT == COARSE_SPLIT_HIGHLIGHTS || SPLIT == COARSE_SPLIT_SHARP) {
             float view_depth = view_depth_of(push.gbuffer.view, gbuffer_depth(push.gbuffer, pixel));
-            coarse_light more = light_parts(surface_at(pixel, view_depth, false), uvec2(pixel), view_depth, PART_PIXEL);
+            coarse_light more = light_parts(surface_at(pixel, view_depth, false, pixel, 1u), uvec2(pixel), view_depth, PART_PIXEL);
             own.by_color += more.by_color;
             own.rest += more.rest;
         }
@@ -152,16 +165,23 @@ void spread(ivec2 first, coarse_light light) {
 
 void main() {
     coarse_walk walk = coarse_begin();
+#ifndef FOVEATED
     coarse_light kept;
     bool keeps = walk.kind == COARSE_SHARED && (FLAGS & COARSE_GATHER) != 0u;
+#endif
     for (uint turn = 0u; turn < walk.turns; turn++) {
+        ivec2 first;
+        uint side;
         ivec2 pixel;
         float depth = 0.0;
-        if (coarse_work(walk, turn, pixel)) depth = gbuffer_depth(push.gbuffer, pixel);
+        if (coarse_work(walk, turn, first, side)) {
+            pixel = coarse_standing(first, side);
+            depth = gbuffer_depth(push.gbuffer, pixel);
+        }
         if (depth > 0.0) {
-            bool is_shared = turn == 0u && walk.kind == COARSE_SHARED;
+            bool is_shared = COARSE_IS_FOVEA ? side > 1u : turn == 0u && walk.kind == COARSE_SHARED;
             float view_depth = view_depth_of(push.gbuffer.view, depth);
-            surface s = surface_at(pixel, view_depth, is_shared);
+            surface s = surface_at(pixel, view_depth, is_shared, first, side);
             coarse_light light;
             if (SPLIT == COARSE_SPLIT_NONE)
                 light = coarse_light(vec3(0.0), shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth,
@@ -169,12 +189,18 @@ void main() {
             else
                 light = light_parts(s, uvec2(pixel), view_depth, is_shared ? PART_SLOW : PART_SLOW | PART_PIXEL);
             if (is_shared) {
+#ifdef FOVEATED
+                spread(first, side, light);
+#else
                 kept = light;
                 keeps = true;
+#endif
             } else {
                 store(pixel, put_together(light, s.base_color));
             }
         }
     }
-    if (keeps) spread(walk.first, kept); // one call, as it is inlined
+#ifndef FOVEATED
+    if (keeps) spread(walk.first, SIZE, kept); // one call, as it is inlined
+#endif
 }

@@ -17,6 +17,7 @@ struct coarse_params {
     fnl_coarse_options options;
     bool samplers; /* coarse_has_samplers(), or false all the same */
     bool words;    /* keep the kind of each pixel, for views */
+    vec3 gaze;     /* with options.fovea: where the viewer looks, a unit vector in view space */
 };
 
 /** The G-buffer of the default layout, and what the options need of more: see gbuffer_add(). */

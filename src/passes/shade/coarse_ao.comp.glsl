@@ -46,8 +46,12 @@ void main() {
     coarse_walk walk = coarse_begin();
     for (uint turn = 0u; turn < walk.turns; turn++) {
         ivec2 pixel;
+        uint side;
         float depth = 0.0;
-        if (coarse_work(walk, turn, pixel)) depth = gbuffer_depth(push.gbuffer, pixel);
+        if (coarse_work(walk, turn, pixel, side)) {
+            pixel = coarse_standing(pixel, side);
+            depth = gbuffer_depth(push.gbuffer, pixel);
+        }
         if (depth > 0.0) {
             imageStore(images[push.target], pixel, vec4(openness(pixel, depth))); // of a block that is alike no other pixel is read
         }

@@ -28,8 +28,9 @@ vec2 range_of(uint image, ivec2 first) {
     return range;
 }
 
-// The same of depth, and the first pixel's; `pixels` is how many of the picture show a surface.
-vec2 depths_of(ivec2 first, out float depth, out uint pixels) {
+// The same of depth, and the first pixel's; `pixels` and `quads` are how many of the picture show a surface.
+vec2 depths_of(ivec2 first, out float depth, out uint pixels, out uint quads) {
+    quads = 0u;
     if (SIZE == 1u) {
         depth = gbuffer_depth(push.gbuffer, first);
         pixels = uint(depth > 0.0);
@@ -46,8 +47,10 @@ vec2 depths_of(ivec2 first, out float depth, out uint pixels) {
         // The texels round the corner: left below it, right below, right above, left above.
         bvec4 shown = greaterThan(d, vec4(0.0));
         bvec2 far = lessThanEqual(corner, coarse_last()), near = lessThanEqual(corner - 1, coarse_last());
-        pixels += uint(shown.w && near.x && near.y) + uint(shown.z && far.x && near.y) + uint(shown.y && far.x && far.y) +
-                  uint(shown.x && near.x && far.y);
+        uint inside = uint(shown.w && near.x && near.y) + uint(shown.z && far.x && near.y) + uint(shown.y && far.x && far.y) +
+                      uint(shown.x && near.x && far.y);
+        pixels += inside;
+        quads += uint(inside > 0u);
     }
     return range;
 }
@@ -103,13 +106,22 @@ bool is_one_surface(ivec2 first, float depth, vec2 depths) {
     return same && away <= bound;
 }
 
-// Pixels beyond the edge of the picture are those at its edge: the same block's. `pixels` is how many show a surface.
-uint kind_of(ivec2 first, out uint pixels) {
+// By the angle between the block's middle and where the viewer looks.
+uint kind_by_angle(ivec2 first) {
+    vec3 to = view_position_of(push.gbuffer.view, ndc_of_pixel(push.gbuffer.view, vec2(first) + 0.5 * float(SIZE)), 1.0);
+    float cosine = dot(normalize(to), push.settings.settings.gaze);
+    if (cosine >= push.settings.settings.fovea) return COARSE_EACH;
+    return SIZE == 4u && cosine >= push.settings.settings.fovea_far ? COARSE_HALF : COARSE_SHARED;
+}
+
+// Pixels beyond the edge of the picture are those at its edge: the same block's. `pixels` and `quads` are how many show a surface.
+uint kind_of(ivec2 first, out uint pixels, out uint quads) {
     gpu_coarse_settings settings = push.settings.settings;
     float depth;
-    vec2 depths = depths_of(first, depth, pixels);
+    vec2 depths = depths_of(first, depth, pixels, quads);
     if (pixels == 0u) return COARSE_NOTHING;
     if (SIZE == 1u) return COARSE_SHARED;
+    if (COARSE_IS_FOVEA) return kind_by_angle(first);
     if (!is_one_surface(first, depth, depths)) return COARSE_DEPTH;
     material_numbers reference = material_at(first);
     float chord2 = 0.0, color = 0.0, other = 0.0;
@@ -127,10 +139,10 @@ uint kind_of(ivec2 first, out uint pixels) {
 }
 
 void main() {
-    uint pixels = 0u, kind = COARSE_NOTHING;
+    uint pixels = 0u, quads = 0u, kind = COARSE_NOTHING;
     ivec2 first = coarse_first(gl_LocalInvocationIndex);
-    if (coarse_inside(first)) kind = kind_of(first, pixels);
-    push.blocks.at[coarse_base() + gl_LocalInvocationIndex] = kind | pixels << COARSE_WORD_PIXELS_SHIFT;
+    if (coarse_inside(first)) kind = kind_of(first, pixels, quads);
+    push.blocks.at[coarse_base() + gl_LocalInvocationIndex] = kind | pixels << COARSE_WORD_PIXELS_SHIFT | max(quads, 1u) - 1u << COARSE_WORD_QUADS_SHIFT;
     if ((FLAGS & COARSE_WORDS) != 0u && kind != COARSE_NOTHING)
         for (uint i = 0u; i < SIZE * SIZE; i++) {
             ivec2 at = first + ivec2(i % SIZE, i / SIZE);
