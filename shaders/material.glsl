@@ -19,7 +19,11 @@ layout(constant_id = GRADIENT_TAPS_ID) const float GRADIENT_TAPS = 1.0;
 layout(constant_id = HAS_TEXTURES_ID) const uint HAS_TEXTURES = 1u;
 layout(constant_id = HAS_NORMAL_MAP_ID) const uint HAS_NORMAL_MAP = 1u;
 #else
-layout(location = 0) centroid in vec3 in_position;
+// Homogeneous: with several samples Mesa's CPU driver takes a varying at the centroid, but its perspective at the middle of the pixel. At edges in the middle
+// of a slanted wall that moves a position by centimetres, into what is behind the surface. The fourth coordinate, 1 at all corners, is wrong by the
+// same factor.
+layout(location = 0) centroid in vec4 in_place;
+#define in_position (in_place.xyz / in_place.w)
 layout(location = 1) centroid in vec3 in_normal;
 layout(location = 2) centroid in vec4 in_tangent;
 layout(location = 3) centroid in vec4 in_uv;

@@ -117,6 +117,38 @@ static void test_samples_have_shadows(void **state) {
     stage_close(&s);
 }
 
+/* A floor of many squares with nothing on it, far from the origin of the world and seen at an angle: where their edges cross a pixel, positions are taken
+ * beside its middle, and must still lie in the floor. */
+static void test_edges_in_a_floor_cast_no_shadow(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params white = matt(0.5f);
+    fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &white));
+    for (int i = 0; i < 64; i++)
+        add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0.5f * (i % 8) - 1.75f, 20, -0.5f * (i / 8)}), mat4_scaling((vec3){0.25f, 1, 0.25f})));
+    add_point_light(scene, (vec3){0, 22, -2}, 200);
+    struct stage s = stage_open_scene(scene);
+    s.frame.camera.position = (vec3){0.3f, 20.5f, 1};
+    s.frame.camera.target = (vec3){-0.2f, 20.1f, -2};
+    s.frame.msaa = 4;
+    static const fnl_shading paths[] = {FNL_SHADING_FORWARD, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_DEFERRED};
+    static const fnl_shadows kinds[] = {FNL_SHADOWS_RAYS, FNL_SHADOWS_MAPS};
+    for (size_t i = 0; i < COUNT_OF(paths); i++) {
+        s.frame.shading = paths[i];
+        s.frame.shadows = FNL_SHADOWS_OFF;
+        struct shot lit = stage_shoot(&s, &s.frame);
+        for (size_t k = 0; k < COUNT_OF(kinds); k++) {
+            s.frame.shadows = kinds[k];
+            struct shot shot = stage_shoot(&s, &s.frame);
+            const uint64_t differing = count_beyond(&lit.color, &shot.color, 8);
+            if (differing > 0) fail_msg("path %u, shadows %u: %u pixels are in shadow", (uint32_t)paths[i], (uint32_t)kinds[k], (uint32_t)differing);
+            shot_free(&shot);
+        }
+        shot_free(&lit);
+    }
+    stage_close(&s);
+}
+
 /* ---- the trees ---- */
 
 enum { MADE_MESHES = 1, MADE_ITEMS = 2 };
@@ -282,6 +314,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_lists_give_the_same_shadows_ES_69, harness_check),
         cmocka_unit_test_teardown(test_paths_give_the_same_shadows, harness_check),
         cmocka_unit_test_teardown(test_samples_have_shadows, harness_check),
+        cmocka_unit_test_teardown(test_edges_in_a_floor_cast_no_shadow, harness_check),
         cmocka_unit_test_teardown(test_trees_are_made_when_something_changes, harness_check),
         cmocka_unit_test_teardown(test_trees_hold_everything_in_small_boxes, harness_check),
         cmocka_unit_test(test_shaders_are_small_without_shadows),

@@ -10,7 +10,7 @@
 
 layout(early_fragment_tests) in;
 
-layout(location = 0) centroid in vec3 in_position;
+layout(location = 0) centroid in vec4 in_place; // material.glsl says why four
 layout(location = 1) centroid in vec3 in_normal;
 layout(location = 2) centroid in vec3 in_bind;
 layout(location = 3) flat in uint in_decal;
@@ -19,6 +19,7 @@ layout(location = 4) flat in float in_mirror;
 layout(location = 0) out vec4 out_radiance;
 
 void main() {
+    vec3 in_position = in_place.xyz / in_place.w;
     vec3 bind_dx = dFdx(in_bind), bind_dy = dFdy(in_bind);
     float length2 = dot(in_normal, in_normal);
     decal_point p;

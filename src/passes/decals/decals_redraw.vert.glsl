@@ -7,7 +7,7 @@
 #include "decals.glsl"
 #include "passes/decals/redraw.glsl"
 
-layout(location = 0) centroid out vec3 out_position;
+layout(location = 0) centroid out vec4 out_position; // material.glsl says why four
 layout(location = 1) centroid out vec3 out_normal;
 layout(location = 2) centroid out vec3 out_bind;
 layout(location = 3) flat out uint out_decal;
@@ -24,7 +24,7 @@ void main() {
     precise vec4 clip = push.view.view.world_to_clip * vec4(position, 1.0);
     gl_Position = clip;
     vec3 normal = transform_normal(instance, unpack_normal(push.scene.scene.attributes.at[vertex].normal), out_mirror);
-    out_position = position;
+    out_position = vec4(position, 1.0);
     out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-37));
     out_bind = push.scene.scene.positions.at[vertex + primitive.bind_offset];
     out_decal = draw.decal;

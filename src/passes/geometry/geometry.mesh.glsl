@@ -13,7 +13,7 @@ layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 #include "passes/geometry/geometry_vertex.glsl"
 
-layout(location = 0) centroid out vec3 out_position[];
+layout(location = 0) centroid out vec4 out_position[];
 layout(location = 1) centroid out vec3 out_normal[];
 layout(location = 2) centroid out vec4 out_tangent[];
 layout(location = 3) centroid out vec4 out_uv[];
@@ -29,7 +29,7 @@ void write_vertex(uint place, uint item_index, uint vertex);
 void write_vertex(uint place, uint item_index, uint vertex) {
     geometry_vertex v = geometry_vertex_of(item_index, vertex);
     gl_MeshVerticesEXT[place].gl_Position = v.clip;
-    out_position[place] = v.position;
+    out_position[place] = vec4(v.position, 1.0);
     out_normal[place] = v.normal;
     out_tangent[place] = v.tangent;
     out_uv[place] = v.uv;

@@ -13,7 +13,7 @@
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 #ifndef NO_SURFACE
-layout(location = 0) centroid out vec3 out_position;
+layout(location = 0) centroid out vec4 out_position; // material.glsl says why four
 layout(location = 1) centroid out vec3 out_normal;
 layout(location = 2) centroid out vec4 out_tangent;
 layout(location = 7) centroid out vec3 out_bind; // position before the mesh deforms, in its own space
@@ -37,7 +37,7 @@ void main() {
     gl_PointSize = 1.0;
     out_ids = v.ids;
 #ifndef NO_SURFACE
-    out_position = v.position;
+    out_position = vec4(v.position, 1.0);
     out_normal = v.normal;
     out_tangent = v.tangent;
     out_bind = v.bind;
