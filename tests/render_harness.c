@@ -12,6 +12,7 @@ static void log_line(void *user, fnl_log_level level, const char *line) {
     bool validation = strncmp(line, "validation", 10) == 0;
     if (validation ? atomic_fetch_add(&printed, 1) < 5 : memory->loud && level >= FNL_LOG_WARNING)
         print_error("%.400s\n", line);
+    if (level == FNL_LOG_WARNING) atomic_fetch_add(&memory->warnings, 1);
     if (level < FNL_LOG_ERROR) return;
     atomic_fetch_add(&memory->errors, 1);
     snprintf(memory->last_error, sizeof memory->last_error, "%s", line);

@@ -17,6 +17,7 @@ struct test_memory {
     atomic_llong live_bytes, allocations; /* allocations: new or bigger blocks */
     atomic_llong fail_at;                 /* this allocation and all after it fail; 0: none */
     atomic_int wrong_sizes, errors;       /* errors: lines logged as such */
+    atomic_int warnings;                  /* as well */
     bool loud;                            /* render_test.h prints warnings and errors; validation messages in any case */
     char last_error[512];
 };

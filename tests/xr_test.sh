@@ -70,6 +70,7 @@ run 0 usual builtin:onetile --frames 2 --exposure 5 --resolution 1 --validate <<
 head 0.1 1.7 0.2 10
 save 3 1 .
 END
+! grep -qi 'warning.*\(field of view\|mm apart\)' usual.out || fail "VR-22: a warning about a usual headset"
 is '(.last.views | map(.hidden - 0.03125 | fabs) | max) < 1e-6' # what Monado hides
 is '.depth and .format == "R8G8B8A8_SRGB" and .space == "stage"'
 grep -q 'depth from 0 to 1, nearZ inf, farZ 0.05' usual.log || fail "depth is not reversed"
@@ -84,6 +85,16 @@ is '.last.views[0].size == [17, 15]'
 grep -q 'layers 1 depth 1 rect 17x15' samples.log || fail "the part is not that which was rendered"
 rm -f depth-*
 picture 3 builtin:onetile bgra none ev=5 shading=forward lists=all shadows=off msaa=4
+# shows VR-22: the field of view changes while the scene is shown, and eyes are where nobody's are
+run 0 comfort builtin:onetile "${plain[@]}" --frames 5 <<'END'
+size 16 16
+eye 0 -0.05 0 0 0 0
+eye 1 0.05 0 0 0 0
+at 3 fov 0.9
+at 4 fov 0.9
+END
+[ "$(grep -c 'warning: the field of view changes' comfort.out)" = 1 ] || fail "VR-22: no warning, or several, about another field of view"
+[ "$(grep -c 'warning: the eyes are 100 mm apart' comfort.out)" = 1 ] || fail "VR-22: no warning about eyes 100 mm apart"
 run 0 four builtin:onetile "${plain[@]}" --frames 2 --depth forward --validate <<'END'
 views 4
 size 16 16 2

@@ -103,6 +103,8 @@ struct xr_numbers {
 
 struct xr {
     const struct xr_options *options;
+    XrFovf fields[XR_VIEWS]; /* of view of the last frame */
+    bool has_fields, told_of_fields, told_of_eyes;
     enum xr_end end;
     struct xr_numbers numbers;
 

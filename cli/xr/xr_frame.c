@@ -61,6 +61,26 @@ static void animate(struct xr *x, XrTime time) {
     if (!world_set_time(&x->options->world, x->scene, x->options->world.time + (double)(time - x->first_display) * 1e-9)) x->end = XR_FAILED;
 }
 
+/* Real-Time Rendering, 4th ed., chapter 21: what makes people sick, and what makes the world look larger or smaller than it is. Told once. */
+static void lint(struct xr *x, const struct located *l) {
+    const fnl_vec3 apart = sub3(xr_pose(&l->views[1].pose).position, xr_pose(&l->views[0].pose).position);
+    const float ipd = sqrtf(apart.x * apart.x + apart.y * apart.y + apart.z * apart.z);
+    if (!x->told_of_eyes && !x->options->quiet && (ipd < 0.052f || ipd > 0.078f)) {
+        x->told_of_eyes = true;
+        fprintf(stderr, "fanal: warning: the eyes are %g mm apart, those of people 52 to 78 mm\n", (double)ipd * 1000);
+    }
+    for (uint32_t i = 0; i < x->view_count; i++) {
+        const XrFovf *a = &x->fields[i], *b = &l->views[i].fov;
+        const bool same = a->angleLeft == b->angleLeft && a->angleRight == b->angleRight && a->angleUp == b->angleUp && a->angleDown == b->angleDown;
+        if (x->has_fields && !same && !x->told_of_fields && !x->options->quiet) {
+            x->told_of_fields = true;
+            fprintf(stderr, "fanal: warning: the field of view changes while the scene is shown (view %u, frame %u): people get sick of that\n", i, x->numbers.rendered);
+        }
+        x->fields[i] = *b;
+    }
+    x->has_fields = true;
+}
+
 /* ---- rendering ---- */
 
 static bool make_cameras(struct xr *x, const struct xr_group *group, const struct located *l, uint32_t width, uint32_t height, fnl_camera *out) {
@@ -171,6 +191,7 @@ static bool draw(struct xr *x, XrTime time, const struct located *simulated, str
         if (!xr_take_images(x, &x->groups[i], &colors[i], &depths[i])) return false;
     if (!locate(x, time, rendered)) return false;
     if (!rendered->valid) *rendered = *simulated;
+    lint(x, rendered);
     for (uint32_t i = 0; i < x->group_count; i++)
         if (!render(x, &x->groups[i], rendered, colors[i], depths[i])) return false;
     for (uint32_t i = 0; i < x->group_count; i++)

@@ -117,6 +117,7 @@ typedef struct fnl_compositor_stats {
     uint64_t pixels_shaded;      /**< of the last picture, with fnl_compositor_params.count */
     uint64_t submitted, composed; /**< frames, pictures */
     uint32_t repeated;           /**< how many pictures have shown the newest frame, the last included */
+    uint32_t layers_uncomfortable; /**< of the last picture: their middles are nearer to the head than 0.75 m or farther away than 3.5 m; the log tells of the first */
 } fnl_compositor_stats;
 
 FNL_API fnl_result fnl_compositor_query_stats(const fnl_compositor *compositor, fnl_compositor_stats *out);

@@ -27,6 +27,7 @@ struct fnl_compositor {
     struct kept_image layers[FNL_LAYERS_MAX];
     struct gpu_buffer out, count;         /* read back */
     fnl_compositor_stats stats;
+    bool told_of_layers; /* the log knows that one is too near or too far */
 };
 
 /* ---- params ---- */
@@ -251,6 +252,21 @@ static fnl_result check_layers(const struct call *call, const fnl_composition *c
     return FNL_OK;
 }
 
+/* Real-Time Rendering, 4th ed., chapter 21: where objects that people look at for long are comfortable. */
+static void lint_layers(fnl_compositor *c, const fnl_composition *composition) {
+    c->stats.layers_uncomfortable = 0;
+    for (uint32_t i = 0; i < composition->layer_count; i++) {
+        const fnl_layer *layer = &composition->layers[i];
+        const vec3 at = layer->head_locked ? layer->pose.position : vec3_sub(layer->pose.position, composition->head.position);
+        const float distance = vec3_length(at);
+        if (distance >= 0.75f && distance <= 3.5f) continue;
+        c->stats.layers_uncomfortable++;
+        if (c->told_of_layers) continue;
+        c->told_of_layers = true;
+        log_warning(&c->host, "layers[%u] is %g m away from the head: eyes look at things 0.75 to 3.5 m away without strain", i, (double)distance);
+    }
+}
+
 static fnl_result send_layers(fnl_compositor *c, const fnl_composition *composition) {
     for (uint32_t i = 0; i < composition->layer_count; i++) {
         const fnl_layer *layer = &composition->layers[i];
@@ -424,6 +440,7 @@ fnl_result fnl_compositor_compose(fnl_compositor *c, const fnl_composition *comp
     TRY(check_enum(call, "reprojection", (int64_t)composition->reprojection, FNL_REPROJECTION_COUNT, "fnl_reprojection"));
     TRY(check_enum(call, "view", (int64_t)composition->view, FNL_DISPLAY_VIEW_COUNT, "fnl_display_view"));
     TRY(check_layers(call, composition));
+    lint_layers(c, composition);
     TRY(send_layers(c, composition));
     TRY(run(c, composition));
     const uint64_t size = c->out.size;

@@ -2,7 +2,7 @@
 /** From eyes to the display: lenses, trimming, late poses, layers. */
 #include "fanal/compositor.h"
 #include "passes/stereo/lens.h"
-#include "tests/render_harness.h"
+#include "tests/render_test.h"
 
 static const fnl_rigid_pose nowhere = {{0, 0, 0}, {0, 0, 0, 1}};
 
@@ -508,6 +508,32 @@ static void test_layers_lie_where_they_are(void **state) {
     fnl_compositor_destroy(&c);
 }
 
+/* 0.75 to 3.5 m from the head, wherever that is; the log is told once. */
+static void test_layers_are_at_a_comfortable_distance_VR_22(void **state) {
+    UNUSED(state);
+    static const struct {
+        float z;
+        bool locked;
+        uint32_t wanted;
+    } rows[] = {{-1, true, 0}, {-0.76f, true, 0}, {-0.7f, true, 1}, {-3.4f, true, 0}, {-3.6f, true, 1}, {-3.6f, false, 0}, {-1, false, 1}};
+    const fnl_rigid_pose head = {{0, 0, -0.5f}, {0, 0, 0, 1}};
+    fnl_compositor_params p = params_of(32, 32, 1, NULL);
+    fnl_compositor *c = make(&p);
+    fnl_image white = painted(4, 4, 1, paint_grey);
+    const int before = test_device_memory.warnings;
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
+        const fnl_layer layer = {&white, 1, {{0, 0, rows[i].z}, {0, 0, 0, 1}}, 0.25f, 0.5f, rows[i].locked};
+        fnl_compositor_stats stats;
+        fnl_image out = compose(c, &(fnl_composition){.head = head, .layers = &layer, .layer_count = 1});
+        release(&out);
+        assert_int_equal(fnl_compositor_query_stats(c, &stats), FNL_OK);
+        assert_int_equal(stats.layers_uncomfortable, rows[i].wanted);
+        assert_int_equal(test_device_memory.warnings - before, i >= 2);
+    }
+    release(&white);
+    fnl_compositor_destroy(&c);
+}
+
 /* ---- views, misuse ---- */
 
 static void test_views_of_what_goes_on(void **state) {
@@ -578,6 +604,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_a_stall_misses_no_refresh_VR_12, harness_check),
         cmocka_unit_test_teardown(test_layers_stay_sharp_VR_14, harness_check),
         cmocka_unit_test_teardown(test_layers_lie_where_they_are, harness_check),
+        cmocka_unit_test_teardown(test_layers_are_at_a_comfortable_distance_VR_22, harness_check),
         cmocka_unit_test_teardown(test_views_of_what_goes_on, harness_check),
         cmocka_unit_test_teardown(test_misuse, harness_check),
     };
