@@ -176,7 +176,7 @@ typedef struct fnl_frame_stats {
     uint32_t candidate_count;
     const fnl_candidate *candidates;
     /** The numbers of each view of a frame with several: those of lights and geometry, the counters, and ev are the view's own, the rest is the frame's.
-        Here outside are those of the first view. 0 and NULL for a frame with one. Owned by the renderer, valid until the next call on it. */
+        With fnl_stereo_options.mono_distance the mono view of each display comes behind them. Here outside are those of the first view. 0 and NULL for a frame with one. Owned by the renderer, valid until the next call on it. */
     uint32_t view_count;
     const struct fnl_frame_stats *views;
 } fnl_frame_stats;

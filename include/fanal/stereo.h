@@ -43,6 +43,14 @@ typedef struct fnl_stereo_options {
     fnl_stereo_lists lists;
     /** Degrees by which the common frustum is wider on each side, 0 .. 20: heads may turn so far after culling. Default 0. */
     float margin;
+    /**
+     * Metres, 0 .. 1e6: opaque surfaces beyond a plane so far away, at right angles to where the head looks, are drawn once for all eyes of a display, from
+     * the middle between them; those that cross the plane are drawn by both. Each is seen within half the distance between the eyes / mono_distance *
+     * focal length, in pixels, of where the eye would see it: 1.7 with 64 mm, 10 m and 540 pixels. What is nearer, transparent, or sky is as without it. In forward-prepass,
+     * deferred and visibility (without grid), of one sample, without TAA, culling by clusters or triangles, occlusion, debug views, pixel queries, and outputs other than COLOR and RADIANCE; all else fails with
+     * FNL_ERROR_UNSUPPORTED. The numbers of each display's mono view stand behind those of the views (fnl_frame_stats.views). Default 0: off.
+     */
+    float mono_distance;
 } fnl_stereo_options;
 
 /**

@@ -5,6 +5,7 @@
 #include "render/decals.h"
 #include "render/frame_steps.h"
 #include "render/inspect.h"
+#include "render/mono.h"
 #include "render/multiview.h"
 #include "render/reflections.h"
 #include "render/shading.h"
@@ -65,9 +66,24 @@ static void pop_view(const struct frame_state *f) {
     if (f->named) graph_pop_names(f->graph);
 }
 
+/* Behind the eyes, which have been drawn: what is far away. */
+static void draw_mono(struct frame_state *eyes, uint32_t count, struct frame_state *mono) {
+    for (uint32_t i = 0; i < count; i++) {
+        push_view(&eyes[i]);
+        mono_open(&eyes[i]);
+        pop_view(&eyes[i]);
+    }
+    push_view(mono);
+    shading_draw(mono);
+    mono->drawn = true;
+    mono_open(mono);
+    pop_view(mono);
+}
+
 /* What the eyes of a viewer share, with names for them all. */
 static void finish_display(struct frame_state *views, uint32_t count) {
     struct graph *graph = views->graph;
+    const bool has_mono = views->mono; /* views[count] */
     const char *name = graph_name(graph, "display %u", views->view_index / count);
     for (uint32_t i = 0; i < count; i++) {
         push_view(&views[i]);
@@ -75,9 +91,15 @@ static void finish_display(struct frame_state *views, uint32_t count) {
         views[i].drawn = true;
         pop_view(&views[i]);
     }
+    if (has_mono) draw_mono(views, count, &views[count]);
     graph_push_names(graph, name);
-    shadows_add_display(views, count);
+    shadows_add_display(views, count + has_mono);
     graph_pop_names(graph);
+    if (has_mono) {
+        push_view(&views[count]);
+        shading_add(&views[count]);
+        pop_view(&views[count]);
+    }
     for (uint32_t i = 0; i < count; i++) {
         push_view(&views[i]);
         shade_view(&views[i]);
@@ -88,31 +110,68 @@ static void finish_display(struct frame_state *views, uint32_t count) {
     graph_pop_names(graph);
 }
 
+/* Everything of a view before it is drawn, but culling. `frame` is its own. */
+static fnl_result begin_one(struct frame_state *f, const struct frame_state *shared, const fnl_frame *frame, uint32_t index, const struct gpu_slice *cameras,
+                            const struct device_scene_frame *scene) {
+    *f = *shared;
+    f->view_index = index;
+    f->frame = frame;
+    f->kept = &f->r->views.data[index];
+    f->kept->scene = *scene;
+    f->scene = &f->kept->scene;
+    f->kept->numbers = (struct view_counters){0};
+    f->view_address = cameras->address + index * sizeof(struct gpu_view);
+    f->counts_offset = index * sizeof(struct frame_counts);
+    f->named = frame_view_count(shared->frame) > 1;
+    push_view(f);
+    const fnl_result result = begin_view(f, (struct gpu_view *)cameras->data + index);
+    pop_view(f);
+    return result;
+}
+
+/* The view of what is far away from the eyes of a display, behind them in `views`. */
+static fnl_result begin_mono(struct frame_state *views, uint32_t count, const struct frame_state *shared, fnl_frame *own, const struct gpu_slice *cameras,
+                             const struct device_scene_frame *scene) {
+    const uint32_t display = views->view_index / count, index = frame_view_count(shared->frame) + display;
+    struct frame_state *f = &views[count];
+    f->r = shared->r;
+    f->r->views.data[index].stats = (fnl_frame_stats){0};
+    f->r->views.data[index].temporal.valid = false;
+    f->r->views.data[index].numbers = (struct view_counters){0};
+    if (!mono_frame(shared->frame, display, own)) return FNL_OK;
+    TRY(begin_one(f, shared, own, index, cameras, scene));
+    f->eyes = views;
+    f->eye_count = count;
+    push_view(f);
+    frame_cull(f);
+    add_counters(f);
+    pop_view(f);
+    for (uint32_t i = 0; i < count; i++) views[i].mono = f;
+    return FNL_OK;
+}
+
+static void finish_mono(struct frame_state *f) {
+    push_view(f);
+    frame_add_counts(f);
+    frame_note_stats(f);
+    pop_view(f);
+}
+
 /* Declares `count` views from `first` on; `at_once`: what needs no lists is drawn for all of them at once. */
 static fnl_result declare_views(const struct frame_state *shared, uint32_t first, uint32_t count, bool at_once, const struct gpu_slice *cameras,
                                 const struct device_scene_frame *scene) {
     const fnl_frame *frame = shared->frame;
     struct frame_display display = {0}, *shares = frame->stereo.eyes > 0 && count > 1 ? &display : NULL;
-    struct frame_state views[MULTIVIEW_MOST];
-    fnl_frame frames[MULTIVIEW_MOST];
+    struct frame_state views[DISPLAY_MOST];
+    fnl_frame frames[DISPLAY_MOST];
     for (uint32_t i = 0; i < count; i++) {
         struct frame_state *f = &views[i];
-        *f = *shared;
-        f->view_index = first + i;
         frames[i] = *frame;
-        if (frame->view_count > 0) frames[i].camera = frame->views[f->view_index];
+        if (frame->view_count > 0) frames[i].camera = frame->views[first + i];
         frames[i].views = NULL;
-        f->frame = &frames[i];
-        f->kept = &f->r->views.data[f->view_index];
-        f->kept->scene = *scene;
-        f->scene = &f->kept->scene;
-        f->kept->numbers = (struct view_counters){0};
-        f->view_address = cameras->address + f->view_index * sizeof(struct gpu_view);
-        f->counts_offset = f->view_index * sizeof(struct frame_counts);
-        f->named = frame_view_count(frame) > 1;
+        TRY(begin_one(f, shared, &frames[i], first + i, cameras, scene));
         f->display = shares;
         push_view(f);
-        TRY(begin_view(f, (struct gpu_view *)cameras->data + f->view_index));
         if (!shares) frame_cull(f);
         if (!shares) add_counters(f);
         pop_view(f);
@@ -124,6 +183,7 @@ static fnl_result declare_views(const struct frame_state *shared, uint32_t first
         add_counters(&views[i]);
         pop_view(&views[i]);
     }
+    if (shares && frame_mono_count(frame)) TRY(begin_mono(views, count, shared, &frames[count], cameras, scene));
     const uint32_t together = MAX(at_once ? count : 1, shared->r->asking_together);
     if (together > 1) multiview_draw(views, count, together);
     if (shares) finish_display(views, count);
@@ -136,6 +196,7 @@ static fnl_result declare_views(const struct frame_state *shared, uint32_t first
         finish_view(&views[i]);
         pop_view(&views[i]);
     }
+    if (views->mono) finish_mono(&views[count]);
     return FNL_OK;
 }
 
@@ -147,7 +208,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     TRY(device_scene_add(&r->scene_user, r->graph, &scene));
     TRY(add_shared(&shared, &scene));
     shadows_begin(&shared, &scene);
-    struct gpu_slice cameras = gpu_frame_allocate(r->device, count * sizeof(struct gpu_view));
+    struct gpu_slice cameras = gpu_frame_allocate(r->device, frame_camera_count(frame) * sizeof(struct gpu_view));
     if (!cameras.data) return gpu_status(r->device);
     for (uint32_t first = 0, together; first < count; first += together) {
         const uint32_t at_once = multiview_count(r, frame, first);

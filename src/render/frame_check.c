@@ -2,6 +2,7 @@
 /** What a frame may ask for. */
 #include "render/debug_views.h"
 #include "render/inspect.h"
+#include "render/mono.h"
 #include "render/multiview.h"
 #include "render/options.h"
 #include "render/overlay.h"
@@ -112,6 +113,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
         checked.shading = FNL_SHADING_VISIBILITY; /* it may be taken */
     if (checked.shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, &checked));
     TRY(check_hidden(call, frame));
+    TRY(mono_check(call, frame));
     TRY(debug_views_check(call, r, frame));
     if (temporal_needs_motion(frame) && frame->msaa > 1)
         return unsupported(call, "motion vectors and temporal antialiasing need 1 sample per pixel, not %u", frame->msaa);

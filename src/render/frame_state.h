@@ -40,6 +40,7 @@ struct frame_temporal {
 struct frame_display {
     struct gpu_view head;      /* sees all that an eye sees */
     VkDeviceAddress head_address; /* 0: there is no such view, as eyes look too far apart */
+    VkDeviceAddress near_address; /* of the same but for what lies behind the plane of mono_distance, which is all that is drawn for an eye; 0: none */
     struct geometry_draws draws;  /* of the head; sums id 0: each eye culls for itself */
     struct light_list lights;     /* of the head, from the first eye on; header 0: none */
 };
@@ -62,6 +63,9 @@ struct frame_state {
     struct hidden_area hidden;              /* of the view; in frames without hidden areas nothing */
     const struct frame_state *layers;       /* while several views are drawn at once: they, layer_count of them; NULL: this one alone */
     uint32_t layer_count;
+    const struct frame_state *mono;         /* of an eye: the view of what is far away (mono.c), or NULL */
+    const struct frame_state *eyes;         /* of such a view: whose it is, eye_count of them; else NULL */
+    uint32_t eye_count;
     bool drawn;                             /* with other views: shading_take_layer() */
     uint32_t first_draws;                   /* draw calls of what was drawn before lists; of several views at once the first view has them */
     graph_image radiance, depth;

@@ -6,7 +6,7 @@
 #include "render/frame_state.h"
 
 /** Views that are drawn at once at most: as many as every device with multiview takes. */
-enum { MULTIVIEW_MOST = 6 };
+enum { MULTIVIEW_MOST = 6, DISPLAY_MOST = MULTIVIEW_MOST + 1 }; /* eyes of a display, and the view of what is far away */
 
 /** How many views of the frame, from `first` on, are drawn at once: 1 where that does not work or does not pay. */
 uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first);

@@ -110,6 +110,8 @@ static const struct row rows[] = {
          LISTS(CLUSTERED) | LISTS(CLUSTERED_CPU) | LISTS(BVH) | LISTS(ZBIN) | LISTS(RASTER), "whether eyes have light lists of their own", EXACT),
     NUMBER("stereo.margin", stereo.margin, 0, 20, "degrees", EVERY, EVERY,
            "how much wider on each side the frustum is that eyes are culled with", EXACT),
+    NUMBER("stereo.mono-distance", stereo.mono_distance, 0, 1e6, "metres", PATH(FORWARD_PREPASS) | PATH(DEFERRED) | PATH(VISIBILITY), EVERY,
+           "what is farther away is drawn once for all eyes, from the middle between them; 0: for each"),
     NAME("occlusion", occlusion, FNL_ENUM_OCCLUSION, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
     NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),
     SWITCH("decal-mip-fix", decal_mip_fix, PATHS_GBUFFER, EVERY, "decals=gbuffer: no fringes where depth jumps"),

@@ -3,6 +3,7 @@
 #include "fanal/vulkan.h"
 #include "passes/aa/taa.h"
 #include "render/inspect.h"
+#include "render/mono.h"
 #include "render/overlay.h"
 #include "render/shading.h"
 #include "render/shadows.h"
@@ -199,16 +200,19 @@ static fnl_result keep_buckets(fnl_renderer *r) {
 }
 
 static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
-    uint32_t views = frame_view_count(frame);
-    TRY(prepare_views(r, views));
+    uint32_t views = frame_view_count(frame), cameras = frame_camera_count(frame);
+    TRY(prepare_views(r, cameras));
     const uint32_t step = MAX(frame->stereo.eyes, 1u); /* eyes share the maps of their first view */
     for (uint32_t i = step; i < views; i += step) TRY(shadows_prepare_view(r, frame, &r->views.data[i]));
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         if (frame->outputs & 1u << i)
             TRY(keep_buffer(r, &r->outputs[i], "output", views * renderer_picture_size(frame, i)));
-    for (uint32_t i = 0; i < views && frame->count_lights; i++) {
+    for (uint32_t i = 0; i < cameras && frame->count_lights; i++) {
         struct renderer_view *view = &r->views.data[i];
-        TRY(keep_buffer(r, &view->counters, "light counters", 4 * light_counter_count(frame)));
+        fnl_frame own = *frame;
+        if (i >= views) mono_frame(frame, i - views, &own);
+        view->counter_count = light_counter_count(&own);
+        TRY(keep_buffer(r, &view->counters, "light counters", 4 * view->counter_count));
         TRY(keep_buffer(r, &view->draws, "draws", MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)));
     }
     TRY(inspect_prepare(r, frame));
@@ -221,7 +225,7 @@ static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32
     for (uint32_t i = 0; i < r->slot_views[slot]; i++) pools_grow(r, &last[i]);
     shadows_note(r, slot);
     r->slot_views[slot] = 0;
-    uint64_t size = frame_view_count(frame) * sizeof(struct frame_counts);
+    uint64_t size = frame_camera_count(frame) * sizeof(struct frame_counts);
     TRY(keep_buffer(r, &r->counts[slot], "frame counts", size));
     memset(r->counts[slot].mapped, 0, size);
     return FNL_OK;
@@ -316,7 +320,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     feed_chooser(r);
     shadows_measure(r);
     r->frame_slot = slot;
-    r->slot_views[slot] = frame_view_count(frame);
+    r->slot_views[slot] = frame_camera_count(frame);
     r->slot_frames[slot] = r->frame_number;
     r->pipelines_made = (uint32_t)(gpu_pipeline_stats(r->device).late - late);
     for (uint32_t i = r->slot_views[slot]; i < r->views.count; i++) r->views.data[i].temporal.valid = false;

@@ -14,6 +14,7 @@
 #include "passes/shade/edges_shared.h"
 #include "passes/shadow/denoise_shared.h"
 #include "passes/shadow/pages.h"
+#include "passes/stereo/mono_shared.h"
 #include "render/shadow_costs.h"
 #include "render/chooser.h"
 #include "render/counters.h"
@@ -45,6 +46,7 @@ struct frame_counts {
     struct gpu_shadow_counts shadows;
     struct gpu_shadow_split_counts split;
     struct gpu_denoise_counts denoise;
+    uint32_t mono[MONO_COUNTS];
 };
 
 enum { DECAL_POOL_START = 1 << 17 };
@@ -70,6 +72,7 @@ struct renderer_view {
     /* Of the last frame. */
     struct device_scene_frame scene; /* with the lights as this view sees them; passes look at it while they are recorded */
     struct gpu_buffer draws, counters; /* read back with count_lights */
+    uint64_t counter_count;            /* light_counter_count() of the view */
     fnl_frame_stats stats;             /* the parts that the CPU knows */
     struct view_counters numbers;
     struct light_totals known_totals;
@@ -179,6 +182,12 @@ struct fnl_renderer {
 
 /** Views of a frame: 1 where it has no array of them. */
 static inline uint32_t frame_view_count(const fnl_frame *frame) { return MAX(frame->view_count, 1u); }
+/** And views of what is far away (fnl_stereo_options.mono_distance), one for each display, behind them. */
+static inline uint32_t frame_mono_count(const fnl_frame *frame) {
+    return frame->stereo.eyes > 0 && frame->stereo.mono_distance > 0 ? frame->view_count / frame->stereo.eyes : 0;
+}
+/** All for which there are cameras, numbers and whatever is kept. */
+static inline uint32_t frame_camera_count(const fnl_frame *frame) { return frame_view_count(frame) + frame_mono_count(frame); }
 
 /** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, then shadow rays. */
 static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + 2; }

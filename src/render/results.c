@@ -31,7 +31,7 @@ fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out)
 
 static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *view, fnl_frame_stats *s) {
     const uint32_t *counters = view->counters.mapped;
-    uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
+    uint64_t pixels = (view->counter_count - 2) / 2;
     for (uint64_t i = 0; i < pixels; i++) {
         s->evaluations += counters[2 * i];
         s->evaluations_useful += counters[2 * i + 1];
@@ -143,8 +143,8 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     if (r->frame_number == 0) return misuse(CALL(&r->host), "no frame has been rendered");
     TRY(gpu_frame_wait(r->device, r->frame_number));
     const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
-    for (uint32_t i = 0; i < frame_view_count(&r->frame); i++) pools_grow(r, &counts[i]);
-    uint32_t views = r->frame.view_count;
+    for (uint32_t i = 0; i < frame_camera_count(&r->frame); i++) pools_grow(r, &counts[i]);
+    uint32_t views = r->frame.view_count ? frame_camera_count(&r->frame) : 0;
     r->counters.count = 0;
     if (!array_reserve(&r->host, &r->counters, (1 + views) * counters_total())) return FNL_ERROR_MEMORY;
     TRY(query_one(r, 0, out));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/shading.h"
 #include "render/decals.h"
+#include "render/mono.h"
 #include "render/orders/order.h"
 #include "render/reflections.h"
 #include "render/shadows.h"
@@ -242,11 +243,15 @@ static void add_hidden(struct frame_state *f, const char *name, enum hidden_area
     }
 }
 
+/* Whether something is in the depth before anything is drawn: what is hidden, or belongs to another view. */
+static bool begins_depth(const struct frame_state *f) { return f->frame->hidden_areas || f->mono || f->eyes; }
+
 /* What is drawn next, with these draws, loses against it. */
-static struct geometry_draws begin_hidden(struct frame_state *f) {
+static struct geometry_draws begin_depth(struct frame_state *f) {
     struct geometry_draws draws = f->draws;
-    draws.depth_begun = f->frame->hidden_areas;
-    if (draws.depth_begun) add_hidden(f, "hidden area", HIDDEN_AREA_NEAR, true);
+    draws.depth_begun = begins_depth(f);
+    if (f->mono || f->eyes) mono_begin_depth(f);
+    if (f->frame->hidden_areas) add_hidden(f, "hidden area", HIDDEN_AREA_NEAR, !f->mono);
     return draws;
 }
 
@@ -256,8 +261,8 @@ void shading_draw(struct frame_state *f) {
     f->depth = create_target(f, "depth", GEOMETRY_DEPTH_FORMAT);
     struct shade_input input = input_of(f);
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
-    bool prepass = frame_is(f->frame, SHADING_PREPASS), hides = f->frame->hidden_areas && (prepass || order->draw);
-    const struct geometry_draws drawn = hides ? begin_hidden(f) : f->draws;
+    bool prepass = frame_is(f->frame, SHADING_PREPASS), first = prepass || order->draw, hides = f->frame->hidden_areas && first;
+    const struct geometry_draws drawn = first && begins_depth(f) ? begin_depth(f) : f->draws;
     input.draws = &drawn;
     if (prepass) prepass_add(f->graph, input.scene, &drawn, f->view_address, f->depth);
     if (order->draw) order->draw(f, &input, prepass);
@@ -363,12 +368,14 @@ void shading_add(struct frame_state *f) {
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
     f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
     const bool hides = f->frame->hidden_areas, prepass = frame_is(f->frame, SHADING_PREPASS);
-    const struct geometry_draws drawn = hides && !prepass && !order->draw ? begin_hidden(f) : f->draws;
+    const struct geometry_draws drawn = hides && !prepass && !order->draw ? begin_depth(f) : f->draws;
     opaque.draws = &drawn;
     order->add(f, &opaque, prepass);
     if (hides) hidden_area_blacken(f->graph, &f->hidden, f->radiance, f->depth);
+    if (f->mono) mono_composite(f);
     add_layered(f, &input);
     decals_redraw(f, &input);
+    if (f->eyes) return; /* which see the sky, and what is transparent, by themselves */
     if (shading_shows_sky(f)) sky_add(f->graph, &f->scene->lights.environment, f->view_address, f->radiance, f->depth);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     add_over(f, &input);

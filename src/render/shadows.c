@@ -289,8 +289,8 @@ static void add_maps(struct frame_state *views, uint32_t count) {
                                      .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
     graph_buffer suns = shadow_suns_add(f->graph, f->r->device, &shared, &f->rays), wanted = {0};
     if (suns.id) graph_put_address(f->graph, &maps->suns, suns);
-    graph_image depths[MULTIVIEW_MOST];
-    struct light_list surfaces[MULTIVIEW_MOST];
+    graph_image depths[DISPLAY_MOST];
+    struct light_list surfaces[DISPLAY_MOST];
     for (uint32_t i = 0; i < count; i++) {
         push_view(&views[i], count);
         views[i].scene->lights.maps.address = slice.address;
@@ -383,7 +383,7 @@ static bool find_waiting(const struct counted *counted, uint64_t *value) {
 /* Behind the counts of light evaluations. */
 static bool find_rays(const struct counted *counted, uint64_t *value) {
     const fnl_frame *frame = &counted->r->frame;
-    *value = ((const uint32_t *)counted->view->counters.mapped)[light_counter_count(frame) - 1];
+    *value = ((const uint32_t *)counted->view->counters.mapped)[counted->view->counter_count - 1];
     return frame->shadows != FNL_SHADOWS_OFF;
 }
 

@@ -3,6 +3,7 @@
 
 #include "passes/geometry/cull.h"
 #include "render/frame_steps.h"
+#include "render/orders/order.h"
 #include "render/view.h"
 
 /* ---- the common frustum ---- */
@@ -118,18 +119,66 @@ bool stereo_combine(const struct gpu_view *eyes, uint32_t count, float margin, s
     return true;
 }
 
+/* Edges of a picture, tangents, made wider to whole pixels of `pixel`, of which the first edge is a multiple away from `anchor`. */
+static void fit_edges(float low, float high, float pixel, float anchor, float out[2], uint32_t *size) {
+    out[0] = anchor - pixel * ceilf((anchor - low) / pixel);
+    *size = (uint32_t)fminf(fmaxf(ceilf((high - out[0]) / pixel), 1), 16384);
+    out[1] = fmaxf(out[0] + pixel * (float)*size, high);
+}
+
+bool stereo_middle(const struct gpu_view *eyes, uint32_t count, float distance, float overlap, fnl_camera *out, uint32_t *width, uint32_t *height) {
+    struct axes a;
+    struct sides s;
+    float x[2], y[2], edges[4];
+    for (uint32_t i = 0; i < count; i++)
+        if (eyes[i].orthographic > 0.5f) return false;
+    if (!find_axes(eyes, count, &a) || !find_sides(eyes, count, &a, 0, &s)) return false;
+    const struct gpu_view *first = &eyes[0];
+    const float near = distance * (1 - overlap), pixel_x = 2 * first->ndc_scale.x / (float)first->size.x, pixel_y = 2 * first->ndc_scale.y / (float)first->size.y;
+    for (int i = 0; i < 4; i++) edges[i] = s.slope[i] + fmaxf(s.reach[i], 0) / near;
+    fit_edges(-edges[0], edges[1], pixel_x, first->ndc_offset.x - first->ndc_scale.x, x, width);
+    fit_edges(-edges[2], edges[3], pixel_y, first->ndc_offset.y - first->ndc_scale.y, y, height);
+    fnl_camera camera = fnl_camera_default();
+    camera.position = a.origin;
+    camera.target = vec3_add_scaled(a.origin, a.back, -fmaxf(1, 0.1f * vec3_length(a.origin)));
+    camera.up = a.up;
+    camera.near_distance = near;
+    camera.vertical_fov = 2 * atanf((y[1] - y[0]) / 2);
+    camera.shift = (fnl_vec2){-(x[1] + x[0]) / (x[1] - x[0]), -(y[1] + y[0]) / (y[1] - y[0])};
+    camera.pixel_aspect = (x[1] - x[0]) / (y[1] - y[0]) * (float)*height / (float)*width;
+    *out = camera;
+    return true;
+}
+
 /* ---- in a frame ---- */
+
+/* Of the head, and all that is drawn for its eyes lies before the plane: this takes the place of the near plane, which hardly anything lies before. */
+static struct gpu_view nearer(const struct gpu_view *head, const struct gpu_view *eyes, uint32_t count, float distance) {
+    struct gpu_view view = *head;
+    struct axes a;
+    if (!find_axes(eyes, count, &a)) return view;
+    view.planes[4] = (vec4){a.back.x, a.back.y, a.back.z, distance - vec3_dot(a.back, a.origin)};
+    return view;
+}
+
+static VkDeviceAddress send(gpu_device *device, const struct gpu_view *view) {
+    struct gpu_slice slice = gpu_frame_allocate(device, sizeof *view);
+    if (!slice.data) return 0;
+    memcpy(slice.data, view, sizeof *view);
+    return slice.address;
+}
 
 fnl_result stereo_begin(struct frame_state *views, uint32_t count) {
     struct gpu_view eyes[EYES_MOST];
     struct frame_display *display = views->display;
     for (uint32_t i = 0; i < count; i++) eyes[i] = views[i].view;
     if (!stereo_combine(eyes, count, views->frame->stereo.margin * (PI / 180), &display->head)) return FNL_OK;
-    struct gpu_slice slice = gpu_frame_allocate(views->r->device, sizeof display->head);
-    if (!slice.data) return gpu_status(views->r->device);
-    memcpy(slice.data, &display->head, sizeof display->head);
-    display->head_address = slice.address;
-    return FNL_OK;
+    display->head_address = send(views->r->device, &display->head);
+    if (!display->head_address) return gpu_status(views->r->device);
+    if (frame_mono_count(views->frame) == 0 || order_has_blend(views) || shading_has_glass(views)) return FNL_OK; /* which are drawn for each eye at any distance */
+    const struct gpu_view near = nearer(&display->head, eyes, count, views->frame->stereo.mono_distance);
+    display->near_address = send(views->r->device, &near);
+    return display->near_address ? FNL_OK : gpu_status(views->r->device);
 }
 
 void stereo_cull(struct frame_state *f) {
@@ -138,7 +187,7 @@ void stereo_cull(struct frame_state *f) {
         frame_cull(f);
         return;
     }
-    if (!display->draws.sums.id) display->draws = cull_items_add(f->graph, "cull", &f->scene->geometry, display->head_address, NULL);
+    if (!display->draws.sums.id) display->draws = cull_items_add(f->graph, "cull", &f->scene->geometry, display->near_address ? display->near_address : display->head_address, NULL);
     f->draws = display->draws;
     cull_sort_add(f->graph, &f->scene->geometry, f->view_address, &f->draws);
 }

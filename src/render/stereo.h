@@ -12,6 +12,12 @@
  */
 bool stereo_combine(const struct gpu_view *eyes, uint32_t count, float margin, struct gpu_view *out);
 
+/**
+ * A camera in the middle of the head that sees all that any of the eyes sees from `distance` metres on; its near plane lies nearer by the part `overlap` of that. Its pixels
+ * are those of the first eye for things at infinity, moved by whole ones. False: there is none, as above.
+ */
+bool stereo_middle(const struct gpu_view *eyes, uint32_t count, float distance, float overlap, fnl_camera *out, uint32_t *width, uint32_t *height);
+
 /** Fills the display of `count` views whose cameras are known. */
 fnl_result stereo_begin(struct frame_state *views, uint32_t count);
 /** Culls for a view: for all eyes with the first, where that is possible. */

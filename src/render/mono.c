@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/mono.h"
+
+#include "passes/stereo/mono.h"
+#include "render/inspect.h"
+#include "render/multiview.h"
+#include "render/shading.h"
+#include "render/stereo.h"
+
+/* ---- what a frame may ask for ---- */
+
+static const char *find_problem(const fnl_frame *frame) {
+    if (frame->stereo.eyes == 0) return "needs eyes (stereo.eyes)";
+    if (frame->msaa > 1) return "needs 1 sample per pixel (msaa)";
+    if (frame->occlusion == FNL_OCCLUSION_ON) return "does not go together with occlusion";
+    if (frame->culling != FNL_CULLING_INSTANCES) return "does not go together with culling by clusters or triangles";
+    if (frame->aa == FNL_ANTIALIASING_TAA) return "does not go together with aa=taa";
+    if (frame->debug != FNL_DEBUG_NONE) return "does not go together with debug views";
+    if (frame->pixel.asked) return "does not go together with queries of pixels";
+    if (frame->outputs & ~(uint32_t)(FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE)) return "does not go together with outputs other than COLOR and RADIANCE";
+    if (frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.denoise) return "does not go together with shadow.denoise";
+    if (frame->view_count + frame->view_count / frame->stereo.eyes > FNL_VIEWS_MAX) return "needs a view more for each display: there are too many";
+    for (uint32_t i = 0; i < frame->view_count; i++)
+        if (frame->views[i].orthographic) return "needs perspective cameras";
+    return NULL;
+}
+
+fnl_result mono_check(const struct call *call, const fnl_frame *frame) {
+    if (!(frame->stereo.mono_distance > 0)) return FNL_OK;
+    const char *problem = find_problem(frame);
+    if (problem) return unsupported(call, "stereo.mono_distance %s", problem);
+    const bool deferred = frame->shading == FNL_SHADING_AUTO; /* which that is in frames of several views */
+    if (!deferred && (frame->shading == FNL_SHADING_FORWARD || !frame_is(frame, SHADING_HIDDEN)))
+        return unsupported(call, "stereo.mono_distance needs the shading forward-prepass, deferred, or visibility without grid, not %s",
+                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+    if (frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS)
+        return unsupported(call, "stereo.mono_distance does not go together with the lists %s", fnl_value_name(FNL_ENUM_LISTS, frame->lists));
+    return FNL_OK;
+}
+
+/* ---- the view ---- */
+
+bool mono_frame(const fnl_frame *frame, uint32_t display, fnl_frame *out) {
+    struct gpu_view eyes[MULTIVIEW_MOST];
+    const uint32_t count = frame->stereo.eyes;
+    *out = *frame;
+    for (uint32_t i = 0; i < count; i++) eyes[i] = view_from_camera(&frame->views[display * count + i], frame->width, frame->height);
+    out->views = NULL;
+    out->view_count = 0;
+    out->hidden_areas = NULL;
+    out->overlay = NULL;
+    out->outputs &= FNL_OUTPUT_RADIANCE; /* which decides about the format */
+    out->aa = FNL_ANTIALIASING_NONE;
+    out->width = out->height = 1;
+    return stereo_middle(eyes, count, frame->stereo.mono_distance, MONO_OVERLAP, &out->camera, &out->width, &out->height);
+}
+
+static struct mono_eye eye_of(const struct frame_state *f) {
+    const bool far = f->eyes;
+    return (struct mono_eye){f->view_address, far ? f->view_address : f->mono->view_address, far ? 0 : f->frame->stereo.mono_distance};
+}
+
+void mono_begin_depth(struct frame_state *f) {
+    if (f->eyes) {
+        graph_image depths[MULTIVIEW_MOST];
+        for (uint32_t i = 0; i < f->eye_count; i++) depths[i] = f->eyes[i].depth;
+        mono_block_add(f->graph, f->view_address, f->eyes->view_address, depths, f->eye_count, f->depth);
+        return;
+    }
+    const uint32_t layers = MAX(graph_image_info(f->graph, f->depth).layers, 1u);
+    for (uint32_t i = 0; i < layers; i++) {
+        const struct frame_state *view = f->layers ? &f->layers[MIN(i, f->layer_count - 1)] : f;
+        const struct mono_eye eye = eye_of(view);
+        mono_plane_add(f->graph, graph_numbered_name(f->graph, "mono plane", i), &eye, graph_image_layer(f->graph, f->depth, i));
+    }
+}
+
+void mono_open(struct frame_state *f) {
+    const struct mono_eye eye = eye_of(f);
+    graph_buffer counts = {0};
+    if (f->frame->count_lights) {
+        counts = graph_create_buffer(f->graph, "mono counts", 4 * MONO_COUNTS);
+        graph_add_clear(f->graph, "mono clear counts", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {counts}});
+        COUNTERS_COPY(f, counts, 0, mono);
+    }
+    f->depth = mono_open_add(f->graph, &eye, f->depth, counts);
+    if (f->gbuffer.depth.id) f->gbuffer.depth = f->depth;
+    if (f->visibility.depth.id) f->visibility.depth = f->depth;
+}
+
+void mono_composite(struct frame_state *f) {
+    const struct mono_eye eye = eye_of(f);
+    mono_composite_add(f->graph, &eye, f->mono->radiance, f->mono->depth, f->radiance, f->depth);
+}
+
+static const struct counter counters[] = {
+    {"stereo.pixels", "pixels", "that the view shades: an eye those nearer than stereo.mono-distance, the mono view those beyond it", COUNTED_SUM(mono[MONO_SHADED], 1),
+     .needs = "count-lights"},
+    {"stereo.pixels-spared", "pixels", "that it does not: an eye those beyond, sky too, the mono view those for which no eye looks at it", COUNTED_SUM(mono[MONO_SPARED], 1),
+     .needs = "count-lights"},
+};
+const struct counter_table mono_counters = {counters, COUNT_OF(counters)};

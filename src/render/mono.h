@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/** The view from the middle of the head that shows what is far away (fnl_stereo_options.mono_distance). docs/techniques/stereo.md tells more. */
+#ifndef FNL_RENDER_MONO_H
+#define FNL_RENDER_MONO_H
+
+#include "render/frame_state.h"
+
+/** Fails with a log line where the frame asks for one and cannot have it. */
+fnl_result mono_check(const struct call *call, const fnl_frame *frame);
+/** The frame of the mono view of a display: camera, size, and nothing of what eyes alone have. False, and a copy of 1 x 1 pixels: the eyes look too far apart to have one. */
+bool mono_frame(const fnl_frame *frame, uint32_t display, fnl_frame *out);
+
+/** Begins the depth that a view is drawn into: of an eye (each of several at once) with the plane, of the mono view with what both eyes cover. */
+void mono_begin_depth(struct frame_state *f);
+/** After a view was drawn: takes that out again, for all that reads depth. */
+void mono_open(struct frame_state *f);
+/** Puts the mono view, which is finished, behind what the eye has. */
+void mono_composite(struct frame_state *f);
+
+extern const struct counter_table mono_counters;
+
+#endif
