@@ -53,6 +53,7 @@ void frame_cull(struct frame_state *f) {
                                      .samples = frame->msaa,
                                      .centers = true,
                                      .cluster_capacity = f->r->cluster_capacity,
+                                     .pool = f->display ? f->view_index % frame->stereo.eyes : 0,
                                      .meshes = f->r->meshes,
                                      .mesh_row = tests.mesh_row ? tests.mesh_row : 65535,
                                      .mesh_rows = tests.mesh_rows ? tests.mesh_rows : 64,

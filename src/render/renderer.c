@@ -244,7 +244,7 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->meshes = frame_draws_meshes(r, frame);
     if (culls && r->device_scene->triangle_count > 0) {
         if (r->triangle_capacity == 0) pools_grow_clusters(r, &(struct frame_counts){0}); /* the scene's size is known now */
-        if (!r->meshes) TRY(device_scene_reserve_triangles(&r->scene_user, r->triangle_capacity));
+        if (!r->meshes) TRY(device_scene_reserve_triangles(&r->scene_user, r->triangle_capacity, frame->view_count > 0 ? MAX(frame->stereo.eyes, 1u) : 1));
     }
     return shading_prepare(r, frame);
 }

@@ -261,8 +261,9 @@ static void test_histories_and_shadows_VR_1(void **state) {
     frame.shadows = FNL_SHADOWS_MAPS;
     frame.lists = FNL_LISTS_CLUSTERED;
     frame.stereo.lists = FNL_STEREO_LISTS_HEAD;
-    for (uint32_t n = 0; n < 3; n++) {
-        frame.aa = n ? FNL_ANTIALIASING_TAA : FNL_ANTIALIASING_NONE;
+    for (uint32_t n = 0; n < 4; n++) {
+        frame.aa = n == 1 || n == 2 ? FNL_ANTIALIASING_TAA : FNL_ANTIALIASING_NONE;
+        frame.culling = n == 2 ? FNL_CULLING_CLUSTERS : n == 3 ? FNL_CULLING_TRIANGLES : FNL_CULLING_INSTANCES; /* each eye has its own triangles */
         for (uint32_t i = 0; i < 2; i++) eyes[i].position.x += 0.02f;
         check_alone(&stage, other, &frame, "shadow maps");
     }

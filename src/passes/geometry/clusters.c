@@ -41,7 +41,7 @@ static struct gpu_cluster_params make_params(gpu_device *device, const struct ge
                                    .bucket_count = scene->bucket_count,
                                    .cluster_capacity = params->cluster_capacity,
                                    .triangle_capacity = scene->pool_triangles,
-                                   .first_pool_index = scene->index_count};
+                                   .first_pool_index = scene->index_count + params->pool * scene->pool_triangles * 3};
     /* A vertex moves by less than a step of the grid; a pixel of a coarser raster is at most eight of these. */
     p.slack = (params->full_raster ? 1.0f : 8.0f) / (float)(1u << MIN(gpu_subpixel_bits(device), 16u));
     p.pixels_per_slope =

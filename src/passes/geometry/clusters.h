@@ -24,6 +24,7 @@ struct clusters_params {
     bool centers; /* besides, some pass looks at the pixels' centres alone */
     uint32_t
         cluster_capacity; /* of the items in view; those that do not fit are drawn whole, as are those whose triangles do not */
+    uint32_t pool; /* which part of the triangle pool: views that are culled before one of them is drawn have parts of their own */
     const struct hierarchy *occluders; /* or NULL */
     /** For mesh shaders: no indices are written, and no triangle pool is needed; fnl_device_info.mesh_shader. */
     bool meshes;

@@ -52,7 +52,7 @@ struct geometry_scene {
     uint32_t features;                           /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
     graph_buffer feature_buffers[6];             /* what they read for it; id 0: none */
     uint64_t cluster_count, triangle_count;      /* of all items that are culled by clusters */
-    uint32_t index_count, pool_triangles;        /* indices of the scene, and triangles for which there is room behind them */
+    uint32_t index_count, pool_triangles;        /* indices of the scene, and triangles of a view for which there is room behind them */
 };
 
 /** Result of culling: which items are drawn, as indirect draws. */

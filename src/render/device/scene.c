@@ -159,9 +159,10 @@ static fnl_result prepare_structure(struct device_scene *d, uint64_t before, boo
     return FNL_OK;
 }
 
-fnl_result device_scene_reserve_triangles(struct device_scene_user *user, uint32_t count) {
+fnl_result device_scene_reserve_triangles(struct device_scene_user *user, uint32_t count, uint32_t views) {
     struct device_scene *d = user->scene;
     user->pool_triangles = count;
+    count *= views;
     if (count <= d->pool_triangles) return FNL_OK;
     uint64_t used = d->index_count * 4ull, needed = used + count * 12ull;
     if (d->indices.size < needed) TRY(gpu_grow_buffer(d->device, GPU_USE_GEOMETRY, "indices", &d->indices, used, needed));

@@ -254,7 +254,7 @@ enum device_last {
 struct device_scene_user {
     struct device_scene *scene;
     struct device_scene_user *next; /* of those that share the scene */
-    uint32_t pool_triangles;        /* of the room behind the indices: what its culling fills */
+    uint32_t pool_triangles;        /* of the room behind the indices: what its culling of a view fills */
     struct gpu_buffer faded_lights, faded_bounds; /* copies for frames with light_lod; made when first asked for */
 
     bool wants_previous; /* the frame being made wants to know where instances and vertices were in its last one */
@@ -276,8 +276,8 @@ void device_scene_close(struct device_scene_user *user);
  * has one that sticks, everything is uploaded again with the next call.
  */
 fnl_result device_scene_prepare(struct device_scene *d);
-/** Then: room behind the scene's indices for so many triangles of this user's culling; others fill the same room. */
-fnl_result device_scene_reserve_triangles(struct device_scene_user *user, uint32_t count);
+/** Then: room behind the scene's indices for so many triangles of this user's culling, for each of the views that are culled before one of them is drawn. Others fill the same room. */
+fnl_result device_scene_reserve_triangles(struct device_scene_user *user, uint32_t count, uint32_t views);
 /** Everything is uploaded again with the next device_scene_prepare. */
 void device_scene_forget(struct device_scene *d);
 
