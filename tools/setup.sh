@@ -20,7 +20,10 @@ say() { echo "setup: $*"; }
 . /etc/os-release 2>/dev/null || ID=unknown
 for option in "$@"; do
     case $option in
-    --tests) packages+=(libcmocka-dev vulkan-validationlayers jq xvfb python3-pil libopenmpi-dev openmpi-bin) ;; # windows without a screen; a reader of BC6H; ranks of 'fanal cave'
+    --tests)
+        packages+=(libcmocka-dev vulkan-validationlayers jq xvfb python3-pil libopenmpi-dev openmpi-bin) # windows without a screen; a reader of BC6H; ranks of 'fanal cave'
+        [ "$ID:${VERSION_ID:-0}" != debian:13 ] || packages+=(monado-service libopenxr1-monado)          # a simulated headset; Debian 12 has none
+        ;;
     --clang) packages+=(clang libclang-rt-dev) ;;            # for the fuzzers and `test --clang`
     --page) [ "$ID" != debian ] || packages+=(chromium) ;;   # to test the page of 'fanal bench'; Ubuntu has none as a package
     esac
