@@ -453,11 +453,13 @@ static void place_furniture(struct builtin *b, struct hall *h) {
 
 static void place_candle(struct builtin *b, struct hall *h, float x, float y, float z) {
     if (!take_light(h)) return;
-    builtin_place(b, h->candle_mesh, builtin_at(x, y, z, 0, random_range(&b->random, 0.8f, 1.3f)));
-    builtin_point(b, vec3_make(x, y + 0.32f, z), LIGHT_WARM, 2.2f, 2.4f);
+    float scale = random_range(&b->random, 0.8f, 1.3f);
+    builtin_place(b, h->candle_mesh, builtin_at(x, y, z, 0, scale));
+    builtin_point(b, vec3_make(x, y + 0.28f * scale + 0.03f, z), LIGHT_WARM, 2.2f, 2.4f);
 }
 
-/** The great lights first, then the small ones, until as many are placed as are wanted; what is left floats in the air. */
+/** The great lights first, then the small ones, until as many are placed as are wanted; what is left floats in the air. A lamp's light is above its
+    flame: flames are closed and cast shadows, so that from within one no light would come out. */
 static void place_lights(struct builtin *b, struct hall *h) {
     for (int i = 0; i < BAYS; i++)
         for (int k = 0; k < 12; k++) {
@@ -470,10 +472,10 @@ static void place_lights(struct builtin *b, struct hall *h) {
             for (int side = -1; side <= 1; side += 2) {
                 float z = -HALF_LENGTH + BAY * ((float)i + 0.5f), s = (float)side, y = floor ? GALLERY + 2.1f : 2.3f;
                 builtin_place(b, h->torch_mesh, builtin_at(s * OUTER, y, z, -s * PI / 2, 1));
-                if (take_light(h)) builtin_point(b, vec3_make(s * (OUTER - 0.3f), y + 0.15f, z), LIGHT_SODIUM, 45, 6.5f);
+                if (take_light(h)) builtin_point(b, vec3_make(s * (OUTER - 0.26f), y + 0.27f, z), LIGHT_SODIUM, 45, 6.5f);
                 float hang = floor ? GALLERY + 3.2f : 3.7f, x = s * (NAVE + AISLE / 2);
                 builtin_place(b, h->lantern_mesh, builtin_at(x, hang, z, 0, 1));
-                if (take_light(h)) builtin_point(b, vec3_make(x, hang, z), LIGHT_WARM, 26, 5.5f);
+                if (take_light(h)) builtin_point(b, vec3_make(x, hang + 0.13f, z), LIGHT_WARM, 26, 5.5f);
             }
     for (int i = 0; i < BAYS; i++) /* spots that wash the columns from the floor */
         for (int side = -1; side <= 1; side += 2) {

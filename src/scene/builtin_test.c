@@ -220,6 +220,77 @@ static void test_hall_is_of_the_stated_size(void **state) {
     assert_in_range(count, 200000, 300000);
 }
 
+enum { WAYS = 64 }; /* evenly spread over the sphere */
+
+static vec3 way_at(int k) {
+    float y = 1 - (2 * (float)k + 1) / WAYS, across = sqrtf(1 - y * y), turn = 2.3999632f * (float)k;
+    return vec3_make(across * cosf(turn), y, across * sinf(turn));
+}
+
+/* Which of the ways from a point a triangle bars within a distance, as bits. */
+static uint64_t barred(vec3 from, float reach, const vec3 corners[3]) {
+    vec3 low = vec3_min(vec3_min(corners[0], corners[1]), corners[2]);
+    vec3 high = vec3_max(vec3_max(corners[0], corners[1]), corners[2]);
+    vec3 beside = vec3_max(vec3_max(vec3_sub(low, from), vec3_sub(from, high)), vec3_make(0, 0, 0));
+    if (vec3_dot(beside, beside) > reach * reach) return 0;
+    uint64_t bits = 0;
+    vec3 a = vec3_sub(corners[1], corners[0]), b = vec3_sub(corners[2], corners[0]), p = vec3_sub(from, corners[0]);
+    for (int k = 0; k < WAYS; k++) {
+        vec3 way = way_at(k), q = vec3_cross(way, b), r = vec3_cross(p, a);
+        float d = vec3_dot(a, q), u = vec3_dot(p, q) / d, v = vec3_dot(way, r) / d, t = vec3_dot(b, r) / d;
+        if (d != 0 && u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < reach) bits |= 1ull << k;
+    }
+    return bits;
+}
+
+static uint64_t barred_by_node(const fnl_scene *scene, const struct scene_node *node, vec3 from, float reach) {
+    uint64_t bits = 0;
+    const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
+    for (uint32_t i = 0; i < node->instance_count; i++) {
+        mat4 world = node->instances ? mat4_mul(node->world, node->instances[i]) : node->world;
+        vec3 middle = vec3_scale(vec3_add(mesh->bounds.low, mesh->bounds.high), 0.5f),
+             half = vec3_sub(mesh->bounds.high, middle);
+        vec3 away = vec3_sub(mat4_point(&world, middle), from);
+        if (sqrtf(vec3_dot(away, away)) > sqrtf(vec3_dot(half, half)) * 1.5f + reach)
+            continue; /* nothing is scaled by more */
+        for (uint32_t k = 0; k < mesh->primitive_count; k++) {
+            const struct scene_primitive *p = &scene->primitives.data[mesh->first_primitive + k];
+            for (uint32_t f = 0; f + 2 < p->index_count; f += 3) {
+                vec3 corners[3];
+                for (int c = 0; c < 3; c++) corners[c] = mat4_point(&world, p->positions[p->indices[f + (uint32_t)c]]);
+                bits |= barred(from, reach, corners);
+            }
+        }
+    }
+    return bits;
+}
+
+/* Light comes out of every kind of lamp, whose flame and body cast shadows: most ways from it are free, half a metre far. */
+static void test_lamps_of_the_hall_let_their_light_out(void **state) {
+    UNUSED(state);
+    const struct {
+        uint32_t first, end, step;
+        int most; /* ways that may be barred */
+    } runs[] = {
+        {0, 3, 1, 16},     /* chandelier */
+        {96, 160, 14, 20}, /* torches: beside a wall, above a bowl */
+        {97, 160, 14, 32}, /* lanterns: under a roof */
+        {320, 344, 1, 16}, /* candles of all sizes */
+    };
+    fnl_scene *scene = load("hall?lights=600");
+    for (uint32_t i = 0; i < COUNT_OF(runs); i++)
+        for (uint32_t light = runs[i].first; light < runs[i].end; light += runs[i].step) {
+            uint64_t bits = 0;
+            for (uint32_t k = 0; k < scene->nodes.count; k++)
+                if (scene_node_draws(&scene->nodes.data[k]))
+                    bits |= barred_by_node(scene, &scene->nodes.data[k], scene->lights.data[light].params.position, 0.5f);
+            int count = 0;
+            for (; bits; bits &= bits - 1) count++;
+            if (count > runs[i].most) fail_msg("light %u: %d of %d ways are barred", light, count, WAYS);
+        }
+    fnl_scene_destroy(&scene);
+}
+
 static uint64_t peak_bytes, live_bytes;
 
 static void *counting_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
@@ -408,6 +479,7 @@ int main(void) {
         cmocka_unit_test(test_wrong_names_and_keys_are_explained),
         cmocka_unit_test(test_running_out_of_memory_is_an_error),
         cmocka_unit_test(test_hall_is_of_the_stated_size),
+        cmocka_unit_test(test_lamps_of_the_hall_let_their_light_out),
         cmocka_unit_test(test_city_grows_to_what_is_asked),
         cmocka_unit_test(test_shapes_are_closed),
         cmocka_unit_test(test_onetile_stays_in_its_tile),
