@@ -140,6 +140,15 @@ static void test_frames_have_what_they_do(void **state) {
     assert_int_equal(fnl_scene_set_environment(stage.scene, &environment), FNL_OK);
     usual.shading = FNL_SHADING_FORWARD;
     look(&stage, &usual);
+    fnl_frame two = usual;
+    fnl_camera eyes[2] = {usual.camera, usual.camera};
+    eyes[1].position.x += 0.06f;
+    two.shading = FNL_SHADING_DEFERRED;
+    two.views = eyes;
+    two.view_count = two.stereo.eyes = 2;
+    two.stereo.mono_distance = 10;
+    two.count_lights = true;
+    look(&stage, &two);
     for (uint32_t i = 0; fnl_counter_query(i, &c); i++) {
         if (!(info.msaa_counts & 4) && strncmp(c.key, "msaa.", 5) == 0) continue;
         if (!info.ray_query && (strncmp(c.key, "shadows.structure", 17) == 0 || strcmp(c.key, "shadows.instances") == 0)) continue;
