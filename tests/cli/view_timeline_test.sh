@@ -79,8 +79,13 @@ settle
 report other.tsv
 trace other.trace
 EOF
-timeout 300 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --lists clustered --headless --size 64x36 --scale 0.5 --replay all.txt >out 2>&1 ||
-    fail 'the replay ended with an error'
+replay() {
+    timeout 300 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --lists clustered --headless --size 64x36 --scale 0.5 --replay all.txt >out 2>&1 ||
+        fail 'the replay ended with an error'
+}
+replay
+# A bar is as wide as its pass takes long: once more where the machine was busy with something else just then, and the bar too narrow to be hit.
+[ "$(value pass.tsv times)" = gbuffer ] || replay
 
 # ---- the timeline ----
 
