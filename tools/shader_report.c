@@ -540,6 +540,17 @@ static void warm_with(fnl_renderer *renderer, const fnl_frame *base, const char 
     warm(renderer, &frame);
 }
 
+/* What two eyes share. */
+static void warm_eyes(fnl_renderer *renderer, const fnl_frame *base) {
+    fnl_frame frame = *base;
+    fnl_camera eyes[2] = {base->camera, base->camera};
+    eyes[1].position.x += 0.06f;
+    frame.views = eyes;
+    frame.view_count = frame.stereo.eyes = 2;
+    frame.occlusion = FNL_OCCLUSION_ON;
+    warm(renderer, &frame);
+}
+
 /* Boxes, one on a mesh and one that draws an object again: shaders have features for them. */
 static void add_decals(fnl_scene *scene) {
     fnl_entity_info first;
@@ -573,6 +584,9 @@ static void warm_all(fnl_renderer *renderer, const fnl_scene *scene, bool everyt
             }
             frame.lists = FNL_LISTS_CLUSTERED;
             for (size_t i = 0; s < 2 && i < COUNT_OF(with); i++) warm_with(renderer, &frame, with[i]);
+            if (everything && s == 0) warm_eyes(renderer, &frame);
+            if (s == 0 && frame.shading == FNL_SHADING_COARSE)
+                for (int i = 0; i < 3; i++) warm_with(renderer, &frame, (const char *const[]){"coarse.fovea", "10", "shadows", (const char *const[]){"off", "maps", "rays"}[i], NULL});
             if (everything && s < 2) warm_options(renderer, &frame, 0, frame.shading == FNL_SHADING_MOBILE ? 2 : 1);
             if (!everything && frame.shading == FNL_SHADING_MOBILE) warm_options(renderer, &frame, 0, 2);
         }
