@@ -540,7 +540,7 @@ static void warm_with(fnl_renderer *renderer, const fnl_frame *base, const char 
     warm(renderer, &frame);
 }
 
-/* What two eyes share. */
+/* What two eyes share, and what is drawn once for both. */
 static void warm_eyes(fnl_renderer *renderer, const fnl_frame *base) {
     fnl_frame frame = *base;
     fnl_camera eyes[2] = {base->camera, base->camera};
@@ -549,6 +549,9 @@ static void warm_eyes(fnl_renderer *renderer, const fnl_frame *base) {
     frame.view_count = frame.stereo.eyes = 2;
     frame.occlusion = FNL_OCCLUSION_ON;
     warm(renderer, &frame);
+    frame.occlusion = FNL_OCCLUSION_OFF;
+    frame.stereo.mono_distance = 10;
+    warm(renderer, &frame); /* nothing is made where it is refused */
 }
 
 /* Boxes, one on a mesh and one that draws an object again: shaders have features for them. */
