@@ -58,6 +58,9 @@ static void test_large_scenes_of_many_parts_cull_occluded_surfaces(void **state)
     assert_false(culls(&s));
     s.frame.stereo.eyes = 2;
     assert_true(culls(&s));
+    s.frame.stereo.mono_distance = 10;
+    assert_false(culls(&s));
+    s.frame.stereo.mono_distance = 0;
     s.frame.stereo.eyes = 0;
     s.frame.views = NULL;
     s.frame.view_count = 0;
