@@ -183,6 +183,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     begin() { # FOLDER PATTERN ARGUMENTS…: measures in the background until a line of the output, or of the results, matches
         local folder=$1 pattern=$2
         shift 2
+        : >"$work/out" # the command behind & may empty it only after the first look: what the run before wrote is not its answer
         "$fanal" bench "$@" -o "$folder" >"$work/out" 2>&1 &
         bench=$!
         for _ in $(seq 600); do cat "$work/out" "$folder/results.json" 2>/dev/null | grep -qE "$pattern" && return; sleep 0.1; done

@@ -88,6 +88,7 @@ cmp -s "$work/threads-1.exr" "$work/threads-3.exr" || fail 'three threads trace 
 [ ! -s "$work/out" ] || fail 'trace -q prints something'
 "$fanal" trace builtin:spheres $small --samples 1000000 --bounces 4 -o "$work/ended.png" >"$work/out" 2>&1 &
 traced=$!
+for _ in $(seq 300); do [ $((0x$(awk '$1 == "SigCgt:" { print $2 }' /proc/$traced/status) & 2)) != 0 ] && break; sleep 0.1; done # until it listens
 sleep 1
 kill -INT $traced
 wait $traced

@@ -219,6 +219,7 @@ if command -v Xvfb >/dev/null; then
     for _ in $(seq 100); do [ -s number ] && break; sleep 0.1; done
     broken_after() { # SECONDS: the file is broken so long after the window was started; the window tells of it and stays
         triangle "$wide"
+        : >window.log # the command behind & may empty it only after the first look
         DISPLAY=:$(<number) timeout 100 "$fanal" view swing.gltf --device 0 --size 96x54 --no-panels >window.log 2>&1 &
         viewer=$!
         sleep "$1"
