@@ -406,7 +406,7 @@ static int read_arguments(struct bench_options *o, int argc, char **argv) {
     struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
     options_make_long(own_options, OWN_COUNT, true, long_options); /* but for those that make the cases, any may vary */
     optind = 0;
-    for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "o:qh", long_options)) != -1;) {
         if (option == 'h') {
             print_help();
             return 0;

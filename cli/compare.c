@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compare: how far two pictures are apart. */
+#include "arguments.h"
 #include "commands.h"
 #include "flip.h"
 #include "leak.h"
@@ -98,7 +99,7 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         {0},
     };
     optind = 0; /* glibc: starts anew, whatever was parsed before */
-    for (int key; (key = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
+    for (int key; (key = argument_next(argc, argv, "o:h", options)) != -1;) {
         switch (key) {
         case 'o':
             out->output = optarg;

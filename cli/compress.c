@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compress: pictures of high dynamic range to BC6H and back. */
+#include "arguments.h"
 #include "commands.h"
 
 #include "fanal/device.h"
@@ -71,7 +72,7 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
     };
     static const char *const qualities[] = {"fast", "quality", "best"}, *const processors[] = {"cpu", "gpu"};
     optind = 0; /* glibc: starts anew, whatever was parsed before */
-    for (int key, value; (key = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
+    for (int key, value; (key = argument_next(argc, argv, "o:h", options)) != -1;) {
         char *end;
         switch (key) {
         case 'o':

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal devices: the Vulkan devices of this machine. */
+#include "arguments.h"
 #include "commands.h"
 
 #include "fanal/device.h"
@@ -90,7 +91,7 @@ int command_devices(int argc, char **argv) {
         {"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
     bool json = false;
     optind = 0;
-    for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "h", options)) != -1;) {
         switch (option) {
         case 'j':
             json = true;

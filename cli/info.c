@@ -441,7 +441,7 @@ int command_info(int argc, char **argv) {
     fnl_load_params loading = fnl_load_params_default();
     long long integer;
     optind = 0; /* a full restart: several commands may run in one process */
-    for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "h", options)) != -1;) {
         switch (option) {
         case 'j':
             json = true;

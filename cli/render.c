@@ -463,7 +463,7 @@ int command_render(int argc, char **argv) {
     enum options_form form = OPTIONS_TEXT;
     options_make_long(own_options, OWN_COUNT, false, long_options);
     optind = 0;
-    for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "o:qh", long_options)) != -1;) {
         if (option == 'h') {
             print_help();
             return 0;

@@ -259,7 +259,7 @@ static int run(struct trace_options *o) {
 int command_trace(int argc, char **argv) {
     struct trace_options o = {.world = world_options_default(), .params = fnl_trace_params_default()};
     optind = 0;
-    for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "o:qh", long_options)) != -1;) {
         if (option == 'h') {
             print_help();
             return 0;

@@ -229,7 +229,7 @@ int command_cave(int argc, char **argv) {
     bool prints = false;
     options_make_long(own_options, OWN_COUNT, false, long_options);
     optind = 0;
-    for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "o:qh", long_options)) != -1;) {
         const char *key = NULL;
         if (option == 'h') {
             print_help();

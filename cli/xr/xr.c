@@ -208,7 +208,7 @@ int command_xr(int argc, char **argv) {
     struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
     options_make_long(own_options, OWN_COUNT, false, long_options);
     optind = 0;
-    for (int option; (option = getopt_long(argc, argv, "hq", long_options, NULL)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "hq", long_options)) != -1;) {
         const char *key = NULL;
         if (option == 'h') {
             print_help();

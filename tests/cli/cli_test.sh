@@ -24,6 +24,8 @@ small="--size 64x36"
 plain="$small --shadows off" # of pictures that shadows are not the subject of
 
 expect 0 'fanal COMMAND' --help
+expect 2 "error: --stats needs a value; '-q', which follows, is an option" render builtin:spheres --stats -q -o "$work/picture.png"
+absent -- ./-q
 expect 2 'no command .foo.' foo
 expect 0 '^fanal [0-9]+\.[0-9]+\.[0-9]+$' --version
 for command in render cave trace info devices compare; do expect 0 'Examples?:' $command --help; done
