@@ -3,13 +3,8 @@
 #ifndef FNL_CLI_ARGUMENTS_H
 #define FNL_CLI_ARGUMENTS_H
 
-#include <getopt.h>
-
 #include "fanal/fanal.h"
 
-/** getopt_long(); but where an option's value is the next word and that is an option as well (--stats -q), it says so and returns '?'. A name
- * that begins with a hyphen can be given as --stats=-q. */
-int argument_next(int argc, char **argv, const char *letters, const struct option *options);
 /** Prints "--option: 'value' is not wanted"; returns false. */
 bool argument_bad(const char *option, const char *value, const char *wanted);
 bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out);

@@ -2,12 +2,12 @@
 /* fanal bench: reads what to measure, makes the plan of it, and brings the parts together. */
 #include "bench.h"
 
+#include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
 #include "loading.h"
 #include "options.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

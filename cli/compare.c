@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compare: how far two pictures are apart. */
-#include "arguments.h"
+#include "argument_next.h"
 #include "commands.h"
 #include "flip.h"
 #include "leak.h"
 
 #include "fanal/image.h"
 
-#include <getopt.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>

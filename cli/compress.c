@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compress: pictures of high dynamic range to BC6H and back. */
-#include "arguments.h"
+#include "argument_next.h"
 #include "commands.h"
 
 #include "fanal/device.h"
 #include "fanal/image.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

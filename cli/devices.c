@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal devices: the Vulkan devices of this machine. */
-#include "arguments.h"
+#include "argument_next.h"
 #include "commands.h"
 
 #include "fanal/device.h"
 
-#include <getopt.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,13 +2,13 @@
 /* fanal info: what a scene consists of. */
 #include "info.h"
 
+#include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
 #include "loading.h"
 
 #include "fanal/scene.h"
 
-#include <getopt.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>

@@ -2,6 +2,7 @@
 /* fanal render: loads a scene, renders it, writes pictures and numbers. */
 #include "render.h"
 
+#include "argument_next.h"
 #include "arguments.h"
 #include "bench.h" /* camera paths */
 #include "commands.h"
@@ -12,7 +13,6 @@
 #include "views.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal trace: traces a scene with rays on the CPU, and writes the picture. */
+#include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
 #include "interrupt.h"
@@ -7,7 +8,6 @@
 #include "progress.h"
 #include "world.h"
 
-#include <getopt.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

@@ -3,12 +3,12 @@
 #include "cave/cave.h"
 #include "cave/hash.h"
 
+#include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
 #include "options.h"
 #include "output.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 

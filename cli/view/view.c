@@ -2,6 +2,7 @@
 /* fanal view: shows a scene in a window. */
 #include "view/view.h"
 
+#include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
 #include "options.h"

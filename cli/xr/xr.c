@@ -2,6 +2,7 @@
 /* fanal xr: the options, and the sessions one after the other. */
 #include "xr/xr.h"
 
+#include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
 #include "interrupt.h"
