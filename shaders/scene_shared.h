@@ -16,6 +16,7 @@
 #define GPU_MATERIAL_SHARED_OCCLUSION 16u /* occlusion is the red of the very texture that metalness and roughness have */
 #define GPU_MATERIAL_LAYERED 32u /* gpu_material.layers is there */
 #define GPU_MATERIAL_TRANSMISSIVE 64u /* and it lets through what is behind */
+#define GPU_MATERIAL_SHADOWLESS 128u /* it casts no shadow */
 #define GPU_MATERIAL_CLASS_SHIFT 8u /* GPU_CLASS_… in the bits from here on */
 
 /* What of the code of material_surface() and shade_surface() a material needs, as bits. */

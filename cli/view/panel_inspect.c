@@ -124,6 +124,8 @@ static bool show_core(fnl_material_params *m) {
     edited |= ui_checkbox("double-sided", &m->double_sided);
     ui_same_line();
     edited |= ui_checkbox("unlit", &m->unlit);
+    ui_same_line();
+    edited |= ui_checkbox("casts shadows", &m->casts_shadows);
     edited |= show_factor("normal scale", &m->normal_scale, -4, 4);
     edited |= show_factor("occlusion", &m->occlusion_strength, 0, 1);
     if (m->ior >= 1) edited |= show_factor("index of refraction", &m->ior, 1, 3);

@@ -104,6 +104,7 @@ typedef struct fnl_material_params {
     float alpha_cutoff;        /**< for FNL_ALPHA_MASK; default 0.5 */
     bool double_sided;         /**< default false */
     bool unlit;                /**< the base colour is shown without lighting; default false */
+    bool casts_shadows;        /**< default true; false: all light goes through it, as through the glass round a lamp. It still receives shadows and is seen */
     fnl_image_id base_color_image, metallic_roughness_image, normal_image, occlusion_image, emissive_image;
     fnl_clearcoat_params clearcoat; /**< this and all below: all-zero (default) is off, costs nothing and leaves the picture as it is, to the bit */
     fnl_sheen_params sheen;
@@ -122,6 +123,7 @@ static inline fnl_material_params fnl_material_params_default(void) {
     for (int i = 0; i < 3; i++) params.specular_color[i] = 1;
     params.metallic = params.roughness = params.normal_scale = params.occlusion_strength = params.specular = 1;
     params.ior = 1.5f;
+    params.casts_shadows = true;
     params.alpha_cutoff = 0.5f;
     return params;
 }

@@ -20,7 +20,7 @@ float query_coverage(rays_block b, shadow_ray world, float slack, uint item_inde
     position_array positions = b.rays.scene.scene.positions;
     vec3 p = positions.at[corners.x], q = positions.at[corners.y], s = positions.at[corners.z], weights;
     if (ray_begins_on(item, r, p, q, s, slack)) return 0.0;
-    if ((b.rays.scene.scene.materials.at[primitive.material].flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND | GPU_MATERIAL_TRANSMISSIVE)) == 0u) return 1.0;
+    if ((b.rays.scene.scene.materials.at[primitive.material].flags & RAY_OPEN_MATERIALS) == 0u) return 1.0;
     if (!ray_meets_triangle(r, p, q, s, weights)) weights = vec3(1.0 - places.x - places.y, places);
     return ray_coverage(b, primitive.material, corners, weights);
 }

@@ -85,10 +85,14 @@ vec4 ray_color(rays_block b, uint material, uvec3 corners, vec3 weights) {
     return color * vertex;
 }
 
+// All other materials are opaque to light wherever a ray meets them.
+#define RAY_OPEN_MATERIALS (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND | GPU_MATERIAL_TRANSMISSIVE | GPU_MATERIAL_SHADOWLESS)
+
 // What part of the light a surface of this material takes where the ray meets it.
 float ray_coverage(rays_block b, uint material, uvec3 corners, vec3 weights) {
     uint flags = b.rays.scene.scene.materials.at[material].flags;
-    if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND | GPU_MATERIAL_TRANSMISSIVE)) == 0u) return 1.0;
+    if ((flags & RAY_OPEN_MATERIALS) == 0u) return 1.0;
+    if ((flags & GPU_MATERIAL_SHADOWLESS) != 0u) return 0.0;
     float cover = 1.0;
     if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND)) != 0u) {
         float alpha = ray_color(b, material, corners, weights).a;

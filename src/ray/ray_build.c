@@ -100,7 +100,7 @@ static fnl_result attach_part(struct ray_scene *s, struct ray_mesh *mesh, struct
         rtcSetGeometryUserData(geometry, part);
         if (part->material->alpha_mode != FNL_ALPHA_OPAQUE || !part->material->double_sided)
             rtcSetGeometryIntersectFilterFunction(geometry, ray_filter_nearest);
-        if (part->material->alpha_mode != FNL_ALPHA_OPAQUE || scene_material_transmissive(part->material))
+        if (part->material->alpha_mode != FNL_ALPHA_OPAQUE || scene_material_transmissive(part->material) || !part->material->casts_shadows)
             rtcSetGeometryOccludedFilterFunction(geometry, ray_filter_shadow);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(mesh->handle, geometry, part->index - mesh->first_part);

@@ -70,6 +70,10 @@ void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
 void ray_filter_shadow(const struct RTCFilterFunctionNArguments *arguments) {
     const struct ray_part *part = arguments->geometryUserPtr;
     struct query *query = (struct query *)(void *)arguments->context;
+    if (!part->material->casts_shadows) {
+        arguments->valid[0] = 0;
+        return;
+    }
     const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments));
     struct ray_walk *walk = query->walk;
     double cover = ray_coverage(part, NULL, hit.triangle, hit.u, hit.v, NULL);

@@ -149,6 +149,50 @@ static void test_edges_in_a_floor_cast_no_shadow(void **state) {
     stage_close(&s);
 }
 
+/* What part of the light the tracer sees at each pixel. */
+static void measure_traced(const fnl_scene *scene, const fnl_trace_params *view, float *out) {
+    fnl_trace_params p = *view;
+    p.visibility = true;
+    fnl_trace trace;
+    assert_int_equal(fnl_scene_trace(scene, &p, &trace), FNL_OK);
+    for (uint32_t i = 0; i < SHADOW_SIZE * SHADOW_SIZE; i++) out[i] = pixel_at(&trace.visibility, i % SHADOW_SIZE, i / SHADOW_SIZE)[0];
+    fnl_trace_free(&scene->host, &trace);
+}
+
+/* A shade below a lamp, whose material casts no shadow for a while, and one beside it that always does. Maps that are kept follow the material. */
+static void test_SH_60_materials_cast_shadows_or_not(void **state) {
+    UNUSED(state);
+    enum { MAPS, TREES, QUERIES, TRACED, COUNT };
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params white = matt(1), shade = matt(1);
+    add_square(scene, &white, (vec3){10, 1, 10}, (vec3){0, 0, 0});
+    fnl_material_id material = add_material(scene, &shade);
+    add_instance(scene, add_square_mesh(scene, material), mat4_mul(mat4_translation((vec3){0, 1, 0}), mat4_scaling((vec3){0.4f, 1, 0.4f})));
+    add_square(scene, &white, (vec3){0.15f, 1, 0.15f}, (vec3){0.8f, 1, 0});
+    add_point_light(scene, (vec3){0, 2, 0}, 100);
+    const fnl_trace_params view = look_down((vec3){0, 0, 0}, 4, 0.5f, SHADOW_SIZE);
+    struct stage s = shadow_stage(scene, &view);
+    for (int step = 0; step < 3; step++) {
+        shade.casts_shadows = step != 1;
+        assert_int_equal(fnl_scene_set_material(scene, material, &shade), FNL_OK);
+        for (int kind = 0; kind < COUNT; kind++) {
+            float seen[SHADOW_SIZE * SHADOW_SIZE];
+            s.frame.shadows = kind == MAPS ? FNL_SHADOWS_MAPS : FNL_SHADOWS_RAYS;
+            s.frame.shadow.ray_backend = kind == QUERIES ? FNL_RAY_BACKEND_RAY_QUERY : FNL_RAY_BACKEND_BVH;
+            if (kind == TRACED) measure_traced(scene, &view, seen);
+            else shadow_parts(&s, seen);
+            for (uint32_t i = 0; i < SHADOW_SIZE * SHADOW_SIZE; i++) {
+                double x = (i % SHADOW_SIZE + 0.5) / SHADOW_SIZE * 4 - 2, z = (double)(i / SHADOW_SIZE + 0.5f) / SHADOW_SIZE * 4 - 2;
+                double below = fmax(fabs(x), fabs(z)) - 0.8, beside = fmax(fabs(x - 1.6), fabs(z)) - 0.3; /* shadows are twice as wide as what casts them */
+                const bool dark = (below < 0 && shade.casts_shadows) || beside < 0;
+                if (fmin(fabs(below), fabs(beside)) > 0.1 && fabsf(seen[i] - (dark ? 0.0f : 1.0f)) > 1e-3f)
+                    fail_msg("step %d, kind %d: %g of the light at %.2f, %.2f", step, kind, (double)seen[i], x, z);
+            }
+        }
+    }
+    stage_close(&s);
+}
+
 /* ---- the trees ---- */
 
 enum { MADE_MESHES = 1, MADE_ITEMS = 2 };
@@ -315,6 +359,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_paths_give_the_same_shadows, harness_check),
         cmocka_unit_test_teardown(test_samples_have_shadows, harness_check),
         cmocka_unit_test_teardown(test_edges_in_a_floor_cast_no_shadow, harness_check),
+        cmocka_unit_test_teardown(test_SH_60_materials_cast_shadows_or_not, harness_check),
         cmocka_unit_test_teardown(test_trees_are_made_when_something_changes, harness_check),
         cmocka_unit_test_teardown(test_trees_hold_everything_in_small_boxes, harness_check),
         cmocka_unit_test(test_shaders_are_small_without_shadows),

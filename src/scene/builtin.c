@@ -61,6 +61,12 @@ uint32_t builtin_glow(struct builtin *b, const char *name, vec3 radiance) {
     return index;
 }
 
+uint32_t builtin_globe(struct builtin *b, const char *name, vec3 radiance) {
+    uint32_t index = builtin_glow(b, name, radiance);
+    builtin_material_at(b, index)->casts_shadows = false;
+    return index;
+}
+
 uint32_t builtin_glass(struct builtin *b, const char *name, vec3 tint, float alpha) {
     uint32_t index = builtin_plain(b, name, tint, 0, 0.06f);
     struct scene_material *material = builtin_material_at(b, index);

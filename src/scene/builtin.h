@@ -104,6 +104,8 @@ uint32_t builtin_material(struct builtin *b, const char *name, enum builtin_text
 uint32_t builtin_plain(struct builtin *b, const char *name, vec3 color, float metallic, float roughness);
 /** A plain dark material that emits `radiance` in cd/m^2. */
 uint32_t builtin_glow(struct builtin *b, const char *name, vec3 radiance);
+/** The same for what stands round a light: it casts no shadow. */
+uint32_t builtin_globe(struct builtin *b, const char *name, vec3 radiance);
 /** Clear glass of the given tint and coverage, drawn with blending. */
 uint32_t builtin_glass(struct builtin *b, const char *name, vec3 tint, float alpha);
 /** The material itself, to change further; a scratch one after a failure. */

@@ -491,7 +491,7 @@ void builtin_make_interior(struct builtin *b, const uint64_t *values) {
         .iron = builtin_material(b, "iron", TEXTURE_METAL, vec3_make(0.12f, 0.12f, 0.13f)),
         .frame = builtin_plain(b, "gilt", vec3_make(0.75f, 0.55f, 0.25f), 1, 0.42f),
         .sky = builtin_glow(b, "evening sky", vec3_make(5, 7.5f, 13)),
-        .tube = builtin_glow(b, "lamp", vec3_make(160, 136, 104)),
+        .tube = builtin_globe(b, "lamp", vec3_make(160, 136, 104)),
         .cloth = builtin_material(b, "cloth", TEXTURE_FABRIC, vec3_make(0.35f, 0.05f, 0.05f)),
         .lights_left = values[0],
     };

@@ -107,7 +107,7 @@ void builtin_make_lamps(struct builtin *b, const uint64_t *values) {
               vec3_make(30, 0, 10));
     struct mesh_builder m;
     mesh_begin(&m, b);
-    mesh_material(&m, builtin_glow(b, "lamp", vec3_make(300, 210, 120)));
+    mesh_material(&m, builtin_globe(b, "lamp", vec3_make(300, 210, 120)));
     mesh_sphere(&m, vec3_make(0, 0, 0), 0.08f, 12);
     mesh_material(&m, builtin_material(b, "mast", TEXTURE_METAL, vec3_make(0.3f, 0.3f, 0.3f)));
     mesh_cylinder(&m, vec3_make(0, -2.2f, 0), 0.03f, 0.02f, 2.1f, 8);

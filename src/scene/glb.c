@@ -108,6 +108,18 @@ void glb_set_name(struct glb *g, json_t *object, const char *name, const char *e
     if (extras) glb_set(g, object, "extras", json_loads(extras, JSON_DECODE_ANY | JSON_ALLOW_NUL, NULL));
 }
 
+void glb_set_extra(struct glb *g, json_t *object, const char *name, json_t *value) {
+    json_t *extras = json_object_get(object, "extras");
+    if (extras && !json_is_object(extras)) glb_left_out(g, "extras that are no object");
+    if (json_object_size(value) > 0) {
+        glb_set(g, glb_object(g, object, "extras"), name, value);
+        return;
+    }
+    json_decref(value);
+    if (json_object_get(extras, name)) json_object_del(extras, name);
+    if (json_is_object(extras) && json_object_size(extras) == 0) json_object_del(object, "extras");
+}
+
 /* ---- what animations set ---- */
 
 static bool animates(const struct glb *g, uint32_t node, enum scene_animation_path path, enum scene_property_owner owner, uint32_t object,

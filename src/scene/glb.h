@@ -74,6 +74,8 @@ void glb_remove_extension(json_t *object, const char *name);
 uint32_t glb_append(struct glb *g, json_t *array, json_t *value);
 /** Appends to an array of the document; the index. */
 uint32_t glb_add(struct glb *g, const char *array, json_t *value);
+/** What an object of the extras says, beside what else is in them; an empty one goes. */
+void glb_set_extra(struct glb *g, json_t *object, const char *name, json_t *value);
 void glb_set_name(struct glb *g, json_t *object, const char *name, const char *extras);
 /** Whether an animation of the file sets a property of a node; or of something else. */
 bool glb_animates_node(const struct glb *g, uint32_t node, enum scene_animation_path path);

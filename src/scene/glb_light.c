@@ -40,19 +40,6 @@ static const char *type_of(fnl_light_kind kind) {
     return types[kind];
 }
 
-/* What an object of the extras says, beside what else is in them. */
-static void set_extra(struct glb *g, json_t *light, const char *name, json_t *value) {
-    json_t *extras = json_object_get(light, "extras");
-    if (extras && !json_is_object(extras)) glb_left_out(g, "the extras of a light, which are no object");
-    if (json_object_size(value) > 0) {
-        glb_set(g, glb_object(g, light, "extras"), name, value);
-        return;
-    }
-    json_decref(value);
-    if (json_object_get(extras, name)) json_object_del(extras, name);
-    if (json_is_object(extras) && json_object_size(extras) == 0) json_object_del(light, "extras");
-}
-
 static void write_shape(struct glb *g, json_t *object, const fnl_light_params *p) {
     json_t *shape = json_object();
     if (p->kind > FNL_LIGHT_SPOT) glb_set(g, shape, "shape", json_string(fnl_value_name(FNL_ENUM_LIGHT_KIND, p->kind)));
@@ -62,7 +49,7 @@ static void write_shape(struct glb *g, json_t *object, const fnl_light_params *p
     if (p->kind == FNL_LIGHT_WEDGE || p->kind == FNL_LIGHT_BOX) glb_set(g, shape, "innerFraction", glb_float(p->inner_fraction));
     if (p->kind == FNL_LIGHT_RECTANGLE) glb_set(g, shape, "rectangleSize", glb_floats(p->rectangle_size, 2));
     if (p->kind == FNL_LIGHT_RECTANGLE && p->two_sided) glb_set(g, shape, "twoSided", json_true());
-    set_extra(g, object, "FNL_light_shapes", shape);
+    glb_set_extra(g, object, "FNL_light_shapes", shape);
 }
 
 static void write_shadows(struct glb *g, json_t *object, const fnl_light_params *p) {
@@ -70,7 +57,7 @@ static void write_shadows(struct glb *g, json_t *object, const fnl_light_params 
     if (!p->casts_shadows) glb_set(g, shadows, "castsShadows", json_false());
     if (light_is_parallel(p->kind) && p->source_angle != 0) glb_set(g, shadows, "sourceAngle", glb_float(p->source_angle));
     if (!light_is_parallel(p->kind) && p->source_radius != 0) glb_set(g, shadows, "sourceRadius", glb_float(p->source_radius));
-    set_extra(g, object, "FNL_light_shadows", shadows);
+    glb_set_extra(g, object, "FNL_light_shadows", shadows);
 }
 
 static bool differ(const float *a, const float *b, uint32_t count) { return memcmp(a, b, count * sizeof *a) != 0; }

@@ -270,6 +270,8 @@ static void write_material(const struct writing *w) {
     if (w->now->alpha_mode != w->base->alpha_mode) glb_set(w->g, w->object, "alphaMode", json_string(modes[w->now->alpha_mode]));
     if (w->now->alpha_mode != FNL_ALPHA_MASK && json_is_real(json_object_get(w->object, "alphaCutoff")) && w->whole) json_object_del(w->object, "alphaCutoff");
     if (w->now->double_sided != w->base->double_sided) glb_set(w->g, w->object, "doubleSided", json_boolean(w->now->double_sided));
+    if (w->now->casts_shadows != w->base->casts_shadows)
+        glb_set_extra(w->g, w->object, "FNL_material_shadows", w->now->casts_shadows ? json_object() : json_pack("{s:b}", "castsShadows", 0));
     if (w->now->unlit && !w->base->unlit) glb_extension(w->g, w->object, "KHR_materials_unlit");
     if (!w->now->unlit && w->base->unlit) glb_remove_extension(w->object, "KHR_materials_unlit");
 }

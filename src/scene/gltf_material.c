@@ -198,6 +198,15 @@ static void load_material_extensions(struct gltf *g, json_t *object, const struc
     }
 }
 
+/** Whether it casts shadows, which no extension says (docs/techniques/shadows.md). */
+static bool loads_shadows(struct gltf *g, json_t *material, const struct at *material_at) {
+    json_t *extras = json_object_get(material, "extras");
+    if (!json_is_object(extras)) return true;
+    const struct at *extras_at = AT_KEY(material_at, "extras"), *at = AT_KEY(extras_at, "FNL_material_shadows");
+    json_t *object = gltf_object(g, extras, extras_at, "FNL_material_shadows", false);
+    return !object || gltf_bool(g, object, at, "castsShadows", true);
+}
+
 static void load_material(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
     material->name = gltf_name(g, object, at);
     material->extras = gltf_extras(g, object);
@@ -213,6 +222,7 @@ static void load_material(struct gltf *g, json_t *object, const struct at *at, s
     load_color(g, object, at, "emissiveFactor", 1, &material->parts.emissive);
     load_alpha(g, object, at, material);
     material->double_sided = gltf_bool(g, object, at, "doubleSided", false);
+    material->casts_shadows = loads_shadows(g, object, at);
     load_material_extensions(g, object, at, material);
     load_layers(g, object, at, material);
 }

@@ -483,6 +483,24 @@ static void test_light_shapes_in_extras(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* What materials say of theirs. */
+static void test_material_shadows_in_extras(void **state) {
+    UNUSED(state);
+    static const char json[] = "{" ASSET ",\"materials\":[{\"extras\":{\"FNL_material_shadows\":{\"castsShadows\":false},\"mine\":1}},"
+                               "{\"extras\":{\"FNL_material_shadows\":{\"castsShadows\":1}}},{\"extras\":[2]},{\"extras\":{\"FNL_material_shadows\":3}}]}";
+    size_t size;
+    unsigned char *glb = test_glb(json, NULL, 0, &size);
+    fnl_host host = test_host(&file_log);
+    fnl_scene *scene;
+    assert_int_equal(gltf_load_memory(&host, glb, size, "shadows.glb", NULL, &scene), FNL_OK);
+    free(glb);
+    assert_non_null(strstr(file_log.text, "/materials/1/extras/FNL_material_shadows/castsShadows: is a number, not a boolean"));
+    assert_non_null(strstr(file_log.text, "/materials/3/extras/FNL_material_shadows"));
+    assert_int_equal(file_log.count, 2);
+    for (uint32_t i = 0; i < 4; i++) assert_int_equal(scene->materials.data[i].casts_shadows, i > 0);
+    fnl_scene_destroy(&scene);
+}
+
 /* What lights say of their shadows; what is no such thing is warned of. */
 static void test_light_shadows_in_extras(void **state) {
     UNUSED(state);
@@ -537,6 +555,7 @@ int main(void) {
         cmocka_unit_test(test_sample_primitive_modes),
         cmocka_unit_test(test_sample_lights),
         cmocka_unit_test(test_light_shapes_in_extras),
+        cmocka_unit_test(test_material_shadows_in_extras),
         cmocka_unit_test(test_light_shadows_in_extras),
         cmocka_unit_test(test_sample_cameras),
     };

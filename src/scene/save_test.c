@@ -163,7 +163,7 @@ static void same_material(const struct scene_material *a, const struct scene_mat
     assert_memory_equal(&a->base_color, &b->base_color, offsetof(struct scene_material, alpha_mode) - offsetof(struct scene_material, base_color));
     assert_int_equal(a->alpha_mode, b->alpha_mode);
     if (a->alpha_mode == FNL_ALPHA_MASK) assert_true(a->alpha_cutoff == b->alpha_cutoff);
-    assert_true(a->double_sided == b->double_sided && a->unlit == b->unlit);
+    assert_true(a->double_sided == b->double_sided && a->unlit == b->unlit && a->casts_shadows == b->casts_shadows);
     assert_true(a->clearcoat.strength == b->clearcoat.strength && a->clearcoat.roughness == b->clearcoat.roughness);
     assert_memory_equal(a->sheen.color, b->sheen.color, 16);
     assert_memory_equal(&a->iridescence, &b->iridescence, 16);
@@ -296,6 +296,7 @@ static void test_pictures_and_materials_of_calls(void **state) {
     m.alpha_mode = FNL_ALPHA_MASK;
     m.alpha_cutoff = 0.3f;
     m.double_sided = true;
+    m.casts_shadows = false;
     m.clearcoat = (fnl_clearcoat_params){.strength = 0.7f, .roughness = 0.1f, .image = image};
     m.sheen = (fnl_sheen_params){.color = {0.1f, 0.2f, 0.3f}, .roughness = 0.4f};
     m.iridescence = (fnl_iridescence_params){.strength = 0.3f, .ior = 1.7f, .thickness_minimum = 10, .thickness_maximum = 333};

@@ -99,7 +99,7 @@ struct scene_material {
     vec3 specular_color;
     fnl_alpha_mode alpha_mode;
     float alpha_cutoff;
-    bool double_sided, unlit;
+    bool double_sided, unlit, casts_shadows;
     /* Layers: off where their strength, or the sheen's colour, is 0. Images of the public structs are in `textures`. */
     fnl_clearcoat_params clearcoat;
     fnl_sheen_params sheen;

@@ -61,6 +61,7 @@ static struct scene_material material_of(const fnl_material_params *p) {
     material.alpha_cutoff = p->alpha_cutoff;
     material.double_sided = p->double_sided;
     material.unlit = p->unlit;
+    material.casts_shadows = p->casts_shadows;
     material.clearcoat = p->clearcoat;
     material.sheen = p->sheen;
     material.iridescence = p->iridescence;
@@ -262,6 +263,7 @@ fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_
                                  .alpha_cutoff = m->alpha_cutoff,
                                  .double_sided = m->double_sided,
                                  .unlit = m->unlit,
+                                 .casts_shadows = m->casts_shadows,
                                  .clearcoat = m->clearcoat,
                                  .sheen = m->sheen,
                                  .iridescence = m->iridescence,

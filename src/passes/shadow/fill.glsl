@@ -29,7 +29,7 @@ gpu_fill_caster caster_of(rays_block rays, uint index, uint caster_count) {
     scene_block s = rays.rays.scene;
     gpu_item item = s.scene.items.at[index];
     gpu_fill_caster c = gpu_fill_caster(s.scene.instances.at[item.instance].rows, vec3(1.0), vec3(0.0), item.primitive);
-    if (index < caster_count) {
+    if (index < caster_count && (s.scene.materials.at[s.scene.primitives.at[item.primitive].material].flags & GPU_MATERIAL_SHADOWLESS) == 0u) {
         gpu_ray_box box = rays.rays.primitive_boxes.at[item.primitive];
         c.low = box.low;
         c.high = box.high;

@@ -136,6 +136,7 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
                                       (m->alpha_mode == FNL_ALPHA_MASK ? GPU_MATERIAL_MASK : 0) |
                                       (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) |
                                       (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0) |
+                                      (m->casts_shadows ? 0 : GPU_MATERIAL_SHADOWLESS) |
                                       (scene_material_layered(m) ? GPU_MATERIAL_LAYERED : 0) |
                                       (scene_material_transmissive(m) ? GPU_MATERIAL_TRANSMISSIVE : 0) |
                                       material_class(d, m) << GPU_MATERIAL_CLASS_SHIFT,
