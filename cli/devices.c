@@ -38,6 +38,7 @@ static const struct {
     FEATURE(primitive_ids, "visibility and dais shading, coarse.criterion=id, --debug clusters"),
     FEATURE(minmax_samplers, "coarse.criterion=minmax reads fewer texels"),
     FEATURE(post_depth_coverage, "dais.mode=list stores fewer elements with MSAA"),
+    FEATURE(vertex_layers, "--stereo-path objects and instances"),
     FEATURE(clip_distances, "--shadows maps; without it shadows are found by rays"),
     FEATURE(quad_operations, "dais.multirate shares ambient light between four pixels"),
     FEATURE(conservative_raster, "--lists raster draws light meshes conservatively"),
@@ -47,7 +48,7 @@ static const struct {
     FEATURE(sample_locations, "not used; visibility.grid uses the standard locations"),
     FEATURE(fragment_shading_rate, "not used; coarse shading works without it"),
     FEATURE(texture_compression, "not used by frames; fanal compress works without it"),
-    FEATURE(multiview, "--set multiview=on draws several views at once"),
+    FEATURE(multiview, "--set multiview=on and --stereo draw several views at once"),
 #undef FEATURE
 };
 enum { FEATURE_COUNT = sizeof features / sizeof *features };

@@ -22,6 +22,7 @@ static const struct {
              {"geometry", "geometry"},
              {"occlusion", "occlusion"},
              {"light-lod", "light-lod"},
+             {"stereo-path", "stereo.path"},
              {"tonemap", "tonemap"},
              {"debug", "debug"}};
 

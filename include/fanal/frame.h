@@ -42,7 +42,7 @@ typedef enum fnl_occlusion {
 
 /** Whether a frame draws several of its views at once (multiview). Pictures stay the same. docs/techniques/views.md compares the values. */
 typedef enum fnl_multiview {
-    FNL_MULTIVIEW_AUTO = 0, /**< neighbours of the array that see almost the same, as two eyes do; not in forward-prepass */
+    FNL_MULTIVIEW_AUTO = 0, /**< neighbours of the array that see almost the same; not in forward-prepass */
     FNL_MULTIVIEW_OFF,      /**< each view by itself */
     FNL_MULTIVIEW_ON,       /**< up to 6 neighbours of the array, whatever they see */
     FNL_MULTIVIEW_COUNT
@@ -209,7 +209,7 @@ typedef struct fnl_frame {
      * Which views share draw calls, in forward-prepass, deferred and visibility: the depth prepass, the G-buffer and the ids are then drawn once into
      * several layers, with what any of the views sees. Where that does not work, views are drawn one by one, without an error: on devices without
      * fnl_device_info.multiview, with culling by clusters or triangles, decals, or occlusion where views are no eyes, and in visibility with grid,
-     * barycentrics or count_lights. Default auto.
+     * barycentrics or count_lights. Default auto. For views that are eyes (stereo.eyes) stereo.path says it: anything but auto is then FNL_ERROR_INVALID.
      */
     fnl_multiview multiview;
     /** Which views are eyes of one viewer. Default none are. */

@@ -32,6 +32,19 @@ typedef enum fnl_stereo_lists {
 } fnl_stereo_lists;
 
 /**
+ * How what needs no lists is drawn for the eyes of a display: in forward-prepass, deferred and visibility the depth prepass, the G-buffer and the ids.
+ * Pictures are the same to the bit. docs/techniques/stereo.md compares them.
+ */
+typedef enum fnl_stereo_path {
+    FNL_STEREO_PATH_AUTO = 0,  /**< multiview; eyes in forward-prepass, where sharing the prepass gains nothing */
+    FNL_STEREO_PATH_EYES,      /**< all for one eye, then all for the next */
+    FNL_STEREO_PATH_OBJECTS,   /**< a draw call for each eye, one after the other, with the states of the first */
+    FNL_STEREO_PATH_INSTANCES, /**< one draw call, with an instance for each eye */
+    FNL_STEREO_PATH_MULTIVIEW, /**< one draw call that the device repeats for each eye */
+    FNL_STEREO_PATH_COUNT
+} fnl_stereo_path;
+
+/**
  * Views of a frame (fnl_frame.views) that are the eyes of one viewer, before one display. They are culled together, by one frustum that holds all of
  * theirs; they share shadow maps, exposure, and the choice of levels of detail, which goes by the middle between them. With an exposure that is given
  * and room for all shadow maps, pictures equal those of each eye alone to the bit.
@@ -41,6 +54,12 @@ typedef struct fnl_stereo_options {
     uint32_t eyes;
     /** Default eye. */
     fnl_stereo_lists lists;
+    /**
+     * Default auto. Where eyes cannot be drawn at once they are drawn one by one, without an error: with culling by clusters or triangles, decals, and in
+     * visibility with grid, barycentrics or count_lights. On devices without fnl_device_info.vertex_layers multiview stands in for objects and
+     * instances, and on those without fnl_device_info.multiview eyes for multiview; the log says so.
+     */
+    fnl_stereo_path path;
     /** Degrees by which the common frustum is wider on each side, 0 .. 20: heads may turn so far after culling. Default 0. */
     float margin;
     /**

@@ -34,6 +34,7 @@ typedef enum fnl_enum {
     FNL_ENUM_OCCLUSION,        /**< fnl_occlusion */
     FNL_ENUM_MULTIVIEW,        /**< fnl_multiview */
     FNL_ENUM_STEREO_LISTS,     /**< fnl_stereo_lists */
+    FNL_ENUM_STEREO_PATH,      /**< fnl_stereo_path */
     FNL_ENUM_ANTIALIASING,     /**< fnl_antialiasing */
     FNL_ENUM_DEFERRED_PASS,    /**< fnl_deferred_pass */
     FNL_ENUM_GBUFFER,          /**< fnl_gbuffer */

@@ -94,6 +94,7 @@ static const struct names enums[] = {
     [FNL_ENUM_OCCLUSION] = NAMES(fnl_occlusion, FNL_OCCLUSION_COUNT, "off", "on", "auto"),
     [FNL_ENUM_MULTIVIEW] = NAMES(fnl_multiview, FNL_MULTIVIEW_COUNT, "auto", "off", "on"),
     [FNL_ENUM_STEREO_LISTS] = NAMES(fnl_stereo_lists, FNL_STEREO_LISTS_COUNT, "eye", "head"),
+    [FNL_ENUM_STEREO_PATH] = NAMES(fnl_stereo_path, FNL_STEREO_PATH_COUNT, "auto", "eyes", "objects", "instances", "multiview"),
     [FNL_ENUM_ANTIALIASING] = NAMES(fnl_antialiasing, FNL_ANTIALIASING_COUNT, "none", "mlaa", "smaa", "taa"),
     [FNL_ENUM_DEFERRED_PASS] = NAMES(fnl_deferred_pass, FNL_DEFERRED_PASS_COUNT, "compute", "fragment"),
     [FNL_ENUM_GBUFFER] = NAMES(fnl_gbuffer, FNL_GBUFFER_COUNT, "default", "siege", "killzone2", "frostbite2", "stalker", "clear-sky", "engel",

@@ -271,6 +271,7 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     enabled->imageCubeArray = supported->imageCubeArray;
     enabled->sampleRateShading = supported->sampleRateShading;
     features.features_11.multiview = physical->supported.features_11.multiview;
+    features.features_12.shaderOutputLayer = physical->supported.features_12.shaderOutputLayer;
     features.features_12.samplerFilterMinmax = physical->supported.features_12.samplerFilterMinmax;
 
     bool second = physical->info.async_compute;

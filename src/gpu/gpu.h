@@ -429,7 +429,7 @@ struct gpu_rendering {
     uint32_t width, height, layers, color_count;
     struct gpu_attachment colors[GPU_MAX_COLORS];
     struct gpu_attachment depth; /* image NULL: none; of S8_UINT: the stencil; of D32_SFLOAT_S8_UINT: both */
-    uint32_t view_mask; /* bits below fnl_device_info.max_views: draws go to each of these layers (multiview); 0: to layer 0 */
+    uint32_t view_mask; /* bits below fnl_device_info.max_views: draws go to each of these layers (multiview); 0: to layer 0, or to the one that vertex shaders choose */
 };
 /** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
 void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);

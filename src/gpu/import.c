@@ -122,6 +122,7 @@ static void read_enabled(const VkDeviceCreateInfo *created, struct enabled *out)
     /* Extensions that became features of Vulkan 1.2: naming them switches the feature on. */
     if (has_extension(created, VK_KHR_DRAW_INDIRECT_COUNT_EXTENSION_NAME))
         out->features.features_12.drawIndirectCount = VK_TRUE;
+    if (has_extension(created, VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME)) out->features.features_12.shaderOutputLayer = VK_TRUE;
     if (has_extension(created, VK_EXT_SAMPLER_FILTER_MINMAX_EXTENSION_NAME))
         out->features.features_12.samplerFilterMinmax = VK_TRUE;
 }
@@ -138,6 +139,7 @@ static fnl_result check_required(const struct call *call, const struct enabled *
 /* Leaves of the optional features that Fanal uses those that the caller switched on. */
 static void keep_enabled(const VkDeviceCreateInfo *created, const struct enabled *enabled, fnl_device_info *info) {
     info->primitive_ids &= enabled->features.features.features.geometryShader != 0;
+    info->vertex_layers &= enabled->features.features_12.shaderOutputLayer != 0;
     info->clip_distances &= enabled->features.features.features.shaderClipDistance != 0;
     info->texture_compression &= enabled->features.features.features.textureCompressionBC != 0;
     info->multiview &= enabled->features.features_11.multiview != 0;

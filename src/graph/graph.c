@@ -592,6 +592,10 @@ void graph_view_mask(struct graph_pass *pass, uint32_t mask) {
     if (pass) pass->view_mask = mask;
 }
 
+void graph_vertex_layers(struct graph_pass *pass, uint32_t count) {
+    if (pass) pass->vertex_layers = count;
+}
+
 /* ---- scopes ---- */
 
 bool graph_begin_scope(struct graph *graph, const struct graph_scope_params *params) {

@@ -244,6 +244,8 @@ void graph_depth_read_only(struct graph_pass *pass, graph_image image);
  * alone, as without this call.
  */
 void graph_view_mask(struct graph_pass *pass, uint32_t mask);
+/** In place of it: vertex shaders choose among the first `count` layers (gl_Layer). Not in scopes; with fnl_device_info.vertex_layers. */
+void graph_vertex_layers(struct graph_pass *pass, uint32_t count);
 /**
  * Passes added until graph_end_scope draw one over the other in one rendering scope (gpu.h): what they leave at a pixel stays in tile
  * memory for the next one to read at the same pixel, and only what is used after the scope is stored. All must be graphics passes with

@@ -37,6 +37,12 @@ static void check_attachments(struct graph *graph, const struct graph_pass *pass
             graph_misuse(graph, "pass '%s' resolves '%s' into '%s', which is of another size", pass->name, resource->name,
                          resolve->name);
     }
+    if (pass->vertex_layers && (!first || pass->scope || pass->view_mask || pass->vertex_layers > MAX(first->params.layers, 1u)))
+        graph_misuse(graph, "pass '%s' draws into %u layers, but %s", pass->name, pass->vertex_layers,
+                     !first            ? "has no attachments"
+                     : pass->scope     ? "is in a scope"
+                     : pass->view_mask ? "has a view mask"
+                                       : "its attachments have fewer");
     if (!pass->view_mask) return;
     const uint32_t most = graph->device ? gpu_info(graph->device)->max_views : 32;
     if (!first || pass->scope)

@@ -77,6 +77,7 @@ struct graph_pass {
     uint32_t inputs[GPU_MAX_INPUTS];   /* resources of local reads, GRAPH_NONE: none */
     uint32_t input_count;              /* with gaps */
     uint32_t view_mask;                /* 0: one view */
+    uint32_t vertex_layers;            /* 0: layer 0 alone, or the view mask */
     const struct graph_merged *merged; /* of the pass that compile makes of a merged scope: what it is made of */
     bool keep, live;
 };

@@ -152,6 +152,7 @@ static void put_step(struct printer *printer, uint32_t index) {
     for (uint32_t i = 0; merged && i < merged->part_count; i++)
         print_put(printer, "%s'%s'", i ? ", " : ", one scope of ", merged->parts[i]->name);
     if (step->pass->view_mask) print_put(printer, ", views %#x at once", step->pass->view_mask);
+    if (step->pass->vertex_layers) print_put(printer, ", %u layers at once", step->pass->vertex_layers);
     print_put(printer, ":\n");
     put_barriers(printer, &step->before, "    ");
     for (const struct graph_access *use = step->pass->first_use; use; use = use->next) {

@@ -205,6 +205,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     struct device_scene_frame scene;
     uint32_t count = frame_view_count(frame);
     graph_begin(r->graph);
+    multiview_tell(r, frame);
     TRY(device_scene_add(&r->scene_user, r->graph, &scene));
     TRY(add_shared(&shared, &scene));
     shadows_begin(&shared, &scene);

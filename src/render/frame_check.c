@@ -49,6 +49,8 @@ static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
     if (eyes == 1) return misuse(call, "stereo.eyes is 1, must be 0, or 2 .. %d", MULTIVIEW_MOST);
     if (eyes > 0 && (frame->view_count == 0 || frame->view_count % eyes != 0))
         return misuse(call, "stereo.eyes is %u, but view_count is %u, which must be a multiple of it", eyes, frame->view_count);
+    if (eyes > 0 && frame->multiview != FNL_MULTIVIEW_AUTO)
+        return misuse(call, "multiview is for views that are not eyes; stereo.path says how those are drawn");
     if (frame->viewer) TRY(camera_check(call, "viewer->", frame->viewer));
     if (frame->gaze) TRY(check_floats(call, "gaze", &frame->gaze->x, 3, -1e9, 1e9, " metres"));
     if (frame->view_count == 0) return camera_check(call, "camera.", &frame->camera);

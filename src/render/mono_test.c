@@ -72,11 +72,11 @@ static void test_near_is_exact_and_nothing_is_missing_VR_10(void **state) {
         fnl_shading shading;
         fnl_light_lists lists;
         bool canted, prepass, hidden;
-        fnl_multiview multiview;
-    } rows[] = {{FNL_SHADING_DEFERRED, FNL_LISTS_TILED, false, false, false, FNL_MULTIVIEW_AUTO},
-                {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, true, true, true, FNL_MULTIVIEW_ON},
-                {FNL_SHADING_VISIBILITY, FNL_LISTS_TILED, true, false, false, FNL_MULTIVIEW_OFF},
-                {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED, false, false, true, FNL_MULTIVIEW_ON}};
+        fnl_stereo_path path;
+    } rows[] = {{FNL_SHADING_DEFERRED, FNL_LISTS_TILED, false, false, false, FNL_STEREO_PATH_AUTO},
+                {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, true, true, true, FNL_STEREO_PATH_INSTANCES},
+                {FNL_SHADING_VISIBILITY, FNL_LISTS_TILED, true, false, false, FNL_STEREO_PATH_OBJECTS},
+                {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED, false, false, true, FNL_STEREO_PATH_MULTIVIEW}};
     struct stage stage = stage_open("builtin:hall?lights=30", 0);
     stage.frame.width = WIDTH;
     stage.frame.height = HEIGHT;
@@ -91,7 +91,7 @@ static void test_near_is_exact_and_nothing_is_missing_VR_10(void **state) {
         frame.shading = rows[i].shading;
         frame.lists = rows[i].lists;
         frame.gbuffer.prepass = rows[i].prepass;
-        frame.multiview = rows[i].multiview;
+        frame.stereo.path = rows[i].path;
         assert_int_equal(fnl_hidden_area_round(NULL, &eye, (fnl_vec2){0, 0}, 0.55f, 8, corners, &areas[0]), FNL_OK);
         areas[1] = areas[0];
         if (rows[i].hidden) frame.hidden_areas = areas;

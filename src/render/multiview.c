@@ -7,8 +7,7 @@
 static bool is_possible(const fnl_renderer *r, const fnl_frame *frame) {
     const struct device_scene *scene = r->device_scene;
     bool decals = frame->decals != FNL_DECALS_OFF && scene->decals.order.count > 0;
-    return gpu_info(r->device)->multiview && frame_is(frame, SHADING_MULTIVIEW) &&
-           frame->culling == FNL_CULLING_INSTANCES && (frame->occlusion == FNL_OCCLUSION_OFF || frame->stereo.eyes) && !decals;
+    return frame_is(frame, SHADING_MULTIVIEW) && frame->culling == FNL_CULLING_INSTANCES && (frame->occlusion == FNL_OCCLUSION_OFF || frame->stereo.eyes) && !decals;
 }
 
 static vec3 direction_of(const fnl_camera *camera) { return vec3_normalize(vec3_sub(camera->target, camera->position)); }
@@ -27,11 +26,30 @@ static bool see_the_same(const fnl_renderer *r, const fnl_camera *a, const fnl_c
            vec3_length(vec3_sub(a->position, b->position)) * 32 <= vec3_length(vec3_sub(bounds->high, bounds->low));
 }
 
-uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first) {
-    if (frame->view_count < 2 || frame->multiview == FNL_MULTIVIEW_OFF || !is_possible(r, frame)) return 1;
+/* How eyes are drawn: as asked for, or by the nearest that the device has. */
+static fnl_stereo_path path_of(const fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_device_info *info = gpu_info(r->device);
+    const fnl_stereo_path path = frame->stereo.path;
+    if (path == FNL_STEREO_PATH_EYES) return path;
     /* Paths that draw after their lists share only the prepass, which gains nothing (docs/techniques/views.md). */
+    if (path == FNL_STEREO_PATH_AUTO && frame_is(frame, SHADING_LISTS_FIRST)) return FNL_STEREO_PATH_EYES;
+    if (info->vertex_layers && (path == FNL_STEREO_PATH_OBJECTS || path == FNL_STEREO_PATH_INSTANCES)) return path;
+    return info->multiview ? FNL_STEREO_PATH_MULTIVIEW : FNL_STEREO_PATH_EYES;
+}
+
+void multiview_tell(fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_stereo_path asked = frame->stereo.path, path = path_of(r, frame);
+    if (r->told_of_path || !frame->stereo.eyes || asked == FNL_STEREO_PATH_AUTO || asked == path) return;
+    r->told_of_path = true;
+    log_warning(&r->host, "stereo.path=%s: this device has no %s: %s is used", fnl_value_name(FNL_ENUM_STEREO_PATH, asked),
+                asked == FNL_STEREO_PATH_MULTIVIEW ? "multiview" : "vertex_layers", fnl_value_name(FNL_ENUM_STEREO_PATH, path));
+}
+
+uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first) {
+    if (frame->view_count < 2 || !is_possible(r, frame)) return 1;
+    if (frame->stereo.eyes) return path_of(r, frame) == FNL_STEREO_PATH_EYES ? 1 : frame->stereo.eyes;
+    if (frame->multiview == FNL_MULTIVIEW_OFF || !gpu_info(r->device)->multiview) return 1;
     if (frame->multiview == FNL_MULTIVIEW_AUTO && frame_is(frame, SHADING_LISTS_FIRST)) return 1;
-    if (frame->stereo.eyes) return frame->stereo.eyes;
     uint32_t most = MIN(frame->view_count - first, (uint32_t)MULTIVIEW_MOST), count = 1;
     while (count < most && (frame->multiview == FNL_MULTIVIEW_ON ||
                             see_the_same(r, &frame->views[first], &frame->views[first + count])))
@@ -64,6 +82,9 @@ void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together
     } else {
         all.draws = cull_views_add(graph, &all.scene->geometry, all.view_address, together);
     }
+    const fnl_stereo_path path = all.frame->stereo.eyes ? path_of(all.r, all.frame) : FNL_STEREO_PATH_MULTIVIEW;
+    if (path == FNL_STEREO_PATH_OBJECTS) all.draws.layers = GEOMETRY_LAYERS_DRAWS;
+    if (path == FNL_STEREO_PATH_INSTANCES) cull_repeat_add(graph, &all.scene->geometry, &all.draws);
     shading_draw(&all);
     graph_pop_names(graph);
     for (uint32_t i = 0; i < count; i++) shading_take_layer(&views[i], &all, i);

@@ -10,6 +10,8 @@ enum { MULTIVIEW_MOST = 6, DISPLAY_MOST = MULTIVIEW_MOST + 1 }; /* eyes of a dis
 
 /** How many views of the frame, from `first` on, are drawn at once: 1 where that does not work or does not pay. */
 uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first);
+/** The log says once of each renderer that the device lacks what the frame asks for. */
+void multiview_tell(fnl_renderer *r, const fnl_frame *frame);
 /** Draws what needs no lists for `together` views, of which the first `count`, which have begun, each take their layer. */
 void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together);
 /** Bit n: some n views of the frame are drawn at once. The scene is prepared. */

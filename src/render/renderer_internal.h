@@ -117,6 +117,7 @@ struct fnl_renderer {
     uint64_t light_version;                /* of the scene in the last frame */
     uint32_t moving_frames;                /* for which lights still count as moving */
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
+    bool told_of_path;                     /* and that the device has not what stereo.path needs */
     bool told_of_decals;                   /* and that decals asked for in the G-buffer come by lists */
     bool measures;                         /* the frame being made has an auto that may measure */
     struct graph *asking_graph;            /* of frames that are declared for their pipelines alone; NULL: none yet */

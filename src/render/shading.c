@@ -223,7 +223,7 @@ static struct shade_input input_of(const struct frame_state *f) {
 }
 
 static graph_image create_target(struct frame_state *f, const char *name, VkFormat format) {
-    uint32_t layers = f->draws.view_mask ? (uint32_t)__builtin_popcount(f->draws.view_mask) : 1;
+    const uint32_t layers = geometry_view_count(&f->draws);
     return graph_create_image(f->graph, &(struct graph_image_params){.name = name,
                                                                      .format = format,
                                                                      .width = f->frame->width,
@@ -260,7 +260,8 @@ void shading_draw(struct frame_state *f) {
     f->radiance = create_target(f, "radiance", shading_format(f));
     f->depth = create_target(f, "depth", GEOMETRY_DEPTH_FORMAT);
     struct shade_input input = input_of(f);
-    uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
+    const uint32_t calls = f->draws.layers == GEOMETRY_LAYERS_DRAWS ? geometry_view_count(&f->draws) : 1;
+    const uint32_t draws = calls * geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
     bool prepass = frame_is(f->frame, SHADING_PREPASS), first = prepass || order->draw, hides = f->frame->hidden_areas && first;
     const struct geometry_draws drawn = first && begins_depth(f) ? begin_depth(f) : f->draws;
     input.draws = &drawn;

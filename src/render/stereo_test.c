@@ -223,15 +223,15 @@ static void test_eyes_equal_each_alone_VR_1(void **state) {
         fnl_light_lists lists;
         uint32_t msaa;
         fnl_stereo_lists of;
-        fnl_multiview multiview;
-    } rows[] = {{FNL_SHADING_DEFERRED, FNL_LISTS_TILED, 1, FNL_STEREO_LISTS_EYE, FNL_MULTIVIEW_AUTO},
-                {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, 1, FNL_STEREO_LISTS_HEAD, FNL_MULTIVIEW_AUTO},
-                {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED_CPU, 1, FNL_STEREO_LISTS_HEAD, FNL_MULTIVIEW_OFF},
-                {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED, 4, FNL_STEREO_LISTS_HEAD, FNL_MULTIVIEW_ON},
-                {FNL_SHADING_FORWARD, FNL_LISTS_BVH, 1, FNL_STEREO_LISTS_HEAD, FNL_MULTIVIEW_AUTO},
-                {FNL_SHADING_VISIBILITY, FNL_LISTS_ZBIN, 1, FNL_STEREO_LISTS_HEAD, FNL_MULTIVIEW_AUTO},
-                {FNL_SHADING_DEFERRED, FNL_LISTS_RASTER, 4, FNL_STEREO_LISTS_HEAD, FNL_MULTIVIEW_AUTO},
-                {FNL_SHADING_VISIBILITY, FNL_LISTS_WORLD, 4, FNL_STEREO_LISTS_EYE, FNL_MULTIVIEW_OFF}};
+        fnl_stereo_path path;
+    } rows[] = {{FNL_SHADING_DEFERRED, FNL_LISTS_TILED, 1, FNL_STEREO_LISTS_EYE, FNL_STEREO_PATH_AUTO},
+                {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, 1, FNL_STEREO_LISTS_HEAD, FNL_STEREO_PATH_INSTANCES},
+                {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED_CPU, 1, FNL_STEREO_LISTS_HEAD, FNL_STEREO_PATH_OBJECTS},
+                {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED, 4, FNL_STEREO_LISTS_HEAD, FNL_STEREO_PATH_MULTIVIEW},
+                {FNL_SHADING_FORWARD, FNL_LISTS_BVH, 1, FNL_STEREO_LISTS_HEAD, FNL_STEREO_PATH_AUTO},
+                {FNL_SHADING_VISIBILITY, FNL_LISTS_ZBIN, 1, FNL_STEREO_LISTS_HEAD, FNL_STEREO_PATH_INSTANCES},
+                {FNL_SHADING_DEFERRED, FNL_LISTS_RASTER, 4, FNL_STEREO_LISTS_HEAD, FNL_STEREO_PATH_AUTO},
+                {FNL_SHADING_VISIBILITY, FNL_LISTS_WORLD, 4, FNL_STEREO_LISTS_EYE, FNL_STEREO_PATH_EYES}};
     struct stage stage = open_stage("builtin:glass", 60);
     fnl_renderer *other = test_renderer(stage.scene);
     fnl_camera eyes[2];
@@ -243,7 +243,7 @@ static void test_eyes_equal_each_alone_VR_1(void **state) {
         frame.lists = rows[i].lists;
         frame.msaa = rows[i].msaa;
         frame.stereo.lists = rows[i].of;
-        frame.multiview = rows[i].multiview;
+        frame.stereo.path = rows[i].path;
         snprintf(what, sizeof what, "row %u", i);
         check_alone(&stage, other, &frame, what);
     }
@@ -308,7 +308,7 @@ static void test_shared_work_VR_2(void **state) {
     /* Of so small a picture; docs/techniques/stereo.md has larger ones. */
     assert_true((double)counter(&stats.views[0], "shadows.wanted") <= 1.25 * (double)pages);
     assert_false(has_counter(&stats.views[1], "shadows.wanted"));
-    both.multiview = FNL_MULTIVIEW_OFF;
+    both.stereo.path = FNL_STEREO_PATH_EYES;
     test_render_frame(stage.renderer, &both);
     stats = harness_stats(stage.renderer);
     assert_int_equal(stats.views[0].draws + stats.views[1].draws, 2 * draws);

@@ -44,7 +44,7 @@ static struct geometry_draws create_draws(struct graph *graph, const char *what,
 static void add_fill(struct graph *graph, const char *what, const struct geometry_scene *scene, VkDeviceAddress view,
                      const struct geometry_draws *draws) {
     struct gpu_cull_push push = {
-        .view = view, .scene = scene->scene, .item_count = scene->item_count, .group_count = scene->group_count};
+        .view = view, .scene = scene->scene, .item_count = scene->item_count, .group_count = scene->group_count, .repeat = 1};
     prefix_sum_add(graph, what, GRAPH_QUEUE_GRAPHICS, draws->sums, scene->item_count + 1);
     graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "%s fill", what),
                                                    .pipeline = {.shader = &shader_cull_fill_comp},
@@ -116,6 +116,17 @@ struct geometry_draws cull_union_add(struct graph *graph, const struct geometry_
     for (uint32_t i = 0; i < push.view_count; i++) graph_add_row(pass, graph_reads(&push.views[i], views[i]->sums));
     add_fill(graph, "cull", scene, 0, &draws);
     return draws;
+}
+
+void cull_repeat_add(struct graph *graph, const struct geometry_scene *scene, struct geometry_draws *draws) {
+    struct gpu_cull_push push = {.scene = scene->scene, .group_count = scene->group_count, .repeat = geometry_view_count(draws)};
+    draws->layers = GEOMETRY_LAYERS_INSTANCES;
+    draws->draws = graph_create_buffer(graph, "repeated draw list", MAX(scene->group_count, 1u) * sizeof(struct gpu_draw));
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "cull repeat",
+                                                   .pipeline = {.shader = &shader_cull_fill_comp},
+                                                   .groups = {DIVIDE_UP(scene->group_count, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.sums, draws->sums), graph_writes(&push.draws, draws->draws))});
 }
 
 struct geometry_draws cull_add_hidden(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,

@@ -24,9 +24,10 @@ void main() {
         gpu_draw draw;
         draw.index_count = primitive.index_count;
         draw.instance_count = push.sums.at[group.first_item + group.item_count] - first;
+        draw.instance_count *= push.repeat;
         draw.first_index = primitive.first_index;
         draw.vertex_offset = primitive.vertex_offset;
-        draw.first_instance = first;
+        draw.first_instance = first * push.repeat;
         push.draws.at[index] = draw;
     }
 }

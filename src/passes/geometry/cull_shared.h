@@ -17,6 +17,7 @@ struct gpu_cull_push {
     uint hierarchy_width;
     uint hierarchy_height;
     uint occludee_count; /* items before this one may be hidden */
+    uint repeat;         /* how often each instance is drawn */
 };
 
 /* Marks for several views, which stand one after the other. */

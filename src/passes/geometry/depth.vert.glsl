@@ -8,15 +8,28 @@
 #include "lights/iterate.glsl"
 #include "passes/geometry/geometry_shared.h"
 
+#ifdef LAYERED
+#extension GL_ARB_shader_viewport_layer_array : require
+#include "passes/geometry/layered_shared.h"
+layout(push_constant, scalar) uniform push_block {
+    gpu_geometry_push push;
+    layout(offset = LAYERED_AT) gpu_layered_push layered;
+};
+#else
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+#endif
+#include "passes/geometry/layered.glsl"
 
 invariant gl_Position;
 
 void main() {
-    gpu_item item = push.scene.scene.items.at[push.visible.at[gl_InstanceIndex]];
+    gpu_item item = push.scene.scene.items.at[push.visible.at[drawn_instance()]];
     gpu_instance instance = push.scene.scene.instances.at[item.instance];
     precise vec3 position = transform_point(instance, push.scene.scene.positions.at[gl_VertexIndex]);
     precise vec4 clip = DRAWN_VIEW(push.view).view.world_to_clip * vec4(position, 1.0);
     gl_Position = clip;
     gl_PointSize = 1.0;
+#ifdef LAYERED
+    gl_Layer = int(drawn_layer());
+#endif
 }

@@ -3,6 +3,7 @@
 
 #include "constants_shared.h"
 #include "passes/geometry/clusters_shared.h"
+#include "passes/geometry/layered_shared.h"
 #include "passes/lights/light_list.h"
 #include "shaders.h"
 
@@ -70,12 +71,38 @@ static const struct gpu_shader *find_vertex(const struct gpu_shader *fragment) {
     return &shader_geometry_vert;
 }
 
-/* The shader that makes the corners of triangles. `own`, or NULL, is that of the caller. */
-static void set_corners(struct gpu_graphics_params *params, const struct gpu_shader *own, bool meshes, bool views) {
+/* The vertex shader of draws for several views. */
+static const struct gpu_shader *views_vertex(const struct geometry_draws *draws, bool depth_only) {
+    if (draws->layers == GEOMETRY_LAYERS_MULTIVIEW) return depth_only ? &shader_depth_views_vert : &shader_geometry_views_vert;
+    return depth_only ? &shader_depth_layered_vert : &shader_geometry_layered_vert;
+}
+
+/* The shader that makes the corners of triangles. `own`, or NULL, is that of the caller; `views`: draws for several views, or NULL. */
+static void set_corners(struct gpu_graphics_params *params, const struct gpu_shader *own, bool meshes, const struct geometry_draws *views) {
     params->mesh = !meshes ? NULL : params->fragment ? &shader_geometry_mesh : &shader_depth_mesh;
     params->vertex = own || meshes      ? own
-                     : params->fragment ? (views ? &shader_geometry_views_vert : find_vertex(params->fragment))
-                                        : (views ? &shader_depth_views_vert : &shader_depth_vert);
+                     : views            ? views_vertex(views, !params->fragment)
+                     : params->fragment ? find_vertex(params->fragment)
+                                        : &shader_depth_vert;
+}
+
+/* The draws of a bucket, each of which goes to all views. */
+static void draw_groups(const struct graph_context *context, const struct geometry_draws *draws, const struct geometry_bucket *bucket,
+                        const struct gpu_geometry_push *push, uint32_t size) {
+    const uint32_t views = geometry_view_count(draws), calls = draws->layers == GEOMETRY_LAYERS_DRAWS ? views : 1;
+    for (uint32_t i = 0; i < calls; i++) {
+        if (draws->layers == GEOMETRY_LAYERS_MULTIVIEW) {
+            gpu_push(context->commands, push, size);
+        } else {
+            const struct gpu_layered_push layered = {.first = i, .count = views / calls};
+            char all[LAYERED_AT + sizeof layered] = {0};
+            memcpy(all, push, MIN(size, (uint32_t)LAYERED_AT));
+            memcpy(all + LAYERED_AT, &layered, sizeof layered);
+            gpu_push(context->commands, all, sizeof all);
+        }
+        gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->draws), bucket->first_group * sizeof(struct gpu_draw),
+                                  bucket->group_count);
+    }
 }
 
 /* The clusters of a bucket, by mesh shaders. */
@@ -114,22 +141,21 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         bool clustered = geometry_bucket_clustered(bucket), compacted = draws->item_draws.id && clustered;
         params.features = (state->features | scene->features) | (compacted ? GPU_FEATURE_COMPACTED : 0);
         bool meshes = draws->mesh_draws.id && clustered;
-        set_corners(&params, state->vertex, meshes, draws->view_mask);
+        set_corners(&params, state->vertex, meshes, draws->view_mask ? draws : NULL);
         if (meshes) {
             draw_meshes(context, draws, i, &params, push, size);
             continue;
         }
         gpu_bind(context->commands, graph_pipeline(context, &params));
-        gpu_push(context->commands, push, size);
         if (compacted) {
+            gpu_push(context->commands, push, size);
             gpu_draw_indexed_indirect_count(context->commands, graph_get_buffer(context, draws->item_draws),
                                             (uint64_t)bucket->first_item * sizeof(struct gpu_draw),
                                             graph_get_buffer(context, draws->totals),
                                             sizeof(struct gpu_cluster_totals) + i * 4ull, bucket->item_count);
             continue;
         }
-        gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->draws),
-                                  bucket->first_group * sizeof(struct gpu_draw), bucket->group_count);
+        draw_groups(context, draws, bucket, push, size);
     }
     if (set == GEOMETRY_BLEND && scene->blend_item_count) {
         /* One order over all states: the fragment shader culls back faces itself. */
@@ -138,13 +164,20 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         params.cull = VK_CULL_MODE_NONE;
         params.fragment = state->fragment;
-        set_corners(&params, state->vertex, false, false);
+        set_corners(&params, state->vertex, false, NULL);
         push->visible = graph_address(context, draws->blend_visible);
         gpu_bind(context->commands, graph_pipeline(context, &params));
         gpu_push(context->commands, push, size);
         gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->blend_draws), 0,
                                   scene->blend_item_count);
     }
+}
+
+void geometry_set_layers(struct graph_pass *pass, const struct geometry_draws *draws) {
+    if (draws->layers == GEOMETRY_LAYERS_MULTIVIEW)
+        graph_view_mask(pass, draws->view_mask);
+    else
+        graph_vertex_layers(pass, geometry_view_count(draws));
 }
 
 uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set) {
@@ -184,7 +217,7 @@ void geometry_depth_add(struct graph *graph, const char *name, const struct geom
     struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
     use_vertices(pass, scene, draws, GEOMETRY_OPAQUE);
     graph_depth(pass, depth, geometry_depth_load(draws), 0);
-    graph_view_mask(pass, draws->view_mask);
+    geometry_set_layers(pass, draws);
 }
 
 void blend_depth_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,

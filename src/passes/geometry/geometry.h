@@ -55,6 +55,13 @@ struct geometry_scene {
     uint32_t index_count, pool_triangles;        /* indices of the scene, and triangles of a view for which there is room behind them */
 };
 
+/** How draws for several views go to the layers of these views. */
+enum geometry_layers {
+    GEOMETRY_LAYERS_MULTIVIEW,
+    GEOMETRY_LAYERS_DRAWS,    /* one draw after the other, with the same states; where gpu_info()->vertex_layers */
+    GEOMETRY_LAYERS_INSTANCES /* an instance for each in one draw: after cull_repeat_add; likewise */
+};
+
 /** Result of culling: which items are drawn, as indirect draws. */
 struct geometry_draws {
     graph_buffer sums; /* item_count + 1 prefix sums of visibility; the last is the number of visible items */
@@ -66,6 +73,7 @@ struct geometry_draws {
         mesh_masks;           /* in place of item_draws, triangles and indices */
     uint32_t mesh_draw_count; /* of each bucket */
     uint32_t view_mask;       /* of cull_views_add and cull_union_add: passes draw into these layers at once; 0: one view */
+    enum geometry_layers layers; /* how */
     bool depth_begun; /* the depth target holds what nothing is drawn over (passes/stereo/hidden_area.h): passes that would clear it for the opaque set do not */
     graph_buffer hidden; /* of occlusion_add, one per item and their number; id 0: nothing is hidden */
 };
@@ -92,6 +100,9 @@ struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_
  */
 struct geometry_draws cull_union_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *const views[],
                                      uint32_t view_count, uint32_t together);
+
+/** Draws for several views: each instance is drawn once for each of them, in a row. */
+void cull_repeat_add(struct graph *graph, const struct geometry_scene *scene, struct geometry_draws *draws);
 
 enum geometry_set {
     GEOMETRY_OPAQUE, /* opaque and cutout items */
@@ -122,7 +133,13 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
 void geometry_draw_with(const struct graph_context *context, const struct geometry_scene *scene,
                         const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
                         const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size);
-/** Number of indirect draw calls that geometry_draw makes. */
+/** Tells a pass into which layers its draws go. */
+void geometry_set_layers(struct graph_pass *pass, const struct geometry_draws *draws);
+/** Views that the draws go to. */
+static inline uint32_t geometry_view_count(const struct geometry_draws *draws) {
+    return draws->view_mask ? (uint32_t)__builtin_popcount(draws->view_mask) : 1;
+}
+/** Number of indirect draw calls that geometry_draw makes for one view, and of pipelines that it binds. */
 uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set);
 
 /** Depth of the opaque set, single- or multisampled; clears first. Draws into several views at once if `draws` has them. */

@@ -10,7 +10,17 @@
 #include "lights/iterate.glsl"
 #include "passes/geometry/geometry_shared.h"
 
+#ifdef LAYERED
+#extension GL_ARB_shader_viewport_layer_array : require
+#include "passes/geometry/layered_shared.h"
+layout(push_constant, scalar) uniform push_block {
+    gpu_geometry_push push;
+    layout(offset = LAYERED_AT) gpu_layered_push layered;
+};
+#else
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+#endif
+#include "passes/geometry/layered.glsl"
 
 #ifndef NO_SURFACE
 layout(location = 0) centroid out vec4 out_position; // material.glsl says why four
@@ -26,15 +36,22 @@ layout(location = 5) flat out uvec3 out_ids; // material, item, 1 when the insta
 #ifndef NO_CORNER
 layout(location = 6) flat out uint out_corner; // tells triangles of an item apart
 #endif
+#ifdef LAYERED
+layout(location = 8) flat out uint out_layer;
+#endif
 
 invariant gl_Position;
 
 #include "passes/geometry/geometry_vertex.glsl"
 
 void main() {
-    geometry_vertex v = geometry_vertex_of(push.visible.at[gl_InstanceIndex], uint(gl_VertexIndex));
+    geometry_vertex v = geometry_vertex_of(push.visible.at[drawn_instance()], uint(gl_VertexIndex));
     gl_Position = v.clip;
     gl_PointSize = 1.0;
+#ifdef LAYERED
+    gl_Layer = int(drawn_layer());
+    out_layer = drawn_layer();
+#endif
     out_ids = v.ids;
 #ifndef NO_SURFACE
     out_position = vec4(v.position, 1.0);

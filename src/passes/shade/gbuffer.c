@@ -60,6 +60,10 @@ static void create_extras(struct graph *graph, const struct shade_input *input, 
                                                                                     .height = input->height});
 }
 
+static const struct gpu_shader *views_fragment(const struct geometry_draws *draws) {
+    return draws->layers == GEOMETRY_LAYERS_MULTIVIEW ? &shader_gbuffer_views_frag : &shader_gbuffer_layered_frag;
+}
+
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth) {
     return gbuffer_add_with(graph, input, prepass, radiance, depth, NULL);
@@ -83,7 +87,7 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
                                 .form = gbuffer.form};
     data.state =
         (struct gpu_graphics_params){.fragment = extras  ? extras->fragment
-                                                 : views ? &shader_gbuffer_views_frag
+                                                 : views ? views_fragment(input->draws)
                                                          : &shader_gbuffer_frag,
                                      .color_formats = {graph_image_info(graph, radiance).format},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -113,7 +117,7 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
         graph_depth_read_only(pass, depth);
     else
         graph_depth(pass, depth, geometry_depth_load(input->draws), 0);
-    graph_view_mask(pass, input->draws->view_mask);
+    geometry_set_layers(pass, input->draws);
     return gbuffer;
 }
 

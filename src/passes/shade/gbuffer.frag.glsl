@@ -12,6 +12,11 @@
 #include "passes/shade/hybrid_shared.h"
 
 layout(push_constant, scalar) uniform push_block { gpu_gbuffer_push push; };
+#ifdef LAYERED
+layout(location = 8) flat in uint in_layer;
+#undef DRAWN_VIEW
+#define DRAWN_VIEW(first) view_at(first, in_layer)
+#endif
 #define VIEW DRAWN_VIEW(push.geometry.view)
 
 layout(location = 0) out vec4 out_radiance;

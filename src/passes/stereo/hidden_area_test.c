@@ -81,7 +81,8 @@ static void test_seen_pixels_stay_as_they_were_VR_7(void **state) {
         both.view_count = 2;
         both.hidden_areas = e.areas;
         both.stereo.eyes = p % 3 == 0 ? 2 : 0;
-        both.multiview = p % 2 ? FNL_MULTIVIEW_ON : FNL_MULTIVIEW_OFF;
+        both.stereo.path = p % 2 ? FNL_STEREO_PATH_MULTIVIEW : FNL_STEREO_PATH_INSTANCES;
+        if (!both.stereo.eyes) both.multiview = p % 2 ? FNL_MULTIVIEW_ON : FNL_MULTIVIEW_OFF;
         struct shot hidden = stage_shoot(&stage, &both);
         for (uint32_t eye = 0; eye < 2; eye++) {
             stage.frame.camera = e.cameras[eye];

@@ -100,7 +100,7 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     graph_color(pass, v.ids, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
     if (v.ids_high.id) graph_color(pass, v.ids_high, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
     graph_depth(pass, depth, geometry_depth_load(input->draws), 0);
-    graph_view_mask(pass, input->draws->view_mask);
+    geometry_set_layers(pass, input->draws);
     return v;
 }
 
