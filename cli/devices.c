@@ -39,6 +39,7 @@ static const struct {
     FEATURE(minmax_samplers, "coarse.criterion=minmax reads fewer texels"),
     FEATURE(post_depth_coverage, "dais.mode=list stores fewer elements with MSAA"),
     FEATURE(vertex_layers, "--stereo-path objects and instances"),
+    FEATURE(vertex_counts, "stereo.vertices, a counter of --stats"),
     FEATURE(clip_distances, "--shadows maps; without it shadows are found by rays"),
     FEATURE(quad_operations, "dais.multirate shares ambient light between four pixels"),
     FEATURE(conservative_raster, "--lists raster draws light meshes conservatively"),

@@ -452,6 +452,7 @@ static fnl_device *open_device(char *name, size_t capacity) {
     requirements.features.features.sampleRateShading = VK_TRUE;
     requirements.features_11.multiview = VK_TRUE;
     requirements.features_12.samplerFilterMinmax = VK_TRUE;
+    requirements.features_12.shaderOutputLayer = VK_TRUE;
     VkPhysicalDeviceMeshShaderFeaturesEXT meshes = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT, .pNext = &requirements.features, .meshShader = VK_TRUE};
     VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables = {
@@ -550,6 +551,9 @@ static void warm_eyes(fnl_renderer *renderer, const fnl_frame *base) {
     frame.occlusion = FNL_OCCLUSION_ON;
     warm(renderer, &frame);
     frame.occlusion = FNL_OCCLUSION_OFF;
+    frame.stereo.path = FNL_STEREO_PATH_INSTANCES;
+    warm(renderer, &frame); /* objects takes the same pipelines */
+    frame.stereo.path = FNL_STEREO_PATH_AUTO;
     frame.stereo.mono_distance = 10;
     warm(renderer, &frame); /* nothing is made where it is refused */
 }

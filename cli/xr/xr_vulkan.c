@@ -99,9 +99,11 @@ static void choose_features(const struct xr *x, struct features *f) {
     has_12.pNext = more;
     GetPhysicalDeviceFeatures2(x->physical, &has);
     f->all.features.features.geometryShader = has.features.geometryShader;
+    f->all.features.features.pipelineStatisticsQuery = has.features.pipelineStatisticsQuery;
     f->all.features.features.shaderClipDistance = has.features.shaderClipDistance;
     f->all.features.features.textureCompressionBC = has.features.textureCompressionBC;
     f->all.features_11.multiview = has_11.multiview;
+    f->all.features_12.shaderOutputLayer = has_12.shaderOutputLayer;
     f->all.features_12.samplerFilterMinmax = has_12.samplerFilterMinmax;
     void **end = &f->all.features_13.pNext;
     if (mesh && has_mesh.meshShader) {

@@ -58,6 +58,7 @@ typedef struct fnl_device_info {
     bool minmax_samplers;     /**< samplers can return the minimum and the maximum of four texels */
     bool post_depth_coverage; /**< fragment shaders know which samples pass the depth test */
     bool vertex_layers;       /**< vertex shaders can choose the layer that they draw into */
+    bool vertex_counts;       /**< counts how often vertex shaders run */
     bool clip_distances;      /**< vertex shaders can cut triangles off along planes */
     bool quad_operations;     /**< fragment shaders can share values within 2x2 squares of pixels */
     bool texture_compression; /**< samples pictures that are compressed in blocks (BC1 to BC7) */

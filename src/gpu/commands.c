@@ -395,3 +395,20 @@ void gpu_timestamp(struct gpu_commands *commands, uint32_t index) {
     unsigned count = atomic_load(&frame->timestamp_count);
     while (count < index + 1 && !atomic_compare_exchange_weak(&frame->timestamp_count, &count, index + 1)) continue;
 }
+
+static VkQueryPool vertex_counts(const struct gpu_commands *commands, uint32_t query, uint32_t views) {
+    if (!commands->handle || query + views > GPU_MAX_VERTEX_COUNTS) return VK_NULL_HANDLE;
+    return commands->device->frames[commands->slot].vertex_counts;
+}
+
+void gpu_begin_vertex_count(struct gpu_commands *commands, uint32_t query, uint32_t views) {
+    VkQueryPool pool = vertex_counts(commands, query, views);
+    if (!pool) return;
+    commands->device->vk.CmdBeginQuery(commands->handle, pool, query, 0);
+    atomic_store(&commands->device->frames[commands->slot].vertices_counted, true);
+}
+
+void gpu_end_vertex_count(struct gpu_commands *commands, uint32_t query, uint32_t views) {
+    VkQueryPool pool = vertex_counts(commands, query, views);
+    if (pool) commands->device->vk.CmdEndQuery(commands->handle, pool, query);
+}

@@ -266,6 +266,7 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     const VkPhysicalDeviceFeatures *supported = &physical->supported.features.features;
     VkPhysicalDeviceFeatures *enabled = &features.features.features;
     enabled->geometryShader = supported->geometryShader; /* fragment shaders get gl_PrimitiveID with it */
+    enabled->pipelineStatisticsQuery = supported->pipelineStatisticsQuery;
     enabled->shaderClipDistance = supported->shaderClipDistance;
     enabled->textureCompressionBC = supported->textureCompressionBC;
     enabled->imageCubeArray = supported->imageCubeArray;

@@ -217,6 +217,7 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     info->max_views = info->multiview ? views.maxMultiviewViewCount : 1;
     info->primitive_ids = out->supported.features.features.geometryShader;
     info->vertex_layers = out->supported.features_12.shaderOutputLayer;
+    info->vertex_counts = out->supported.features.features.pipelineStatisticsQuery;
     info->clip_distances = out->supported.features.features.shaderClipDistance;
     info->minmax_samplers = out->supported.features_12.samplerFilterMinmax;
     info->usable = !info->missing[0];

@@ -1,7 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #include "gpu/gpu_internal.h"
 
+static fnl_result init_vertex_counts(gpu_device *device) {
+    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) {
+        const VkQueryPoolCreateInfo info = {
+            .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+            .queryType = VK_QUERY_TYPE_PIPELINE_STATISTICS,
+            .queryCount = GPU_MAX_VERTEX_COUNTS,
+            .pipelineStatistics = VK_QUERY_PIPELINE_STATISTIC_VERTEX_SHADER_INVOCATIONS_BIT,
+        };
+        VkQueryPool *queries = &device->frames[i].vertex_counts;
+        TRY(gpu_check(device, device->vk.CreateQueryPool(device->handle, &info, NULL, queries), "vkCreateQueryPool"));
+        gpu_name(device, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)*queries, "vertex counts");
+        atomic_store(&device->frames[i].vertices_counted, true); /* new ones must be reset, too */
+    }
+    return FNL_OK;
+}
+
 fnl_result gpu_frames_init(gpu_device *device) {
+    if (device->info.vertex_counts) TRY(init_vertex_counts(device));
     if (!device->timestamp_mask) return FNL_OK;
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) {
         VkQueryPoolCreateInfo info = {
@@ -27,6 +44,7 @@ void gpu_frames_finish(gpu_device *device) {
                 gpu_command_pool_finish(device, &frame->pools[queue][chunk]);
         }
         device->vk.DestroyQueryPool(device->handle, frame->queries, NULL);
+        device->vk.DestroyQueryPool(device->handle, frame->vertex_counts, NULL);
     }
     array_free(&device->host, &device->submit_infos);
     array_free(&device->host, &device->batch_values);
@@ -92,6 +110,21 @@ bool gpu_frame_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uin
     return true;
 }
 
+bool gpu_frame_vertex_count(gpu_device *device, uint64_t frame_number, uint32_t first, uint32_t count, uint64_t *out) {
+    if (frame_number == 0 || device->frame_number >= frame_number + GPU_FRAMES_IN_FLIGHT || first + count > GPU_MAX_VERTEX_COUNTS) return false;
+    const struct gpu_frame *frame = &device->frames[(frame_number - 1) % GPU_FRAMES_IN_FLIGHT];
+    if (!frame->vertex_counts || !is_finished(device, frame)) return false;
+    *out = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+        uint64_t result[2] = {0, 0}; /* the number, and whether it is there */
+        if (device->vk.GetQueryPoolResults(device->handle, frame->vertex_counts, i, 1, sizeof result, result, sizeof result,
+                                           VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WITH_AVAILABILITY_BIT) < 0)
+            return false;
+        if (result[1]) *out += result[0];
+    }
+    return count > 0;
+}
+
 /* ---- begin ---- */
 
 fnl_result gpu_frame_begin(gpu_device *device) {
@@ -114,6 +147,8 @@ fnl_result gpu_frame_begin(gpu_device *device) {
     }
     if (frame->queries) device->vk.ResetQueryPool(device->handle, frame->queries, 0, GPU_MAX_TIMESTAMPS);
     atomic_store(&frame->timestamp_count, 0);
+    if (frame->vertex_counts && atomic_exchange(&frame->vertices_counted, false))
+        device->vk.ResetQueryPool(device->handle, frame->vertex_counts, 0, GPU_MAX_VERTEX_COUNTS);
     device->frame_number++;
     device->in_frame = true;
     return FNL_OK;

@@ -53,6 +53,7 @@
                                                                 X(CmdSetCullMode) X(CmdSetFrontFace)                        \
                                                                 X(CmdSetStencilReference) X(CmdClearAttachments)            \
                                                                     X(CmdPipelineBarrier2) X(CmdWriteTimestamp2)            \
+                                                                    X(CmdBeginQuery) X(CmdEndQuery)                         \
                                                                         GPU_SCOPE_FUNCTIONS(X)
 
 /* Present only with VK_EXT_mesh_shader. */

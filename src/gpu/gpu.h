@@ -494,6 +494,13 @@ void gpu_end_label(struct gpu_commands *commands);
 /** Writes timestamp `index` of the frame, below GPU_MAX_TIMESTAMPS. */
 enum { GPU_MAX_TIMESTAMPS = 2048 };
 void gpu_timestamp(struct gpu_commands *commands, uint32_t index);
+/**
+ * Around draws, inside of a rendering: counts how often vertex shaders run, where fnl_device_info.vertex_counts. Takes as many queries of the frame, from
+ * `query` on, as the rendering's view mask has bits, one without; each once in a frame; all below GPU_MAX_VERTEX_COUNTS. Beyond, nothing is counted.
+ */
+enum { GPU_MAX_VERTEX_COUNTS = 256 };
+void gpu_begin_vertex_count(struct gpu_commands *commands, uint32_t query, uint32_t views);
+void gpu_end_vertex_count(struct gpu_commands *commands, uint32_t query, uint32_t views);
 
 /*
  * ---- what a frame leaves for the next to wait for ----
@@ -548,6 +555,8 @@ fnl_result gpu_frame_end(gpu_device *device, const struct gpu_batch *batches, ui
 fnl_result gpu_frame_wait(gpu_device *device, uint64_t frame_number);
 /** Timestamps of the last finished use of a slot, in nanoseconds from the earliest; false when the device has none or they were not written. */
 bool gpu_frame_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *out);
+/** Sum of `count` queries of gpu_begin_vertex_count; false when the device cannot count, the frame is not over, or another one has taken its slot since. */
+bool gpu_frame_vertex_count(gpu_device *device, uint64_t frame_number, uint32_t first, uint32_t count, uint64_t *out);
 
 /* ---- memory written by the CPU each frame ---- */
 

@@ -320,6 +320,8 @@ struct gpu_frame {
     bool timestamps_pending;     /* submitted and not fetched */
     uint64_t ticks[GPU_MAX_TIMESTAMPS];
     uint32_t tick_count; /* ticks 0 .. tick_count - 1 were written */
+    VkQueryPool vertex_counts; /* null: the device has none */
+    atomic_bool vertices_counted; /* in this frame; queries must be reset before the next use */
     struct gpu_slices slices;
     struct gpu_retire_list retired;
 };

@@ -140,6 +140,7 @@ static fnl_result check_required(const struct call *call, const struct enabled *
 static void keep_enabled(const VkDeviceCreateInfo *created, const struct enabled *enabled, fnl_device_info *info) {
     info->primitive_ids &= enabled->features.features.features.geometryShader != 0;
     info->vertex_layers &= enabled->features.features_12.shaderOutputLayer != 0;
+    info->vertex_counts &= enabled->features.features.features.pipelineStatisticsQuery != 0;
     info->clip_distances &= enabled->features.features.features.shaderClipDistance != 0;
     info->texture_compression &= enabled->features.features.features.textureCompressionBC != 0;
     info->multiview &= enabled->features.features_11.multiview != 0;

@@ -157,6 +157,19 @@ static void test_misuse(void **state) {
     expect_misuse(graph, "pass 'nothing' draws several views, but has no attachments");
 
     graph = make_graph();
+    pass = pass_of(graph, "wide");
+    graph_color(pass, array_image(graph, "a", 2), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_vertex_layers(pass, 3);
+    expect_misuse(graph, "pass 'wide' draws into 3 layers, but its attachments have fewer");
+
+    graph = make_graph();
+    pass = pass_of(graph, "both");
+    graph_color(pass, array_image(graph, "a", 2), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_vertex_layers(pass, 2);
+    graph_view_mask(pass, 3);
+    expect_misuse(graph, "pass 'both' draws into 2 layers, but has a view mask");
+
+    graph = make_graph();
     graph_begin_scope(graph, &(struct graph_scope_params){"scope", 1, 1, false});
     pass = pass_of(graph, "inside");
     graph_color(pass, array_image(graph, "a", 2), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);

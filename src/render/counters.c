@@ -5,6 +5,7 @@
 #include "fanal/options.h"
 #include "render/decals.h"
 #include "render/mono.h"
+#include "render/multiview.h"
 #include "render/reflections.h"
 #include "render/shadows.h"
 
@@ -13,7 +14,7 @@
 /* ---- the tables ---- */
 
 /* Of the steps that several orders share; then those of each order. */
-static const struct counter_table *const shared[] = {&shading_counters, &decals_counters, &shadows_counters, &reflections_counters, &mono_counters};
+static const struct counter_table *const shared[] = {&shading_counters, &decals_counters, &shadows_counters, &reflections_counters, &mono_counters, &multiview_counters};
 enum { TABLE_COUNT = COUNT_OF(shared) + FNL_SHADING_AUTO };
 
 /* Orders may have one table in common: it is the first one's, and `out_shadings` gets the bits of them all. */

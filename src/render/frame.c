@@ -206,6 +206,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     uint32_t count = frame_view_count(frame);
     graph_begin(r->graph);
     multiview_tell(r, frame);
+    r->vertex_queries = 0;
     TRY(device_scene_add(&r->scene_user, r->graph, &scene));
     TRY(add_shared(&shared, &scene));
     shadows_begin(&shared, &scene);

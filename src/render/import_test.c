@@ -39,6 +39,7 @@ static struct world {
     uint64_t ticks; /* what the timeline was last asked to reach */
     uint32_t layer_version;
     uint32_t told; /* warnings that ray queries are missing */
+    uint32_t told_of_path;
     atomic_uint messages;
     char last_error[2048]; /* of Fanal's log */
     fnl_camera camera;
@@ -67,6 +68,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
 static void keep_error(void *user, fnl_log_level level, const char *line) {
     UNUSED(user);
     if (level == FNL_LOG_WARNING && strstr(line, "ray-query")) w.told++;
+    if (level == FNL_LOG_WARNING && strstr(line, "stereo.path=instances")) w.told_of_path++;
     if (level == FNL_LOG_ERROR) snprintf(w.last_error, sizeof w.last_error, "%s", line);
 }
 
@@ -113,6 +115,8 @@ static void make_device(void) {
     FNL(fnl_enumerate_devices(NULL, &w.optional, 1, &count));
     fnl_vulkan_requirements_init(&w.features);
     w.features.features.features.geometryShader = w.optional.primitive_ids;
+    w.features.features.features.pipelineStatisticsQuery = w.optional.vertex_counts;
+    w.features.features_12.shaderOutputLayer = w.optional.vertex_layers;
     w.meshes = (VkPhysicalDeviceMeshShaderFeaturesEXT){.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT,
                                                        .pNext = &w.features.features,
                                                        .meshShader = VK_TRUE};
@@ -517,7 +521,7 @@ static void test_views_go_to_layers(void **state) {
     fnl_device_info info;
     FNL(fnl_device_query_info(w.imported, &info));
     assert_true(!info.multiview && info.max_views == 1 && w.optional.multiview && w.optional.max_views >= 6);
-    for (int i = 0; i < 2; i++) { /* from nothing, then from what the last frame left */
+    for (int i = 0; i < 3; i++) { /* from nothing, then from what the last frame left */
         render_and_fetch(&frame, &p, ORDER_TIMELINE, i ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_UNDEFINED,
                          VK_IMAGE_LAYOUT_GENERAL);
         for (int v = 0; v < VIEWS; v++) {
@@ -528,8 +532,13 @@ static void test_views_go_to_layers(void **state) {
             assert_bytes_equal(&own, &image);
             fnl_image_free(NULL, &image);
         }
+        frame.multiview = FNL_MULTIVIEW_AUTO; /* nor can vertex shaders choose a layer */
+        frame.stereo.eyes = VIEWS;
+        frame.stereo.path = FNL_STEREO_PATH_INSTANCES;
+        frame.exposure = single.exposure = FNL_EXPOSURE_NONE; /* eyes share one */
     }
     free_picture(&p);
+    assert_int_equal(w.told_of_path, 1);
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
@@ -713,8 +722,8 @@ static void test_optional_features_are_used_where_the_caller_says_so(void **stat
     frame.shading = FNL_SHADING_VISIBILITY;
     fnl_device_info without, with;
     FNL(fnl_device_query_info(w.imported, &without));
-    assert_false(without.primitive_ids || without.mesh_shader || without.post_depth_coverage || without.minmax_samplers ||
-                 without.clip_distances);
+    assert_false(without.primitive_ids || without.mesh_shader || without.post_depth_coverage || without.minmax_samplers || without.clip_distances ||
+                 without.vertex_layers || without.vertex_counts);
     assert_int_equal(fnl_renderer_render(w.renderer, &frame), FNL_ERROR_UNSUPPORTED);
     check_objects();
 
@@ -727,6 +736,8 @@ static void test_optional_features_are_used_where_the_caller_says_so(void **stat
     FNL(fnl_device_query_info(device, &with));
     assert_int_equal(with.primitive_ids, w.optional.primitive_ids);
     assert_int_equal(with.mesh_shader, w.optional.mesh_shader);
+    assert_int_equal(with.vertex_layers, w.optional.vertex_layers);
+    assert_int_equal(with.vertex_counts, w.optional.vertex_counts);
     assert_false(with.post_depth_coverage || with.minmax_samplers || with.clip_distances); /* the device has them, but they are not switched on */
     FNL(fnl_renderer_create(device, w.scene, &renderer));
     const fnl_shading orders[] = {FNL_SHADING_VISIBILITY, FNL_SHADING_DAIS};

@@ -17,4 +17,9 @@ void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together
 /** Bit n: some n views of the frame are drawn at once. The scene is prepared. */
 uint32_t multiview_counts(const fnl_renderer *r, const fnl_frame *frame);
 
+/** Notes what drawing the opaque set in so many passes takes, where views are eyes, and tells `draws` what to count. */
+void multiview_count_work(struct frame_state *f, struct geometry_draws *draws, uint32_t passes);
+
+extern const struct counter_table multiview_counters;
+
 #endif

@@ -162,6 +162,7 @@ struct fnl_renderer {
 
     /* The last frame, and where its results are. */
     fnl_frame frame; /* without the addresses of its views and its overlay */
+    uint32_t vertex_queries; /* of the frame that is being declared: those taken so far */
     uint64_t frame_number; /* 0: none yet, or the last one failed */
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
     struct gpu_buffer outputs[OUTPUT_COUNT];         /* the pictures of all views, one after the other */

@@ -5,6 +5,7 @@
 #include "render/orders/order.h"
 #include "render/reflections.h"
 #include "render/shadows.h"
+#include "render/multiview.h"
 #include "render/stereo.h"
 
 #include "passes/lights/sprites.h"
@@ -263,12 +264,15 @@ void shading_draw(struct frame_state *f) {
     const uint32_t calls = f->draws.layers == GEOMETRY_LAYERS_DRAWS ? geometry_view_count(&f->draws) : 1;
     const uint32_t draws = calls * geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
     bool prepass = frame_is(f->frame, SHADING_PREPASS), first = prepass || order->draw, hides = f->frame->hidden_areas && first;
-    const struct geometry_draws drawn = first && begins_depth(f) ? begin_depth(f) : f->draws;
+    struct geometry_draws drawn = first && begins_depth(f) ? begin_depth(f) : f->draws;
+    const uint32_t passes = (uint32_t)prepass + (order->draw != NULL);
     input.draws = &drawn;
+    multiview_count_work(f, &drawn, passes);
     if (prepass) prepass_add(f->graph, input.scene, &drawn, f->view_address, f->depth);
+    if (prepass) drawn.first_query += geometry_query_count(&drawn);
     if (order->draw) order->draw(f, &input, prepass);
     if (hides) add_hidden(f, "hidden area empty", HIDDEN_AREA_FAR, false); /* those who look at depth find nothing there */
-    f->first_draws = (prepass ? draws : 0) + (order->draw ? draws : 0);
+    f->first_draws = passes * draws;
 }
 
 void shading_take_layer(struct frame_state *f, const struct frame_state *together, uint32_t layer) {

@@ -251,6 +251,67 @@ static void test_eyes_equal_each_alone_VR_1(void **state) {
     stage_close(&stage);
 }
 
+/* What the plan says of the passes that draw both eyes. */
+static bool plan_says(const struct stage *stage, const char *what) {
+    static char text[1 << 18];
+    assert_true(fnl_renderer_print(stage->renderer, FNL_PRINT_PLAN, text, sizeof text) < sizeof text);
+    return strstr(text, what) != NULL;
+}
+
+static const struct way {
+    fnl_stereo_path path;
+    const char *plan;
+} ways[] = {{FNL_STEREO_PATH_OBJECTS, ", 2 layers at once:"}, {FNL_STEREO_PATH_INSTANCES, ", 2 layers at once:"}, {FNL_STEREO_PATH_MULTIVIEW, ", views 0x3 at once:"}};
+
+/* Every way to draw for two eyes against each eye alone: cutouts, in what shades before lists and after them, and skins. */
+static void test_ways_to_draw_equal_each_alone_VR_1(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *source;
+        fnl_shading shading;
+        bool prepass;
+        uint32_t msaa;
+    } rows[] = {{"builtin:grass?lights=20", FNL_SHADING_DEFERRED, true, 1},
+                {"builtin:grass?lights=20", FNL_SHADING_VISIBILITY, false, 1},
+                {"builtin:grass?lights=20", FNL_SHADING_FORWARD_PREPASS, false, 4},
+                {"CesiumMan.glb", FNL_SHADING_DEFERRED, false, 1}};
+    fnl_camera eyes[2];
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
+        struct stage stage = open_stage(rows[i].source, i == 3 ? 30 : 0);
+        fnl_renderer *other = test_renderer(stage.scene);
+        place_eyes(&stage, 0.064f, true, eyes);
+        fnl_frame frame = frame_of(&stage, eyes), alone;
+        frame.lists = FNL_LISTS_TILED;
+        frame.shading = rows[i].shading;
+        frame.gbuffer.prepass = rows[i].prepass;
+        frame.msaa = rows[i].msaa;
+        frame.outputs = FNL_OUTPUT_RADIANCE;
+        if (i == 3) assert_int_equal(fnl_scene_set_time(stage.scene, 0, 0.7), FNL_OK);
+        alone = frame;
+        alone.stereo = fnl_frame_default().stereo;
+        alone.multiview = FNL_MULTIVIEW_OFF;
+        test_render_frame(other, &alone);
+        fnl_image expected = test_read(other, FNL_OUTPUT_RADIANCE);
+        for (uint32_t w = 0; w < COUNT_OF(ways); w++) {
+            frame.stereo.path = ways[w].path;
+            test_render_frame(stage.renderer, &frame);
+            assert_true(plan_says(&stage, ways[w].plan));
+            fnl_image image = test_read(stage.renderer, FNL_OUTPUT_RADIANCE);
+            const uint64_t differing = count_differing(&image, &expected);
+            if (differing) fail_msg("row %u: %llu pixels of the path %s differ", i, (unsigned long long)differing, fnl_value_name(FNL_ENUM_STEREO_PATH, ways[w].path));
+            free_picture(&image);
+        }
+        /* Clusters are culled for one view: eyes are drawn one by one. */
+        frame.culling = FNL_CULLING_CLUSTERS;
+        frame.stereo.path = FNL_STEREO_PATH_INSTANCES;
+        if (i == 0) test_render_frame(stage.renderer, &frame);
+        if (i == 0) assert_false(plan_says(&stage, " at once:"));
+        free_picture(&expected);
+        fnl_renderer_destroy(&other);
+        stage_close(&stage);
+    }
+}
+
 static void test_histories_and_shadows_VR_1(void **state) {
     UNUSED(state);
     struct stage stage = open_stage("builtin:hall?lights=30", 0);
@@ -308,14 +369,78 @@ static void test_shared_work_VR_2(void **state) {
     /* Of so small a picture; docs/techniques/stereo.md has larger ones. */
     assert_true((double)counter(&stats.views[0], "shadows.wanted") <= 1.25 * (double)pages);
     assert_false(has_counter(&stats.views[1], "shadows.wanted"));
-    both.stereo.path = FNL_STEREO_PATH_EYES;
-    test_render_frame(stage.renderer, &both);
-    stats = harness_stats(stage.renderer);
-    assert_int_equal(stats.views[0].draws + stats.views[1].draws, 2 * draws);
     both.stereo.eyes = 0;
+    both.multiview = FNL_MULTIVIEW_OFF;
     test_render_frame(stage.renderer, &both);
     assert_true(count_passes(&stage, "cull mark'") == 2);
     assert_true(count_passes(&stage, "clustered fill'") == 2);
+    stage_close(&stage);
+}
+
+static uint32_t binds; /* of pipelines of the G-buffer */
+
+static const struct gpu_pipeline *count_bind(gpu_device *device, const struct gpu_pipeline *bound) {
+    UNUSED(device);
+    const struct gpu_graphics_params *params = spy_graphics_params(bound);
+    binds += params && params->fragment && strncmp(params->fragment->name, "gbuffer", 7) == 0;
+    return bound;
+}
+
+/* Draws 2:2:1:1, states 2:1:1:1, and how often the vertex shader runs. */
+static void test_ways_to_draw_are_counted_VR_2(void **state) {
+    UNUSED(state);
+    enum { WAYS = 4 };
+    static const fnl_stereo_path paths[WAYS] = {FNL_STEREO_PATH_EYES, FNL_STEREO_PATH_OBJECTS, FNL_STEREO_PATH_INSTANCES, FNL_STEREO_PATH_MULTIVIEW};
+    static const uint64_t draw_ratio[WAYS] = {2, 2, 1, 1}, state_ratio[WAYS] = {2, 1, 1, 1};
+    struct stage stage = open_stage("builtin:hall?lights=30", 0); /* nothing is blended in it */
+    fnl_camera eyes[2];
+    place_eyes(&stage, 0.064f, false, eyes);
+    fnl_frame frame = frame_of(&stage, eyes);
+    frame.lists = FNL_LISTS_TILED;
+    frame.record_threads = 1;
+    frame.count_lights = true;
+    uint64_t one_draws = 0, one_states = 0, vertices[WAYS] = {0};
+    spy_begin(harness_device());
+    for (uint32_t w = 0; w < WAYS; w++) {
+        uint64_t draws = 0, states = 0;
+        uint32_t recorded = 0;
+        spy_clear();
+        spy.replace = count_bind;
+        binds = 0;
+        frame.stereo.path = paths[w];
+        test_render_frame(stage.renderer, &frame);
+        const fnl_frame_stats stats = harness_stats(stage.renderer);
+        for (uint32_t v = 0; v < 2; v++) {
+            if (v > 0 && w > 0) {
+                assert_false(has_counter(&stats.views[v], "stereo.states") || has_counter(&stats.views[v], "stereo.vertices"));
+                assert_int_equal(stats.views[v].draws, 0);
+                continue;
+            }
+            draws += stats.views[v].draws;
+            states += counter(&stats.views[v], "stereo.states");
+            vertices[w] += counter(&stats.views[v], "stereo.vertices");
+        }
+        for (uint32_t i = 0; i < spy.work_count; i++) recorded += spy.work[i].indirect && spy_graphics_params(spy.work[i].pipeline);
+        assert_int_equal(recorded, draws);
+        assert_int_equal(binds, states);
+        if (w == 0) one_draws = draws / 2;
+        if (w == 0) one_states = states / 2;
+        assert_true(one_draws > 1 && one_states > 1);
+        assert_int_equal(draws, draw_ratio[w] * one_draws);
+        assert_int_equal(states, state_ratio[w] * one_states);
+    }
+    spy_end();
+    print_message("vertices of A, B, E, G: %llu %llu %llu %llu\n", (unsigned long long)vertices[0], (unsigned long long)vertices[1], (unsigned long long)vertices[2],
+                  (unsigned long long)vertices[3]);
+    /* Eyes have one frustum, so that they draw the same. A device may share what multiview runs. */
+    assert_true(vertices[0] > 1000);
+    assert_int_equal(vertices[1], vertices[0]);
+    assert_int_equal(vertices[2], vertices[0]);
+    assert_true(vertices[3] >= vertices[0] / 2 && vertices[3] <= vertices[0]);
+    frame.count_lights = false;
+    test_render_frame(stage.renderer, &frame);
+    const fnl_frame_stats plain = harness_stats(stage.renderer);
+    assert_false(has_counter(&plain.views[0], "stereo.vertices"));
     stage_close(&stage);
 }
 
@@ -358,6 +483,8 @@ static void test_eyes_draw_what_either_sees_VR_1_VR_2(void **state) {
     const uint32_t draws = harness_stats(stage.renderer).views[0].draws;
     frame.occlusion = FNL_OCCLUSION_ON;
     for (uint32_t n = 0; n < 3; n++) { /* the second has depth of the first to begin with */
+        if (n == 1) frame.stereo.path = FNL_STEREO_PATH_INSTANCES;
+        if (n == 2) frame.stereo.path = FNL_STEREO_PATH_OBJECTS;
         if (n == 2) frame.shading = FNL_SHADING_VISIBILITY;
         fnl_frame plain = frame;
         plain.occlusion = FNL_OCCLUSION_OFF;
@@ -488,13 +615,19 @@ static void test_instances_behind_others_VR_3(void **state) {
     place_eyes(&stage, 0.1f, true, eyes + 2);
     fnl_frame frame = frame_of(&stage, eyes), alone;
     frame.view_count = 4;
-    test_render_frame(stage.renderer, &frame);
     alone = frame;
     alone.stereo.eyes = 0;
     alone.multiview = FNL_MULTIVIEW_OFF;
     test_render_frame(other, &alone);
-    fnl_image a = test_read(stage.renderer, FNL_OUTPUT_OBJECT), b = test_read(other, FNL_OUTPUT_OBJECT);
-    assert_int_equal(count_differing(&a, &b), 0);
+    fnl_image b = test_read(other, FNL_OUTPUT_RADIANCE);
+    for (uint32_t w = 0; w < COUNT_OF(ways); w++) {
+        frame.stereo.path = ways[w].path;
+        test_render_frame(stage.renderer, &frame);
+        fnl_image image = test_read(stage.renderer, FNL_OUTPUT_RADIANCE);
+        assert_int_equal(count_differing(&image, &b), 0);
+        free_picture(&image);
+    }
+    fnl_image a = test_read(stage.renderer, FNL_OUTPUT_OBJECT);
     uint32_t seen = 0;
     for (uint32_t i = 0; i < a.width * a.height; i++) {
         const uint32_t object = (uint32_t)((const float *)a.pixels)[4 * i];
@@ -523,6 +656,12 @@ static void test_eyes_are_checked(void **state) {
     frame.view_count = 2;
     frame.stereo.margin = 21;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_INVALID);
+    frame.stereo.margin = 0;
+    frame.multiview = FNL_MULTIVIEW_OFF; /* stereo.path says it */
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_INVALID);
+    frame.multiview = FNL_MULTIVIEW_AUTO;
+    frame.stereo.path = FNL_STEREO_PATH_COUNT;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_INVALID);
     stage_close(&stage);
 }
 
@@ -533,8 +672,10 @@ int main(void) {
         cmocka_unit_test(test_late_poses_within_the_margin_VR_6),
         cmocka_unit_test(test_eyes_that_look_apart_have_none),
         cmocka_unit_test_teardown(test_eyes_equal_each_alone_VR_1, harness_check),
+        cmocka_unit_test_teardown(test_ways_to_draw_equal_each_alone_VR_1, harness_check),
         cmocka_unit_test_teardown(test_histories_and_shadows_VR_1, harness_check),
         cmocka_unit_test_teardown(test_shared_work_VR_2, harness_check),
+        cmocka_unit_test_teardown(test_ways_to_draw_are_counted_VR_2, spy_tear_down),
         cmocka_unit_test_teardown(test_eyes_draw_what_either_sees_VR_1_VR_2, harness_check),
         cmocka_unit_test_teardown(test_one_exposure, harness_check),
         cmocka_unit_test_teardown(test_disparity_of_a_known_box_VR_4, harness_check),

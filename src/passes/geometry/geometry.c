@@ -120,7 +120,7 @@ static void draw_meshes(const struct graph_context *context, const struct geomet
     push->visible = visible;
 }
 
-void geometry_draw_with(const struct graph_context *context, const struct geometry_scene *scene,
+static void draw_set(const struct graph_context *context, const struct geometry_scene *scene,
                         const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
                         const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size) {
     gpu_bind_indices(context->commands, scene->indices, 0);
@@ -171,6 +171,15 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->blend_draws), 0,
                                   scene->blend_item_count);
     }
+}
+
+void geometry_draw_with(const struct graph_context *context, const struct geometry_scene *scene,
+                        const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
+                        const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size) {
+    const bool counts = draws->counts_vertices && set == GEOMETRY_OPAQUE;
+    if (counts) gpu_begin_vertex_count(context->commands, draws->first_query, geometry_query_count(draws));
+    draw_set(context, scene, draws, set, state, mask_fragment, push, size);
+    if (counts) gpu_end_vertex_count(context->commands, draws->first_query, geometry_query_count(draws));
 }
 
 void geometry_set_layers(struct graph_pass *pass, const struct geometry_draws *draws) {

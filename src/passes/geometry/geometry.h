@@ -74,6 +74,8 @@ struct geometry_draws {
     uint32_t mesh_draw_count; /* of each bucket */
     uint32_t view_mask;       /* of cull_views_add and cull_union_add: passes draw into these layers at once; 0: one view */
     enum geometry_layers layers; /* how */
+    bool counts_vertices; /* of the opaque set, by geometry_query_count queries from first_query on (gpu_begin_vertex_count) */
+    uint32_t first_query;
     bool depth_begun; /* the depth target holds what nothing is drawn over (passes/stereo/hidden_area.h): passes that would clear it for the opaque set do not */
     graph_buffer hidden; /* of occlusion_add, one per item and their number; id 0: nothing is hidden */
 };
@@ -138,6 +140,10 @@ void geometry_set_layers(struct graph_pass *pass, const struct geometry_draws *d
 /** Views that the draws go to. */
 static inline uint32_t geometry_view_count(const struct geometry_draws *draws) {
     return draws->view_mask ? (uint32_t)__builtin_popcount(draws->view_mask) : 1;
+}
+/** Queries that a pass takes which counts vertices. */
+static inline uint32_t geometry_query_count(const struct geometry_draws *draws) {
+    return draws->layers == GEOMETRY_LAYERS_MULTIVIEW ? geometry_view_count(draws) : 1;
 }
 /** Number of indirect draw calls that geometry_draw makes for one view, and of pipelines that it binds. */
 uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set);

@@ -207,7 +207,7 @@ static void test_exposure_is_that_of_what_is_seen(void **state) {
     stage_close(&stage);
 }
 
-/* A frame that was warmed up compiles nothing, for one view and for two at once. */
+/* A frame that was warmed up compiles nothing, for one view and for two at once, by multiview and by instances. */
 static void test_pipelines_ahead_of_frames(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:hall?lights=2", 0);
@@ -216,10 +216,12 @@ static void test_pipelines_ahead_of_frames(void **state) {
     stage.frame.lists = FNL_LISTS_ALL;
     stage.frame.hidden_areas = e.areas;
     stage.frame.views = e.cameras;
-    for (uint32_t count = 0; count <= 2; count += 2) {
+    for (uint32_t n = 0; n < 3; n++) {
         fnl_frame_stats stats;
-        stage.frame.view_count = count;
-        stage.frame.multiview = FNL_MULTIVIEW_ON;
+        stage.frame.view_count = n ? 2 : 0;
+        stage.frame.multiview = n < 2 ? FNL_MULTIVIEW_ON : FNL_MULTIVIEW_AUTO;
+        stage.frame.stereo.eyes = n < 2 ? 0 : 2;
+        stage.frame.stereo.path = FNL_STEREO_PATH_INSTANCES;
         assert_int_equal(fnl_renderer_warm(stage.renderer, &stage.frame, NULL, true, NULL), FNL_OK);
         assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
         assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
