@@ -286,6 +286,7 @@ static void test_ways_to_draw_equal_each_alone_VR_1(void **state) {
         frame.gbuffer.prepass = rows[i].prepass;
         frame.msaa = rows[i].msaa;
         frame.outputs = FNL_OUTPUT_RADIANCE;
+        if (i == 3) frame.gbuffer.normals = FNL_NORMALS_VIEW; /* fragment shaders take the eye's camera */
         if (i == 3) assert_int_equal(fnl_scene_set_time(stage.scene, 0, 0.7), FNL_OK);
         alone = frame;
         alone.stereo = fnl_frame_default().stereo;
