@@ -17,6 +17,7 @@ _fanal_key_of() {
     --cull) echo culling ;;
     --gbuffer) echo gbuffer.layout ;;
     --msaa-method) echo deferred.msaa-method ;;
+    --stereo-path) echo stereo.path ;;
     --shading | --lists | --msaa | --transparency | --decals | --aa | --geometry | --occlusion | --tonemap | --debug) echo "${1#--}" ;;
     esac
 }

@@ -44,9 +44,10 @@ typedef struct fnl_vulkan_import {
      * pEnabledFeatures or VkPhysicalDeviceFeatures2, and in VkPhysicalDeviceVulkan11/12/13Features or the structures of single features;
      * otherwise the import fails with FNL_ERROR_UNSUPPORTED, and the log names those that are off. With NULL the caller vouches for them. Of
      * the optional features (fnl_device_info) those are used that it switches on: geometryShader (primitive_ids),
-     * shaderClipDistance (clip_distances), textureCompressionBC (texture_compression), multiview, shaderOutputLayer (vertex_layers), pipelineStatisticsQuery (vertex_counts) and samplerFilterMinmax; VK_EXT_mesh_shader with
-     * meshShader, VK_EXT_conservative_rasterization and VK_EXT_post_depth_coverage; VK_KHR_ray_query with rayQuery and
-     * VK_KHR_acceleration_structure with accelerationStructure (ray_query). With NULL none is.
+     * shaderClipDistance (clip_distances), textureCompressionBC (texture_compression), multiview, shaderOutputLayer (vertex_layers),
+     * pipelineStatisticsQuery (vertex_counts) and samplerFilterMinmax; VK_EXT_mesh_shader with meshShader, VK_EXT_conservative_rasterization and
+     * VK_EXT_post_depth_coverage; VK_KHR_ray_query with rayQuery and VK_KHR_acceleration_structure with accelerationStructure (ray_query). With NULL
+     * none is.
      */
     const VkDeviceCreateInfo *created;
 } fnl_vulkan_import;

@@ -16,6 +16,7 @@ raw --stereo left >left.raw; raw --stereo right >right.raw
 cmp -s left.raw right.raw && fail "both eyes see the same"
 raw --stereo top-bottom | cmp - <(cat left.raw right.raw) || fail "top-bottom is not left, then right"
 raw --stereo side-by-side >both.raw
+raw --stereo side-by-side --stereo-path instances | cmp - both.raw || fail "instances draw another picture"
 for y in 0 7 20; do
     cmp <(tail -c +$((y * 264 + 1)) both.raw | head -c 132) <(tail -c +$((y * 132 + 1)) left.raw | head -c 132) || fail "row $y, left"
     cmp <(tail -c +$((y * 264 + 133)) both.raw | head -c 132) <(tail -c +$((y * 132 + 1)) right.raw | head -c 132) || fail "row $y, right"
@@ -97,6 +98,8 @@ bad ': /resolution: must be whole' "{\"ipd\":0.06,\"resolution\":[1.5,2],\"eyes\
 refuse 'nowhere.json' --stereo left --hmd nowhere.json
 refuse 'builtin:canted' --stereo left --hmd builtin:none
 refuse '--ipd' --stereo left --ipd -1
+refuse 'stereo.path' --stereo side-by-side --set multiview=off
+refuse '--stereo-path' --stereo left --stereo-path both
 refuse '--stereo' --stereo both
 refuse 'belong to --stereo' --ipd 0.06
 refuse 'exclude one another' --stereo left --views cube

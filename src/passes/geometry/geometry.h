@@ -91,8 +91,8 @@ void cull_sort_add(struct graph *graph, const struct geometry_scene *scene, VkDe
 
 /**
  * The same for several views at once, as many structs gpu_view one after the other: what some view sees is drawn for all of them, in the
- * order in which each alone would draw it. Passes that know (their comments say so) draw with it into the layers of their targets, where
- * gpu_info()->multiview. Blended items are left out: their order is that of one view.
+ * order in which each alone would draw it. Passes that know (their comments say so) draw with it into the layers of their targets, by multiview unless
+ * geometry_draws.layers says otherwise. Blended items are left out: their order is that of one view.
  */
 struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress views,
                                      uint32_t view_count);

@@ -8,18 +8,6 @@
 #include "scene.glsl"
 #include "view.glsl"
 #include "lights/iterate.glsl"
-#include "passes/geometry/geometry_shared.h"
-
-#ifdef LAYERED
-#extension GL_ARB_shader_viewport_layer_array : require
-#include "passes/geometry/layered_shared.h"
-layout(push_constant, scalar) uniform push_block {
-    gpu_geometry_push push;
-    layout(offset = LAYERED_AT) gpu_layered_push layered;
-};
-#else
-layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
-#endif
 #include "passes/geometry/layered.glsl"
 
 #ifndef NO_SURFACE
