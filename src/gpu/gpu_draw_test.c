@@ -398,6 +398,53 @@ static void test_a_draws_time_is_not_that_of_the_next_dispatch(void **state) {
     test_device_destroy(&device);
 }
 
+static void record_counted(struct gpu_commands *commands, void *context) {
+    struct canvas *canvas = context;
+    test_transition(commands, &canvas->color, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    const struct gpu_rendering rendering = {
+        .width = SIDE,
+        .height = SIDE,
+        .layers = 1,
+        .color_count = 1,
+        .colors[0] = {.image = &canvas->color, .load = VK_ATTACHMENT_LOAD_OP_CLEAR, .store = VK_ATTACHMENT_STORE_OP_STORE},
+    };
+    gpu_begin_rendering(commands, &rendering);
+    gpu_bind(commands, gpu_graphics_pipeline(canvas->device, &canvas->pipeline));
+    gpu_push(commands, &canvas->vertices.address, 8);
+    for (uint32_t i = 0; i < 3; i++) { /* the last one is beyond those that there are */
+        const uint32_t query = i < 2 ? GPU_MAX_VERTEX_COUNTS - 2 + i : GPU_MAX_VERTEX_COUNTS;
+        gpu_begin_vertex_count(commands, query, 1);
+        gpu_draw(commands, canvas->vertex_count, 1 + i, 0, 0);
+        gpu_end_vertex_count(commands, query, 1);
+    }
+    gpu_end_rendering(commands);
+}
+
+static void test_vertices_are_counted(void **state) {
+    UNUSED(state);
+    enum { FIRST = GPU_MAX_VERTEX_COUNTS - 2 };
+    gpu_device *device = test_device_create(NULL);
+    struct canvas canvas;
+    canvas_init(&canvas, device, 1);
+    canvas.pipeline.depth_format = VK_FORMAT_UNDEFINED;
+    add_quad(&canvas, -1, -1, 1, 1, 0.5f, 1, 1, 1, 1);
+    uint64_t count = 0;
+    for (uint32_t round = 0; round < GPU_FRAMES_IN_FLIGHT + 1 && gpu_info(device)->vertex_counts; round++) { /* queries are reset */
+        test_run(device, record_counted, &canvas);
+        const uint64_t frame = gpu_frame_number(device);
+        assert_true(gpu_frame_vertex_count(device, frame, FIRST, 1, &count));
+        assert_int_equal(count, canvas.vertex_count);
+        assert_true(gpu_frame_vertex_count(device, frame, FIRST, 2, &count));
+        assert_int_equal(count, 3 * canvas.vertex_count);
+        assert_false(gpu_frame_vertex_count(device, frame, FIRST, 3, &count));
+        assert_false(gpu_frame_vertex_count(device, frame, FIRST, 0, &count));
+        assert_false(gpu_frame_vertex_count(device, 0, FIRST, 1, &count));
+        if (frame > GPU_FRAMES_IN_FLIGHT) assert_false(gpu_frame_vertex_count(device, frame - GPU_FRAMES_IN_FLIGHT, FIRST, 1, &count));
+    }
+    canvas_finish(&canvas);
+    test_device_destroy(&device);
+}
+
 static void test_pipelines_are_made_once(void **state) {
     UNUSED(state);
     gpu_device *device = test_device_create(NULL);
@@ -472,7 +519,8 @@ const struct CMUnitTest draw_tests[] = {
     cmocka_unit_test(test_blending_is_premultiplied),
     cmocka_unit_test(test_msaa_is_resolved),
     cmocka_unit_test(test_indirect_draws_are_counted_on_the_gpu),
-    cmocka_unit_test(test_a_draws_time_is_not_that_of_the_next_dispatch),
+    cmocka_unit_test(test_vertices_are_counted),
+        cmocka_unit_test(test_a_draws_time_is_not_that_of_the_next_dispatch),
     cmocka_unit_test(test_pipelines_are_made_once),
     cmocka_unit_test(test_pipelines_of_all_kinds_are_made_ahead),
 };
