@@ -46,7 +46,7 @@ struct counter_table {
     uint32_t count;
 };
 
-enum { COUNTERS_COPIES = 24, COUNTERS_NOTES = 20 };
+enum { COUNTERS_COPIES = 24, COUNTERS_NOTES = 24 };
 
 /** Where the numbers of one view are, as noted while the view was declared. */
 struct view_counters {
