@@ -47,7 +47,7 @@ typedef enum fnl_stereo_path {
 /**
  * Views of a frame (fnl_frame.views) that are the eyes of one viewer, before one display. They are culled together, by one frustum that holds all of
  * theirs; they share shadow maps, exposure, and the choice of levels of detail, which goes by the middle between them. With an exposure that is given
- * and room for all shadow maps, pictures equal those of each eye alone to the bit.
+ * pictures equal those of each eye alone to the bit, but for single pixels at the edges of shadows from maps, which round by where in their image pages lie.
  */
 typedef struct fnl_stereo_options {
     /** Every so many views are the eyes of a display: 2 .. 6, of which view_count is a multiple; 0 (default): views have nothing to do with one another. */
