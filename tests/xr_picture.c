@@ -93,6 +93,8 @@ int main(int argc, char **argv) {
     const json_t *r = json_object_get(rig_json, "rotation");
     const fnl_rigid_pose rig = {vector(json_object_get(rig_json, "position")),
                                 {number(json_array_get(r, 0)), number(json_array_get(r, 1)), number(json_array_get(r, 2)), number(json_array_get(r, 3))}};
+    const json_t *point = json_object_get(json_object_get(stats, "gaze"), "point");
+    const fnl_vec3 gaze = vector(point);
     fnl_eye eyes[VIEWS];
     fnl_camera cameras[VIEWS];
     const uint32_t count = read_eyes(folder, number_text, eyes);
@@ -130,6 +132,7 @@ int main(int argc, char **argv) {
         frame.views = cameras;
         frame.view_count = together;
         frame.stereo.eyes = together > 1 ? together : 0;
+        frame.gaze = json_is_array(point) ? &gaze : NULL;
         frame.outputs = FNL_OUTPUT_COLOR | (has_depth ? FNL_OUTPUT_NORMAL : 0);
         if (fnl_renderer_create(device, scene, &renderer) != FNL_OK || fnl_renderer_render(renderer, &frame) != FNL_OK ||
             fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &color) != FNL_OK || (has_depth && fnl_renderer_read(renderer, FNL_OUTPUT_NORMAL, &normal) != FNL_OK))

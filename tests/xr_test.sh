@@ -167,6 +167,62 @@ changed=$(cmp -l ray.raw color-11-0.raw | wc -l)
 [ "$changed" -gt 30 ] && [ "$changed" -lt 2000 ] || fail "$changed bytes show the ray of the hand"
 rm -f ./*.raw
 
+# ---- where the eyes look: foveation follows, from the frame in which they are found until they are lost ----
+# shows VR-11: foveation by the eyes that the headset tells; in the middle where it does not
+fovea=(--shading coarse --lists all --shadows off --exposure 5 --resolution 1 --no-mask --set coarse.size=4 --set coarse.fovea=6 --set coarse.fovea-far=12 --eye 0,1.6,0 --look-at 0,1.6,-1)
+fovea_picture() { picture "$1" builtin:onetile rgba reversed ev=5 shading=coarse lists=all shadows=off coarse.size=4 coarse.fovea=6 coarse.fovea-far=12; }
+run 0 gaze builtin:onetile "${fovea[@]}" --frames 8 --validate <<'END'
+size 96 96
+sway 0.2 1
+turn 20 1.3
+gaze 5 20 -15
+save 9 1 .
+END
+is '.gaze.frames == 5'
+# 20 degrees to the left of the head and 15 down, 2 m away
+is '[.last.views | (map(.position), map(.target)) | transpose | map(add / 2)] as [$p, $t] | .gaze.point as $g | [0, 1, 2] | map($t[.] - $p[.]) as $ahead | atan2($ahead[0]; -$ahead[2]) as $yaw
+    | ($g[0] - $p[0]) as $x | ($g[1] - $p[1]) as $y | ($g[2] - $p[2]) as $z | ($x * $x + $y * $y + $z * $z | sqrt) as $far
+    | ($far - 2 | fabs) < 1e-4 and ($y / $far + (15 * 3.14159265 / 180 | sin) | fabs) < 1e-3 and (atan2($x; -$z) - $yaw + 20 * 3.14159265 / 180 | fabs) < 2e-2'
+cp color-9-0.raw gaze.kept
+fovea_picture 9
+for kind in lost none no-extension no-option; do
+    option=()
+    [ $kind != no-option ] || option=(--no-gaze)
+    run 0 "gaze-$kind" builtin:onetile "${fovea[@]}" "${option[@]}" --frames 8 <<END
+size 96 96
+sway 0.2 1
+turn 20 1.3
+$(case $kind in
+    lost) printf 'gaze 4 20 -15\ngaze 5 off\ngaze 6 20 -15\ngaze 7 20 -15 guessed\ngaze 8 20 -15\ngaze 9 lost\n' ;;
+    no-extension) printf 'gaze 5 20 -15\nwithout XR_EXT_eye_gaze_interaction\n' ;;
+    no-option) printf 'gaze 5 20 -15\n' ;;
+    esac)
+save 9 1 .
+END
+    is ".gaze.frames == $([ $kind = lost ] && echo 3 || echo 0) and .gaze.point == null"
+    cmp -s gaze.kept color-9-0.raw && fail "the picture is that with a gaze"
+    [ $kind = lost ] || cmp middle.kept color-9-0.raw || fail "foveation is not in the middle"
+    [ $kind != lost ] || cp color-9-0.raw middle.kept
+    [ $kind != lost ] || fovea_picture 9
+    rm -f color-* depth-* views-*
+done
+run 0 gaze-hands lamp.gltf "${fovea[@]}" --frames 8 <<'END'
+size 16 16
+gaze 1 20 -15
+hand right 4 0 1.5 0 0 -45 1 0
+hand right 6 0 1.5 0 0 -45 0 0
+END
+is '.gaze.frames > 5 and .input.teleports == 1'
+run 0 gaze-fails builtin:onetile "${fovea[@]}" --no-input --frames 2 <<'END'
+size 16 16
+gaze 1 20 -15
+fail xrCreateActionSpace 1 XR_ERROR_RUNTIME_FAILURE
+END
+says 'xrCreateActionSpace: XR_ERROR_RUNTIME_FAILURE: goes on without the gaze'
+run 0 gaze-unused builtin:onetile "${plain[@]}" --frames 2 <<<'gaze 1 20 -15'
+is '.gaze.frames == 0' # nothing goes by it
+! grep -q eye_gaze gaze-unused.log || fail "the eyes are asked for nothing"
+
 # ---- losses: the session is begun anew each time ----
 run 0 losses builtin:onetile "${plain[@]}" --frames 24 <<'END'
 size 16 16

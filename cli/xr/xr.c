@@ -32,6 +32,8 @@ static void print_help(void) {
          "                             or off (reversed)\n"
          "  --no-mask                  also renders what the lenses hide\n"
          "  --no-input                 without controllers\n"
+         "  --no-gaze                  foveation (--shading coarse --set coarse.fovea=DEGREES) stays in the middle of the picture; otherwise it\n"
+         "                             follows the eyes, if the headset tells where they look\n"
          "  --frames N                 ends after N frames (when you leave)\n"
          "  --stats FILE|-             writes numbers of the session as JSON: misses, times, predictions, states\n"
          "  --no-cache                 does not use the user's cache folder\n"
@@ -43,7 +45,7 @@ static void print_help(void) {
          WORLD_CAMERA_HELP
          "  --eye X,Y,Z --look-at X,Y,Z    where you stand at first, and where you look\n"
          "  --near METRES              from where on you see (0.05)\n"
-         "  --exposure EV|auto|none    EV100 (auto: each eye for itself)\n"
+         "  --exposure EV|auto|none    EV100 (auto: both eyes together)\n"
          WORLD_SURROUNDINGS_HELP);
     puts(WORLD_SCENE_HELP "\n"
          "Any option of 'fanal render' for the method can be given, such as --shading, --lists, --shadows, --msaa, --set KEY=VALUE.\n"
@@ -56,7 +58,7 @@ static void print_help(void) {
          "  fanal xr model.glb --environment builtin:sky --msaa 4");
 }
 
-enum { O_SET = 256, O_EXPOSURE, O_RESOLUTION, O_BUDGET, O_SPACE, O_STEREO, O_DEPTH, O_NO_MASK, O_NO_INPUT, O_FRAMES, O_STATS, O_NO_CACHE, O_VALIDATE };
+enum { O_SET = 256, O_EXPOSURE, O_RESOLUTION, O_BUDGET, O_SPACE, O_STEREO, O_DEPTH, O_NO_MASK, O_NO_INPUT, O_NO_GAZE, O_FRAMES, O_STATS, O_NO_CACHE, O_VALIDATE };
 
 static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"quiet", no_argument, NULL, 'q'},
@@ -69,6 +71,7 @@ static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"depth", required_argument, NULL, O_DEPTH},
                                             {"no-mask", no_argument, NULL, O_NO_MASK},
                                             {"no-input", no_argument, NULL, O_NO_INPUT},
+                                            {"no-gaze", no_argument, NULL, O_NO_GAZE},
                                             {"frames", required_argument, NULL, O_FRAMES},
                                             {"stats", required_argument, NULL, O_STATS},
                                             {"no-cache", no_argument, NULL, O_NO_CACHE},
@@ -123,6 +126,8 @@ static bool parse_option(struct xr_options *o, struct given *given, int option, 
         return o->no_mask = true;
     case O_NO_INPUT:
         return o->no_input = true;
+    case O_NO_GAZE:
+        return o->no_gaze = true;
     case O_FRAMES:
         if (!argument_integer("frames", value, 1, 1000000000, &integer)) return false;
         o->frame_count = (uint32_t)integer;

@@ -20,7 +20,7 @@ struct xr_options {
     bool own_shadows;
     uint32_t frame_count; /* 0: until the user leaves */
     const char *stats;
-    bool stereo_only, no_depth, forward_depth, no_mask, no_input, validate, no_cache, quiet;
+    bool stereo_only, no_depth, forward_depth, no_mask, no_input, no_gaze, validate, no_cache, quiet;
     XrReferenceSpaceType space; /* VIEW: the best */
     float scale;                /* of the recommended size; 0: by frame time */
     double budget;              /* milliseconds; 0: the headset's */
@@ -91,6 +91,9 @@ struct xr_numbers {
     uint32_t scale_changes;
     uint32_t mask_reads, mask_changes, mask_frames;
     uint32_t teleports, grabs, light_moves;
+    uint32_t gaze_frames; /* that were rendered with a gaze */
+    bool gaze_last;       /* the last one was */
+    fnl_vec3 last_gaze;
     uint32_t predictions;
     double simulated_metres, rendered_metres, simulated_radians, rendered_radians; /* sums of errors */
     XrTime last_display;
@@ -118,6 +121,7 @@ struct xr {
     XrSystemId system;
     char runtime_name[XR_MAX_RUNTIME_NAME_SIZE], system_name[XR_MAX_SYSTEM_NAME_SIZE];
     bool has_depth, has_mask, has_quad;
+    bool has_gaze; /* the headset follows the eyes, and the frame asks for it */
     XrViewConfigurationType configuration;
     XrEnvironmentBlendMode blend;
     uint32_t view_count;
@@ -156,6 +160,11 @@ struct xr {
     XrAction aim_action, teleport_action, grab_action;
     struct xr_hand hands[XR_HANDS];
     bool has_input;
+    XrActionSet gaze_actions;
+    XrAction gaze_action;
+    XrSpace gaze_space;
+    bool gaze_known; /* in this frame */
+    fnl_vec3 gaze;   /* where, in the world */
     struct xr_beams beams;
     float ev; /* of the last frame */
 
@@ -212,6 +221,15 @@ void xr_start_input(struct xr *x);
 void xr_take_input(struct xr *x, XrTime time);
 /** How long a hand's ray is: to the floor where it meets that nearby, else a few metres. */
 float xr_ray_length(const struct xr *x, const struct xr_hand *hand);
+
+/* ---- xr_gaze.c ---- */
+
+/** Whether anything goes by where the user looks: `coarse.fovea`. If not, the headset is not asked. */
+bool xr_wants_gaze(const struct xr *x);
+/** Makes the action; false: goes on without. */
+bool xr_start_gaze(struct xr *x);
+/** Finds where the user will look at `time`, for fnl_frame.gaze. Nothing is known while the eyes are closed, or the program has not the focus. */
+void xr_find_gaze(struct xr *x, XrTime time);
 
 /* ---- xr_beams.c ---- */
 

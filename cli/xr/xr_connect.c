@@ -62,7 +62,7 @@ static bool create_instance(struct xr *x) {
     for (uint32_t i = 0; i < count; i++) all[i] = (XrExtensionProperties){.type = XR_TYPE_EXTENSION_PROPERTIES};
     result = xrEnumerateInstanceExtensionProperties(NULL, count, &count, all);
     if (XR_FAILED(result)) return tell_no_runtime(x, "xrEnumerateInstanceExtensionProperties", result);
-    const char *names[4];
+    const char *names[5];
     XrInstanceCreateInfo info = {.type = XR_TYPE_INSTANCE_CREATE_INFO, .enabledExtensionNames = names};
     if (!has_extension(all, count, XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME)) {
         fputs("fanal: error: the OpenXR runtime has no " XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME ": it cannot take pictures from Vulkan\n", stderr);
@@ -72,9 +72,11 @@ static bool create_instance(struct xr *x) {
     names[info.enabledExtensionCount++] = XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME;
     x->has_depth = !x->options->no_depth && has_extension(all, count, XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME);
     x->has_mask = !x->options->no_mask && has_extension(all, count, XR_KHR_VISIBILITY_MASK_EXTENSION_NAME);
+    x->has_gaze = xr_wants_gaze(x) && has_extension(all, count, XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME);
     x->has_quad = !x->options->stereo_only && has_extension(all, count, XR_VARJO_QUAD_VIEWS_EXTENSION_NAME);
     if (x->has_depth) names[info.enabledExtensionCount++] = XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME;
     if (x->has_mask) names[info.enabledExtensionCount++] = XR_KHR_VISIBILITY_MASK_EXTENSION_NAME;
+    if (x->has_gaze) names[info.enabledExtensionCount++] = XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME;
     if (x->has_quad) names[info.enabledExtensionCount++] = XR_VARJO_QUAD_VIEWS_EXTENSION_NAME;
     snprintf(info.applicationInfo.applicationName, sizeof info.applicationInfo.applicationName, "fanal xr");
     snprintf(info.applicationInfo.engineName, sizeof info.applicationInfo.engineName, "Fanal");
@@ -101,9 +103,11 @@ static bool find_system(struct xr *x) {
         return false;
     }
     if (!xr_good(x, "xrGetSystem", result)) return false;
-    XrSystemProperties properties = {.type = XR_TYPE_SYSTEM_PROPERTIES};
+    XrSystemEyeGazeInteractionPropertiesEXT eyes = {.type = XR_TYPE_SYSTEM_EYE_GAZE_INTERACTION_PROPERTIES_EXT};
+    XrSystemProperties properties = {.type = XR_TYPE_SYSTEM_PROPERTIES, .next = x->has_gaze ? &eyes : NULL};
     if (xr_may(x, "xrGetSystemProperties", xrGetSystemProperties(x->instance, x->system, &properties), "the headset's name"))
         snprintf(x->system_name, sizeof x->system_name, "%s", properties.systemName);
+    x->has_gaze = x->has_gaze && eyes.supportsEyeGazeInteraction;
     return x->end == XR_RUNS;
 }
 
@@ -213,9 +217,9 @@ void xr_disconnect(struct xr *x) {
     x->instance = XR_NULL_HANDLE;
     x->session = XR_NULL_HANDLE;
     x->space = x->head_space = XR_NULL_HANDLE;
-    x->actions = XR_NULL_HANDLE;
+    x->actions = x->gaze_actions = XR_NULL_HANDLE;
     x->group_count = 0;
-    x->running = x->asked_exit = x->has_input = x->placed = x->keeps_place = false;
+    x->running = x->asked_exit = x->has_input = x->has_gaze = x->gaze_known = x->placed = x->keeps_place = false;
     x->replace_at = x->first_display = x->past_display = 0;
     x->past_count = 0;
     x->state = XR_SESSION_STATE_UNKNOWN;

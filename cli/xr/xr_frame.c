@@ -145,6 +145,7 @@ static bool render(struct xr *x, struct xr_group *group, const struct located *l
     frame.outputs = 0;
     frame.reset_history = x->past_count == 0;
     xr_use_masks(x, group, &frame);
+    if (x->gaze_known) frame.gaze = &x->gaze;
     const fnl_vulkan_target target = target_of(x, group, &frame, color, depth);
     if (fnl_renderer_render_to(group->renderer, &frame, &target) != FNL_OK) {
         x->end = XR_FAILED;
@@ -192,6 +193,8 @@ static bool draw(struct xr *x, XrTime time, const struct located *simulated, str
     if (!locate(x, time, rendered)) return false;
     if (!rendered->valid) *rendered = *simulated;
     lint(x, rendered);
+    xr_find_gaze(x, time);
+    if (x->end != XR_RUNS) return false;
     for (uint32_t i = 0; i < x->group_count; i++)
         if (!render(x, &x->groups[i], rendered, colors[i], depths[i])) return false;
     for (uint32_t i = 0; i < x->group_count; i++)
@@ -258,6 +261,9 @@ void xr_run_frame(struct xr *x) {
     end_frame(x, time, draws ? &rendered : NULL);
     if (!draws || x->end != XR_RUNS) return;
     x->numbers.rendered++;
+    x->numbers.gaze_frames += x->gaze_known;
+    x->numbers.gaze_last = x->gaze_known;
+    x->numbers.last_gaze = x->gaze;
     x->numbers.last_display = time;
     xr_note_prediction(x, time, &simulated.head, &rendered.head);
     cpu = now_ms() - start;

@@ -64,11 +64,27 @@ static bool start(struct xr *x) {
                                               .poseInActionSpace = {{0, 0, 0, 1}, {0, 0, 0}}};
         if (!xr_may(x, "xrCreateActionSpace", xrCreateActionSpace(x->session, &info, &x->hands[i].aim), "controllers")) return false;
     }
-    const XrSessionActionSetsAttachInfo attach = {.type = XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, .countActionSets = 1, .actionSets = &x->actions};
-    return xr_may(x, "xrAttachSessionActionSets", xrAttachSessionActionSets(x->session, &attach), "controllers");
+    return true;
 }
 
-void xr_start_input(struct xr *x) { x->has_input = !x->options->no_input && start(x); }
+/* Of controllers and eyes, where there are some. */
+static uint32_t list_sets(const struct xr *x, XrActionSet sets[2]) {
+    uint32_t count = 0;
+    if (x->has_input) sets[count++] = x->actions;
+    if (x->has_gaze) sets[count++] = x->gaze_actions;
+    return count;
+}
+
+static const char *name_sets(const struct xr *x) { return !x->has_gaze ? "controllers" : x->has_input ? "controllers and gaze" : "the gaze"; }
+
+void xr_start_input(struct xr *x) {
+    XrActionSet sets[2];
+    x->has_input = !x->options->no_input && start(x);
+    x->has_gaze = x->has_gaze && x->end == XR_RUNS && xr_start_gaze(x);
+    const XrSessionActionSetsAttachInfo attach = {.type = XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, .countActionSets = list_sets(x, sets), .actionSets = sets};
+    if (attach.countActionSets == 0 || x->end != XR_RUNS) return;
+    if (!xr_may(x, "xrAttachSessionActionSets", xrAttachSessionActionSets(x->session, &attach), name_sets(x))) x->has_input = x->has_gaze = false;
+}
 
 /* ---- what the buttons do ---- */
 
@@ -154,12 +170,15 @@ static bool find_hand(struct xr *x, struct xr_hand *hand, XrTime time) {
 }
 
 void xr_take_input(struct xr *x, XrTime time) {
-    if (!x->has_input || !x->placed) return;
-    const XrActiveActionSet active = {x->actions, XR_NULL_PATH};
-    const XrActionsSyncInfo info = {.type = XR_TYPE_ACTIONS_SYNC_INFO, .countActiveActionSets = 1, .activeActionSets = &active};
+    XrActionSet sets[2];
+    XrActiveActionSet active[2];
+    const uint32_t count = list_sets(x, sets);
+    if (count == 0 || !x->placed) return;
+    for (uint32_t i = 0; i < count; i++) active[i] = (XrActiveActionSet){sets[i], XR_NULL_PATH};
+    const XrActionsSyncInfo info = {.type = XR_TYPE_ACTIONS_SYNC_INFO, .countActiveActionSets = count, .activeActionSets = active};
     const XrResult result = xrSyncActions(x->session, &info);
-    if (!xr_may(x, "xrSyncActions", result, "controllers")) {
-        x->has_input = false;
+    if (!xr_may(x, "xrSyncActions", result, name_sets(x))) {
+        x->has_input = x->has_gaze = false;
         return;
     }
     for (uint32_t i = 0; i < XR_HANDS && x->has_input && x->end == XR_RUNS; i++) {
@@ -173,5 +192,5 @@ void xr_take_input(struct xr *x, XrTime time) {
         hand->teleport = goes;
         hand->grab = takes;
     }
-    xr_show_beams(x);
+    if (x->has_input) xr_show_beams(x);
 }

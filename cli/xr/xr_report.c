@@ -67,6 +67,9 @@ void xr_print(const struct xr *x) {
     if (n->predictions)
         printf("head as predicted at the frame's start off by %.2f mm, %.2f mrad; when rendered by %.2f mm, %.2f mrad\n", 1e3 * mean(n->simulated_metres, n->predictions),
                1e3 * mean(n->simulated_radians, n->predictions), 1e3 * mean(n->rendered_metres, n->predictions), 1e3 * mean(n->rendered_radians, n->predictions));
+    if (xr_wants_gaze(x))
+        printf("foveation followed the eyes in %u frames, and lay in the middle in %u%s\n", n->gaze_frames, n->rendered - n->gaze_frames,
+               n->gaze_frames ? "" : ": the headset does not tell where they look");
     if (n->losses) printf("the runtime lost the session %u times\n", n->losses);
 }
 
@@ -119,6 +122,7 @@ static json_t *all_json(const struct xr *x) {
     json_object_set_new(j, "mask", json_pack("{s:i,s:i,s:i}", "reads", (int)n->mask_reads, "changes", (int)n->mask_changes, "frames", (int)n->mask_frames));
     json_object_set_new(j, "input", json_pack("{s:i,s:i,s:i,s:o}", "teleports", (int)n->teleports, "grabs", (int)n->grabs, "light_moves", (int)n->light_moves, "light",
                                             n->light_moves ? vector(n->last_light) : json_null()));
+    json_object_set_new(j, "gaze", json_pack("{s:i,s:o}", "frames", (int)n->gaze_frames, "point", n->gaze_last ? vector(n->last_gaze) : json_null()));
     json_object_set_new(j, "last", last_json(n));
     return j;
 }

@@ -83,7 +83,14 @@ static XRAPI_ATTR XrResult XRAPI_CALL callSuggestInteractionProfileBindings(XrIn
     if (!path_text(info->interactionProfile) || info->countSuggestedBindings == 0) return mistake(XR_ERROR_VALIDATION_FAILURE, "no profile or no bindings");
     for (uint32_t i = 0; i < info->countSuggestedBindings; i++) {
         const char *text = path_text(info->suggestedBindings[i].binding);
-        if (!find_object(info->suggestedBindings[i].action, KIND_ACTION) || !text) return mistake(XR_ERROR_HANDLE_INVALID, "binding %u", i);
+        struct object *action = find_object(info->suggestedBindings[i].action, KIND_ACTION);
+        if (!action || !text) return mistake(XR_ERROR_HANDLE_INVALID, "binding %u", i);
+        const bool is_gaze = strcmp(text, "/user/eyes_ext/input/gaze_ext/pose") == 0;
+        if (is_gaze != (strcmp(path_text(info->interactionProfile), "/interaction_profiles/ext/eye_gaze_interaction") == 0) || (is_gaze && !rt.ext_gaze))
+            return mistake(XR_ERROR_PATH_UNSUPPORTED, "%s of %s", text, path_text(info->interactionProfile));
+        if (is_gaze && action->action.type != XR_ACTION_TYPE_POSE_INPUT) return mistake(XR_ERROR_ACTION_TYPE_MISMATCH, "the gaze is a pose");
+        action->action.is_gaze |= is_gaze;
+        if (is_gaze) continue;
         if (strncmp(text, "/user/hand/left/", 16) != 0 && strncmp(text, "/user/hand/right/", 17) != 0) return mistake(XR_ERROR_PATH_UNSUPPORTED, "%s", text);
     }
     note("bindings for %s", path_text(info->interactionProfile));
@@ -128,7 +135,7 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateActionSpace(XrSession session, c
     CHECK_TYPE(info, XR_TYPE_ACTION_SPACE_CREATE_INFO);
     struct object *action = find_object(info->action, KIND_ACTION);
     if (!action || action->action.type != XR_ACTION_TYPE_POSE_INPUT) return mistake(XR_ERROR_ACTION_TYPE_MISMATCH, "the action has no pose");
-    if (hand_of(info->subactionPath) == HANDS) return mistake(XR_ERROR_PATH_UNSUPPORTED, "of which hand?");
+    if (hand_of(info->subactionPath) == HANDS && !action->action.is_gaze) return mistake(XR_ERROR_PATH_UNSUPPORTED, "of which hand?");
     struct object *object = new_object(KIND_SPACE, (struct object *)session);
     if (!object) return XR_ERROR_LIMIT_REACHED;
     object->space.action = action;
@@ -144,7 +151,7 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateActionSpace(XrSession session, c
     const struct object *action = find_object((info)->action, KIND_ACTION);                                                 \
     const uint32_t side = hand_of((info)->subactionPath);                                                                   \
     if (!action || action->action.type != (wanted)) return mistake(XR_ERROR_ACTION_TYPE_MISMATCH, "the action is of another type"); \
-    if (side == HANDS) return mistake(XR_ERROR_PATH_UNSUPPORTED, "of which hand?");                                         \
+    if (side == HANDS && !action->action.is_gaze) return mistake(XR_ERROR_PATH_UNSUPPORTED, "of which hand?");              \
     const struct hand_row *hand = rt.state == XR_SESSION_STATE_FOCUSED ? hand_now(side) : NULL;                             \
     (out)->isActive = hand != NULL
 
@@ -169,6 +176,8 @@ static XRAPI_ATTR XrResult XRAPI_CALL callGetActionStateFloat(XrSession session,
 static XRAPI_ATTR XrResult XRAPI_CALL callGetActionStatePose(XrSession session, const XrActionStateGetInfo *info, XrActionStatePose *out) {
     SESSION(session);
     STATE(info, XR_ACTION_TYPE_POSE_INPUT, out, XR_TYPE_ACTION_STATE_POSE);
+    const struct gaze_row *gaze = gaze_now();
+    if (action->action.is_gaze) out->isActive = rt.state == XR_SESSION_STATE_FOCUSED && gaze && gaze->active;
     return XR_SUCCESS;
 }
 

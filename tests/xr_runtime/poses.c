@@ -72,13 +72,25 @@ const struct hand_row *hand_now(uint32_t hand) {
     return found;
 }
 
+const struct gaze_row *gaze_now(void) {
+    const struct gaze_row *found = NULL;
+    for (uint32_t i = 0; i < rt.script.gaze_count; i++)
+        if (rt.script.gazes[i].frame <= rt.frame) found = &rt.script.gazes[i];
+    return found;
+}
+
 XrPosef space_in_stage(const struct object *space, int64_t time) {
     XrPosef origin = {{0, 0, 0, 1}, {0, 0, 0}};
     if (space->space.reference == XR_REFERENCE_SPACE_TYPE_VIEW) origin = predicted_head(rt.now, time);
     if (space->space.reference == XR_REFERENCE_SPACE_TYPE_LOCAL) origin = rt.recenter_time >= 0 && time >= rt.recenter_time ? rt.recentered : rt.local_origin;
     if (space->space.action) {
         const struct hand_row *hand = hand_now(space->space.hand);
+        const struct gaze_row *gaze = gaze_now();
         if (hand) origin = hand->pose;
+        if (space->space.action->action.is_gaze && gaze) {
+            origin = predicted_head(rt.now, time);
+            origin = pose_mul(&origin, &gaze->pose);
+        }
     }
     return pose_mul(&origin, &space->space.pose);
 }

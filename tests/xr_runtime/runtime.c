@@ -122,7 +122,8 @@ bool is_lost(XrResult *out) {
 static const struct {
     const char *name;
     uint32_t version;
-} extensions[] = {{"XR_KHR_vulkan_enable2", 2}, {"XR_KHR_composition_layer_depth", 5}, {"XR_KHR_visibility_mask", 2}, {"XR_VARJO_quad_views", 1}};
+} extensions[] = {{"XR_KHR_vulkan_enable2", 2}, {"XR_KHR_composition_layer_depth", 5}, {"XR_KHR_visibility_mask", 2}, {"XR_VARJO_quad_views", 1},
+                  {"XR_EXT_eye_gaze_interaction", 2}};
 
 static bool has_extension(const char *name) {
     for (uint32_t i = 0; i < rt.script.without_count; i++)
@@ -152,7 +153,7 @@ static XRAPI_ATTR XrResult XRAPI_CALL callEnumerateInstanceExtensionProperties(c
 static XRAPI_ATTR XrResult XRAPI_CALL callCreateInstance(const XrInstanceCreateInfo *info, XrInstance *out) {
     ENTER();
     CHECK_TYPE(info, XR_TYPE_INSTANCE_CREATE_INFO);
-    rt.ext_depth = rt.ext_mask = rt.ext_quad = false;
+    rt.ext_depth = rt.ext_mask = rt.ext_quad = rt.ext_gaze = false;
     bool vulkan = false;
     for (uint32_t i = 0; i < info->enabledExtensionCount; i++) {
         const char *name = info->enabledExtensionNames[i];
@@ -161,6 +162,7 @@ static XRAPI_ATTR XrResult XRAPI_CALL callCreateInstance(const XrInstanceCreateI
         rt.ext_depth |= strcmp(name, "XR_KHR_composition_layer_depth") == 0;
         rt.ext_mask |= strcmp(name, "XR_KHR_visibility_mask") == 0;
         rt.ext_quad |= strcmp(name, "XR_VARJO_quad_views") == 0;
+        rt.ext_gaze |= strcmp(name, "XR_EXT_eye_gaze_interaction") == 0;
     }
     if (!vulkan) return mistake(XR_ERROR_INITIALIZATION_FAILED, "XR_KHR_vulkan_enable2 is not enabled");
     if (!memchr(info->applicationInfo.applicationName, 0, XR_MAX_APPLICATION_NAME_SIZE) || !info->applicationInfo.applicationName[0])
@@ -242,6 +244,11 @@ static XRAPI_ATTR XrResult XRAPI_CALL callGetSystemProperties(XrInstance instanc
     snprintf(out->systemName, sizeof out->systemName, "Scripted headset");
     out->graphicsProperties = (XrSystemGraphicsProperties){4096, 4096, LAYERS};
     out->trackingProperties = (XrSystemTrackingProperties){XR_TRUE, XR_TRUE};
+    for (XrBaseOutStructure *next = out->next; next; next = next->next) {
+        if (next->type != XR_TYPE_SYSTEM_EYE_GAZE_INTERACTION_PROPERTIES_EXT) return mistake(XR_ERROR_VALIDATION_FAILURE, "next has type %d", (int)next->type);
+        if (!rt.ext_gaze) return mistake(XR_ERROR_VALIDATION_FAILURE, "XR_EXT_eye_gaze_interaction is not enabled");
+        ((XrSystemEyeGazeInteractionPropertiesEXT *)next)->supportsEyeGazeInteraction = rt.script.gaze_count > 0;
+    }
     return XR_SUCCESS;
 }
 
@@ -442,11 +449,13 @@ static XRAPI_ATTR XrResult XRAPI_CALL callLocateSpace(XrSpace space, XrSpace bas
     CHECK_TYPE(out, XR_TYPE_SPACE_LOCATION);
     if (time <= 0) return mistake(XR_ERROR_TIME_INVALID, "the time is %lld", (long long)time);
     out->locationFlags = 0;
-    if (object->space.action && !hand_now(object->space.hand)) return XR_SUCCESS;
+    const bool is_gaze = object->space.action && object->space.action->action.is_gaze;
+    const struct gaze_row *gaze = is_gaze ? gaze_now() : NULL;
+    if (is_gaze ? !gaze || !gaze->active || !gaze->valid : object->space.action && !hand_now(object->space.hand)) return XR_SUCCESS;
     const XrPosef a = space_in_stage(origin, time), b = space_in_stage(object, time), inverse = pose_inverse(&a);
     out->pose = pose_mul(&inverse, &b);
-    out->locationFlags = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT |
-                         XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
+    out->locationFlags = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
+    if (!gaze || gaze->tracked) out->locationFlags |= XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
     return XR_SUCCESS;
 }
 

@@ -38,6 +38,11 @@ struct hand_row { /* the state of a hand from a frame on */
     XrPosef pose;
     bool tracked, select, squeeze;
 };
+struct gaze_row { /* the eyes from a frame on */
+    uint32_t frame;
+    XrPosef pose; /* seen from the head */
+    bool active, valid, tracked;
+};
 struct cost {
     char function[64];
     double milliseconds;
@@ -67,7 +72,8 @@ struct script {
     struct moment moments[ROWS];
     struct hand_row hands[ROWS];
     struct cost costs[ROWS];
-    uint32_t fault_count, moment_count, hand_count, cost_count;
+    struct gaze_row gazes[ROWS];
+    uint32_t fault_count, moment_count, hand_count, cost_count, gaze_count; /* without gazes the headset has no eye tracker */
     char save[512];
     uint32_t save_first, save_count; /* which frames are saved */
     bool opaque_only;
@@ -97,6 +103,7 @@ struct object {
         struct swapchain swapchain;
         struct {
             XrActionType type;
+            bool is_gaze;
             char name[XR_MAX_ACTION_NAME_SIZE];
         } action;
     };
@@ -109,7 +116,7 @@ struct runtime {
     struct object objects[OBJECTS];
     uint32_t object_count;
 
-    bool ext_depth, ext_mask, ext_quad;
+    bool ext_depth, ext_mask, ext_quad, ext_gaze;
     PFN_vkGetInstanceProcAddr get_proc;
     VkInstance vulkan;
     VkPhysicalDevice physical;
@@ -179,6 +186,7 @@ XrPosef space_in_stage(const struct object *space, int64_t time);
 double pose_distance(const XrPosef *a, const XrPosef *b);
 double pose_angle(const XrPosef *a, const XrPosef *b);
 const struct hand_row *hand_now(uint32_t hand);
+const struct gaze_row *gaze_now(void);
 
 /* images.c */
 XrResult images_make(struct swapchain *chain);

@@ -147,6 +147,19 @@ static bool line(struct script *s, char *text) {
         s->hand_count++;
         return true;
     }
+    if (strcmp(word, "gaze") == 0) { /* FRAME yaw pitch [guessed], FRAME lost, FRAME off */
+        struct gaze_row *g = &s->gazes[s->gaze_count];
+        if (s->gaze_count == ROWS || sscanf(rest, "%u %63s", &g->frame, more) != 2) return false;
+        const bool guessed = sscanf(rest, "%*u %lf %lf %63s", &n[0], &n[1], last) == 3, aimed = sscanf(rest, "%*u %lf %lf", &n[0], &n[1]) == 2;
+        if (!aimed && strcmp(more, "lost") != 0 && strcmp(more, "off") != 0) return false;
+        if (guessed && strcmp(last, "guessed") != 0) return false;
+        g->pose = pose_of(0, 0, 0, n[0], n[1]);
+        g->active = strcmp(more, "off") != 0;
+        g->valid = aimed;
+        g->tracked = aimed && !guessed;
+        s->gaze_count++;
+        return true;
+    }
     if (strcmp(word, "save") == 0) return sscanf(rest, "%u %u %511s", &s->save_first, &s->save_count, s->save) == 3;
     return false;
 }
