@@ -28,6 +28,7 @@ typedef struct fnl_eye {
 typedef enum fnl_stereo_lists {
     FNL_STEREO_LISTS_EYE = 0, /**< one for each eye */
     FNL_STEREO_LISTS_HEAD,    /**< one for both, over all that either sees: of the kinds clustered, clustered-cpu, bvh, zbin and raster; others as eye */
+    FNL_STEREO_LISTS_AUTO,    /**< as head where the frustum that holds what all eyes see has no more pixels than they have together, else as eye */
     FNL_STEREO_LISTS_COUNT
 } fnl_stereo_lists;
 
@@ -52,7 +53,7 @@ typedef enum fnl_stereo_path {
 typedef struct fnl_stereo_options {
     /** Every so many views are the eyes of a display: 2 .. 6, of which view_count is a multiple; 0 (default): views have nothing to do with one another. */
     uint32_t eyes;
-    /** Default eye. */
+    /** The picture is the same. Default auto. */
     fnl_stereo_lists lists;
     /**
      * Default auto. Where eyes cannot be drawn at once they are drawn one by one, without an error: with culling by clusters or triangles, decals, and in

@@ -377,6 +377,7 @@ fnl_frame fnl_frame_default(void) {
                        .outputs = FNL_OUTPUT_COLOR,
                        .timers = true,
                        .occlusion = FNL_OCCLUSION_AUTO,
+                       .stereo = {.lists = FNL_STEREO_LISTS_AUTO},
                        .decals = FNL_DECALS_LISTS,
                        .decal_mip_fix = true,
                        .reflections = {.bounces = 1, .parallax = true},

@@ -110,6 +110,7 @@ void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuf
     struct lists_context context = lists_context(f);
     context.depth = depth;
     context.gbuffer = gbuffer;
+    context.of_head = stereo_asks_list(f, f->frame->lists);
     lists_add(&context);
     f->lights = context.lights;
     f->blend_lights = context.blend_lights;

@@ -203,8 +203,23 @@ fnl_camera stereo_head_camera(const fnl_frame *frame) {
     return camera;
 }
 
+/* Building goes with the cells, and so with the pixels: of eyes that look apart the common frustum has more. */
+static bool one_list(const struct frame_state *f) {
+    const fnl_stereo_options *options = &f->frame->stereo;
+    const uvec2 head = f->display->head.size, eye = f->view.size;
+    if (options->lists == FNL_STEREO_LISTS_AUTO) return (uint64_t)head.x * head.y <= (uint64_t)options->eyes * eye.x * eye.y;
+    return options->lists == FNL_STEREO_LISTS_HEAD;
+}
+
+static bool has_grid(fnl_light_lists lists) {
+    return lists == FNL_LISTS_CLUSTERED || lists == FNL_LISTS_CLUSTERED_CPU || lists == FNL_LISTS_BVH || lists == FNL_LISTS_ZBIN || lists == FNL_LISTS_RASTER;
+}
+
 bool stereo_shares_list(const struct frame_state *f, fnl_light_lists lists) {
-    const bool has_grid = lists == FNL_LISTS_CLUSTERED || lists == FNL_LISTS_CLUSTERED_CPU || lists == FNL_LISTS_BVH || lists == FNL_LISTS_ZBIN ||
-                          lists == FNL_LISTS_RASTER;
-    return has_grid && f->display && f->display->head_address && f->frame->stereo.lists == FNL_STEREO_LISTS_HEAD && !f->surface_lights.header;
+    return has_grid(lists) && f->display && f->display->head_address && one_list(f) && !f->surface_lights.header;
+}
+
+bool stereo_asks_list(const struct frame_state *f, fnl_light_lists lists) {
+    const fnl_stereo_options *options = &f->frame->stereo;
+    return has_grid(lists) && f->r->asking_together > 0 && options->eyes > 0 && options->lists != FNL_STEREO_LISTS_EYE && !f->surface_lights.header;
 }

@@ -26,5 +26,7 @@ void stereo_cull(struct frame_state *f);
 fnl_camera stereo_head_camera(const fnl_frame *frame);
 /** Whether eyes have one list of this kind. */
 bool stereo_shares_list(const struct frame_state *f, fnl_light_lists lists);
+/** Whether such frames are likely to have one: while pipelines are asked for, by a frame of one view. */
+bool stereo_asks_list(const struct frame_state *f, fnl_light_lists lists);
 
 #endif

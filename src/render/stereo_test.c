@@ -370,6 +370,27 @@ static void check_same_pages(struct stage *stage, const fnl_frame *both) {
     free_picture(&a);
 }
 
+/* One list for both, unless eyes look so far apart that its grid has more cells than theirs have together. The pictures are the same. */
+static void check_lists_by_angle(struct stage *stage, fnl_frame frame) {
+    fnl_camera eyes[2] = {frame.views[0], frame.views[1]};
+    const vec3 ahead = vec3_sub(eyes[0].target, eyes[0].position), right = vec3_normalize(vec3_cross(ahead, eyes[0].up));
+    frame.views = eyes;
+    for (int apart = 0; apart < 2; apart++) {
+        for (int i = 0; i < 2 && apart; i++) eyes[i].target = vec3_add_scaled(eyes[i].target, right, (i ? 0.6f : -0.6f) * vec3_length(ahead));
+        frame.stereo.lists = FNL_STEREO_LISTS_AUTO;
+        test_render_frame(stage->renderer, &frame);
+        assert_int_equal(count_passes(stage, "clustered fill'"), apart ? 2 : 1);
+        fnl_image a = test_read(stage->renderer, FNL_OUTPUT_RADIANCE);
+        frame.stereo.lists = apart ? FNL_STEREO_LISTS_HEAD : FNL_STEREO_LISTS_EYE;
+        test_render_frame(stage->renderer, &frame);
+        assert_int_equal(count_passes(stage, "clustered fill'"), apart ? 1 : 2);
+        fnl_image b = test_read(stage->renderer, FNL_OUTPUT_RADIANCE);
+        assert_int_equal(count_differing(&a, &b), 0);
+        free_picture(&a);
+        free_picture(&b);
+    }
+}
+
 static void test_shared_work_VR_1_VR_2(void **state) {
     UNUSED(state);
     struct stage stage = open_stage("builtin:hall?lights=30", 0);
@@ -379,7 +400,6 @@ static void test_shared_work_VR_1_VR_2(void **state) {
     one.camera = eyes[0];
     both.shadows = one.shadows = FNL_SHADOWS_MAPS;
     both.lists = one.lists = FNL_LISTS_CLUSTERED;
-    both.stereo.lists = FNL_STEREO_LISTS_HEAD;
     both.exposure = one.exposure = FNL_EXPOSURE_AUTO;
     test_render_frame(stage.renderer, &one);
     const fnl_frame_stats alone = harness_stats(stage.renderer);
@@ -403,6 +423,8 @@ static void test_shared_work_VR_1_VR_2(void **state) {
     test_render_frame(stage.renderer, &both);
     assert_true(count_passes(&stage, "cull mark'") == 2);
     assert_true(count_passes(&stage, "clustered fill'") == 2);
+    both.stereo.eyes = 2;
+    check_lists_by_angle(&stage, both);
     stage_close(&stage);
 }
 

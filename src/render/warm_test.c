@@ -11,13 +11,14 @@ static const struct {
     uint32_t msaa, outputs;
     fnl_antialiasing aa;
     bool count;
-    uint32_t views;
+    uint32_t views, eyes;
 } cases[] = {
-    {FNL_SHADING_FORWARD, FNL_LISTS_TILED, 4, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false, 0},
-    {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, 1, FNL_OUTPUT_COLOR | FNL_OUTPUT_NORMAL, FNL_ANTIALIASING_SMAA, true, 0},
-    {FNL_SHADING_VISIBILITY, FNL_LISTS_BVH, 1, FNL_OUTPUT_RADIANCE, FNL_ANTIALIASING_TAA, false, 0},
-    {FNL_SHADING_AUTO, FNL_LISTS_AUTO, 1, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false, 0},
-    {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, 1, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false, 8}, /* 6 at once, and then 2 */
+    {FNL_SHADING_FORWARD, FNL_LISTS_TILED, 4, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false, 0, 0},
+    {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, 1, FNL_OUTPUT_COLOR | FNL_OUTPUT_NORMAL, FNL_ANTIALIASING_SMAA, true, 0, 0},
+    {FNL_SHADING_VISIBILITY, FNL_LISTS_BVH, 1, FNL_OUTPUT_RADIANCE, FNL_ANTIALIASING_TAA, false, 0, 0},
+    {FNL_SHADING_AUTO, FNL_LISTS_AUTO, 1, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false, 0, 0},
+    {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, 1, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false, 8, 0}, /* 6 at once, and then 2 */
+    {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, 1, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false, 2, 2}, /* one list for both */
 };
 
 /* After it the first frame makes none; without it, it makes them all. The pictures are the same. */
@@ -49,6 +50,7 @@ static void test_the_first_frame_makes_no_pipeline(void **state) {
             frame.views = cameras;
             frame.view_count = cases[i].views;
             frame.multiview = FNL_MULTIVIEW_ON;
+            frame.stereo.eyes = cases[i].eyes;
             fnl_frame_stats stats;
             if (warm) {
                 uint32_t pending = 99;
