@@ -238,6 +238,9 @@ static void test_what_has_no_hidden_areas(void **state) {
     frame.hidden_areas = e.areas;
     frame.shading = FNL_SHADING_MOBILE;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    frame.shading = FNL_SHADING_COARSE;
+    frame.coarse.fovea = 10;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
     frame.shading = FNL_SHADING_FORWARD;
     frame.lists = FNL_LISTS_BATCHES;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
