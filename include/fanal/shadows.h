@@ -16,7 +16,7 @@ typedef enum fnl_shadows {
     FNL_SHADOWS_RAYS,
     /**
      * Shadow maps of all lights in one image of a fixed size, in pages that are made only where a pixel looks them up and are kept from frame to frame.
-     * Capsules trace rays, and so do lights for which the image has no room. Blended surfaces receive shadows but cast none.
+     * Capsules and rectangles trace rays, and so do lights for which the image has no room. Blended surfaces receive shadows but cast none.
      */
     FNL_SHADOWS_MAPS,
     /**

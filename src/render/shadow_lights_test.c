@@ -174,6 +174,119 @@ static void test_soft_rays_converge_to_the_tracer_MP_8(void **state) {
     }
 }
 
+/* ---- maps know nothing of capsules and rectangles ---- */
+
+enum { LEAN = 2 }; /* kinds */
+
+/* Lights that lean, and a square that leans between them and the floor. */
+static struct stage open_leaning(const fnl_light_params *lamps, uint32_t count) {
+    fnl_scene *scene = world_create(NULL);
+    const fnl_material_params white = matt(1);
+    add_square(scene, &white, (vec3){10, 1, 10}, (vec3){0, 0, 0});
+    add_instance(scene, add_square_mesh(scene, add_material(scene, &white)),
+                 mat4_from_trs((vec3){0.2f, 1, -0.1f}, quat_axis_angle((vec3){0.6f, 0, 0.8f}, 0.5f), (vec3){0.6f, 1, 0.4f}));
+    for (uint32_t i = 0; i < count; i++) {
+        fnl_light_id id;
+        assert_int_equal(fnl_scene_add_light(scene, &lamps[i], &id), FNL_OK);
+    }
+    struct stage s = stage_open_scene(scene);
+    s.frame.width = s.frame.height = SIZE;
+    s.frame.camera = look_down((vec3){0, 0, 0}, 3, 0.3f, SIZE).camera; /* from below the square */
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    return s;
+}
+
+static fnl_light_params leaning_lamp_of(fnl_light_kind kind) {
+    fnl_light_params lamp = lamp_of(kind);
+    lamp.position = (vec3){-0.3f, 2.5f, 0.2f};
+    lamp.direction = kind == FNL_LIGHT_CAPSULE ? (vec3){1, 0.3f, 0.5f} : (vec3){0.3f, -1, -0.4f};
+    lamp.up = (vec3){0.3f, 0.1f, 1};
+    lamp.rectangle_size[0] = 1.2f;
+    lamp.rectangle_size[1] = 0.5f;
+    return lamp;
+}
+
+static fnl_trace trace_leaning(const struct stage *s, uint32_t samples) {
+    fnl_trace_params p = look_down((vec3){0, 0, 0}, 3, 0.3f, SIZE);
+    p.visibility = true;
+    p.samples = samples;
+    return trace_scene(s->scene, &p);
+}
+
+/* Whether the tracer gives a neighbour another part of the light than this pixel. */
+static bool is_edge(const fnl_image *truth, uint32_t i) {
+    const int x = (int)(i % SIZE), y = (int)(i / SIZE);
+    for (int v = MAX(y - 1, 0); v <= MIN(y + 1, SIZE - 1); v++)
+        for (int u = MAX(x - 1, 0); u <= MIN(x + 1, SIZE - 1); u++)
+            if (fabsf(pixel_at(truth, (uint32_t)u, (uint32_t)v)[0] - pixel_at(truth, (uint32_t)x, (uint32_t)y)[0]) > 0.01f) return true;
+    return false;
+}
+
+/* Their hard shadows in frames with maps are the tracer's, of a rectangle those of a tiny one in its middle; no page is asked for. */
+static void test_hard_shadows_without_maps_are_the_tracers(void **state) {
+    UNUSED(state);
+    static const fnl_light_kind kinds[LEAN] = {FNL_LIGHT_CAPSULE, FNL_LIGHT_RECTANGLE};
+    static float seen[SIZE * SIZE];
+    for (int k = 0; k < LEAN; k++) {
+        fnl_light_params lamp = leaning_lamp_of(kinds[k]);
+        struct stage s = open_leaning(&lamp, 1);
+        const fnl_frame_stats stats = shadow_parts(&s, seen);
+        assert_int_equal(counter(&stats, "shadows.wanted"), 0);
+        lamp.rectangle_size[0] = lamp.rectangle_size[1] = 1e-3f;
+        struct stage middle = open_leaning(&lamp, 1);
+        fnl_trace truth = trace_leaning(&middle, 1);
+        uint32_t dark = 0, lit = 0, edges = 0;
+        for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+            const float wanted = pixel_at(&truth.visibility, i % SIZE, i / SIZE)[0];
+            if (is_edge(&truth.visibility, i)) {
+                edges++;
+                continue;
+            }
+            if (fabsf(seen[i] - wanted) > 1e-3f)
+                fail_msg("%s: pixel %u, %u sees %g of the light, must be %g", fnl_value_name(FNL_ENUM_LIGHT_KIND, kinds[k]), i % SIZE, i / SIZE, (double)seen[i], (double)wanted);
+            dark += wanted < 0.5f;
+            lit += wanted > 0.5f;
+        }
+        assert_true(dark > 50 && lit > SIZE * SIZE / 2 && edges < SIZE * SIZE / 8);
+        fnl_trace_free(NULL, &truth);
+        stage_close(&middle);
+        stage_close(&s);
+    }
+}
+
+/* Their soft shadows too, alone and in one frame with a spot light, whose map is filtered. */
+static void test_soft_shadows_without_maps_are_the_tracers_MP_8(void **state) {
+    UNUSED(state);
+    static const fnl_light_kind kinds[LEAN + 1] = {FNL_LIGHT_CAPSULE, FNL_LIGHT_RECTANGLE, FNL_LIGHT_SPOT};
+    static float seen[SIZE * SIZE];
+    fnl_light_params lamps[LEAN + 1];
+    for (int k = 0; k <= LEAN; k++) {
+        lamps[k] = leaning_lamp_of(kinds[k]);
+        if (kinds[k] != FNL_LIGHT_RECTANGLE) lamps[k].source_radius = 0.1f;
+    }
+    lamps[LEAN].position = (vec3){0.8f, 3, -0.6f};
+    lamps[LEAN].direction = (vec3){-0.2f, -1, 0.2f};
+    for (int k = 0; k <= LEAN; k++) {
+        const bool all = k == LEAN;
+        struct stage s = open_leaning(all ? lamps : &lamps[k], all ? LEAN + 1 : 1);
+        s.frame.shadow.filter = FNL_SHADOW_FILTER_PCSS;
+        fnl_trace truth = trace_leaning(&s, 512);
+        struct error error = {1, 0}, hard = {0};
+        for (uint32_t samples = 1; samples <= 16; samples *= 16) {
+            s.frame.shadow.samples = samples;
+            shadow_parts(&s, seen);
+            hard = error;
+            error = error_of(seen, &truth.visibility);
+            print_message("%s, %u rays: error %.4f, bias %.4f\n", all ? "all" : fnl_value_name(FNL_ENUM_LIGHT_KIND, kinds[k]), samples, error.rms, error.bias);
+        }
+        if (error.rms > (all ? 0.02 : 0.035) || fabs(error.bias) > 0.006 || !(error.rms < 0.5 * hard.rms))
+            fail_msg("%s: an error of %g, %g on the whole; hard %g", all ? "all" : fnl_value_name(FNL_ENUM_LIGHT_KIND, kinds[k]), error.rms, error.bias, hard.rms);
+        fnl_trace_free(NULL, &truth);
+        stage_close(&s);
+    }
+}
+
 /* A source without size gets one ray, a light without radius takes that of the frame, and one that has its own keeps it. */
 static void test_radius_of_a_frame(void **state) {
     UNUSED(state);
@@ -259,6 +372,8 @@ int main(void) {
         cmocka_unit_test_teardown(test_rays_are_made_for_lights_that_cast, harness_check),
         cmocka_unit_test_teardown(test_paths_know_lights_that_cast_none, harness_check),
         cmocka_unit_test_teardown(test_soft_rays_converge_to_the_tracer_MP_8, harness_check),
+        cmocka_unit_test_teardown(test_hard_shadows_without_maps_are_the_tracers, harness_check),
+        cmocka_unit_test_teardown(test_soft_shadows_without_maps_are_the_tracers_MP_8, harness_check),
         cmocka_unit_test_teardown(test_radius_of_a_frame, harness_check),
         cmocka_unit_test_teardown(test_points_turn_in_collected_frames, harness_check),
         cmocka_unit_test_teardown(test_paths_and_lists_give_the_same_soft_shadows, harness_check),
