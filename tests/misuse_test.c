@@ -341,6 +341,8 @@ static fnl_loaded loaded;
       SILENT(fnl_scene_add_light_profile(w.scene, "tests/fuzz/seeds/ies/round.ies", NULL, 0, &profile_id, NULL)))           \
     X(fnl_scene_query_light, NULLED("scene", fnl_scene_query_light(NULL, 0, &light));                                       \
       NULLED("out", fnl_scene_query_light(w.scene, 0, NULL)))                                                               \
+    X(fnl_scene_refresh_shadows, NULLED("scene", fnl_scene_refresh_shadows(NULL, &w.light, 1));                              \
+      NULLED("lights", fnl_scene_refresh_shadows(w.scene, NULL, 1)))                                                        \
     X(fnl_scene_remove_decal, NULLED("scene", fnl_scene_remove_decal(NULL, w.decal)))                                       \
     X(fnl_scene_remove_instance, NULLED("scene", fnl_scene_remove_instance(NULL, w.instance)))                              \
     X(fnl_scene_remove_light, NULLED("scene", fnl_scene_remove_light(NULL, w.light)))                                       \
@@ -462,6 +464,7 @@ static void test_fields_of_lights(void **state) {
     UNUSED(state);
     LIGHT(POINT, kind, (fnl_light_kind)-1, "kind is -1, must be a value of fnl_light_kind, 0 .. 6");
     LIGHT(POINT, kind, (fnl_light_kind)77, "kind is 77, must be a value of fnl_light_kind, 0 .. 6");
+    LIGHT(POINT, shadow_update, (fnl_shadow_update)2, "shadow_update is 2, must be a value of fnl_shadow_update, 0 .. 1");
     LIGHT(POINT, position.y, NAN, "position.y is NaN, must be finite");
     LIGHT(POINT, position.x, -INFINITY, "position.x is -infinity, must be finite");
     LIGHT(SPOT, direction.z, INFINITY, "direction.z is infinity, must be finite");
@@ -592,6 +595,8 @@ static void test_other_arguments(void **state) {
          fnl_scene_remove_light(w.scene, (fnl_light_id){0}));
     SAYS("fnl_scene_remove_instance", "instance (index 0, generation 99) must be the id of an instance that is in the scene",
          fnl_scene_remove_instance(w.scene, (fnl_instance_id){0, 99}));
+    SAYS("fnl_scene_refresh_shadows", "element 1: light is the empty id, must be that of a light of the scene",
+         fnl_scene_refresh_shadows(w.scene, (const fnl_light_id[2]){w.light}, 2));
     SAYS("fnl_scene_set_light_hull", "count is 3, must be 4 .. 64",
          fnl_scene_set_light_hull(w.scene, w.light, (const fnl_vec3[3]){{0}}, 3));
     SAYS("fnl_scene_set_light_cutoff", "min_roughness is 2, must be 0 .. 1", fnl_scene_set_light_cutoff(w.scene, 2, 1));

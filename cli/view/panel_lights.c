@@ -61,6 +61,11 @@ void view_show_light(struct view *v, uint32_t index) {
     edited |= ui_number(light.kind == FNL_LIGHT_DIRECTIONAL || light.kind == FNL_LIGHT_BOX ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
     if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= show_place(&light.position);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
+    bool requested = light.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
+    if (light.casts_shadows && ui_checkbox("keeps its shadow map", &requested)) {
+        light.shadow_update = requested ? FNL_SHADOW_UPDATE_ON_REQUEST : FNL_SHADOW_UPDATE_ALWAYS;
+        edited = true;
+    }
     struct view_edit edit = {.kind = VIEW_EDIT_LIGHT, .id = id, .before.light = before, .after.light = light};
     if (edited) view_edit_do(v, &edit);
     ui_same_line();

@@ -25,6 +25,17 @@ typedef enum fnl_light_kind {
     FNL_LIGHT_KIND_COUNT
 } fnl_light_kind;
 
+/** When the shadow maps of a light are drawn again. Shadows that rays find are always those of the moment. */
+typedef enum fnl_shadow_update {
+    FNL_SHADOW_UPDATE_ALWAYS = 0, /**< where what they show has changed: nothing is drawn in still scenes */
+    /**
+     * Not when things move, but after fnl_scene_refresh_shadows(). Parts of the maps that a pixel looks up for the first time are drawn as things are then; all
+     * are drawn again when the light itself moves, and when materials, textures or meshes change.
+     */
+    FNL_SHADOW_UPDATE_ON_REQUEST,
+    FNL_SHADOW_UPDATE_COUNT
+} fnl_shadow_update;
+
 typedef struct fnl_light_params {
     fnl_light_kind kind; /**< default point */
     fnl_vec3 position;   /**< metres; apex of spots and wedges, middle of capsules, boxes and rectangles; not for directional lights */
@@ -65,6 +76,7 @@ typedef struct fnl_light_params {
     /** The same for directional lights and boxes: half the angle that the source fills, radians, 0 .. 1; default 0. The sun's: 0.00465. */
     float source_angle;
     bool casts_shadows; /**< default true; false: it shines through everything, where frames have shadows too */
+    fnl_shadow_update shadow_update; /**< FNL_SHADOWS_MAPS and FNL_SHADOWS_HYBRID; default FNL_SHADOW_UPDATE_ALWAYS */
     /**
      * Points and spots: how bright the light is in each direction (fnl_scene_add_light_profile); all-zero, the default: the same in all. The
      * intensity is that of the brightest direction, and a spot's cone is cut out of the profile. The profile looks along `direction`, with the
@@ -90,6 +102,11 @@ FNL_API fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *li
 static inline fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params) {
     return fnl_scene_set_lights(scene, &light, params, 1);
 }
+/**
+ * The shadow maps of `count` lights whose shadow_update is FNL_SHADOW_UPDATE_ON_REQUEST are drawn as things are in the next frame; those of others are anyway.
+ * An id that is no light is an error (logged) that names the element, and nothing is asked for. With a count of 0 `lights` may be NULL.
+ */
+FNL_API fnl_result fnl_scene_refresh_shadows(fnl_scene *scene, const fnl_light_id *lights, uint32_t count);
 /**
  * Adds a luminaire's photometric data for lights to have (fnl_light_params.profile): a file of IESNA LM-63 (.ies) of 1986 to 2019, type C, B or A.
  * It is `size` bytes at `data`, which are not kept; with data NULL the file called `name` is read. `name` is for messages besides.

@@ -53,6 +53,7 @@ typedef enum fnl_enum {
     FNL_ENUM_EXPOSURE,         /**< fnl_exposure */
     FNL_ENUM_DEBUG_VIEW,       /**< fnl_debug_view */
     FNL_ENUM_LIGHT_KIND,       /**< fnl_light_kind */
+    FNL_ENUM_SHADOW_UPDATE,    /**< fnl_shadow_update */
     FNL_ENUM_DECAL_KIND,       /**< fnl_decal_kind */
     FNL_ENUM_DECAL_BLEND,      /**< fnl_decal_blend */
     FNL_ENUM_DEVICE_TYPE,      /**< fnl_device_type */

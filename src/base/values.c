@@ -117,6 +117,7 @@ static const struct names enums[] = {
     [FNL_ENUM_DEBUG_VIEW] = {"fnl_debug_view", AS_MANY_AS(FNL_DEBUG_COUNT, DEBUG_VIEWS(NAME_OF)),
                              (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(NAME_OF)},
                              (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(HELP_OF)}},
+    [FNL_ENUM_SHADOW_UPDATE] = NAMES(fnl_shadow_update, FNL_SHADOW_UPDATE_COUNT, "always", "on-request"),
     [FNL_ENUM_LIGHT_KIND] = NAMES(fnl_light_kind, FNL_LIGHT_KIND_COUNT, "directional", "point", "spot", "capsule", "wedge", "box", "rectangle"),
     [FNL_ENUM_DECAL_KIND] = NAMES(fnl_decal_kind, FNL_DECAL_KIND_COUNT, "box", "volume", "mesh", "redraw", "baked"),
     [FNL_ENUM_DECAL_BLEND] = NAMES(fnl_decal_blend, FNL_DECAL_BLEND_COUNT, "alpha", "multiply", "add", "screen", "overlay"),

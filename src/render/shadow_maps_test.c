@@ -159,6 +159,114 @@ static void test_changes_are_drawn(void **state) {
     stage_close(&s);
 }
 
+/* A floor, a square that moves above it, and two lights: the first draws its maps by a policy, the other's see nothing of the square. */
+struct policy {
+    struct stage stage;
+    fnl_instance_id square;
+    fnl_light_id lights[2];
+    fnl_light_params lamp;
+};
+
+static struct policy open_policy(fnl_light_kind kind, fnl_shadow_update update) {
+    fnl_scene *scene = world_create(NULL);
+    const fnl_material_params white = matt(1);
+    struct policy p = {.lamp = fnl_light_params_default()};
+    add_square(scene, &white, (vec3){10, 1, 10}, (vec3){0, 0, 0});
+    p.square = add_square(scene, &white, (vec3){1, 1, 1}, (vec3){0, 1, 0});
+    p.lamp.kind = kind;
+    p.lamp.direction = (vec3){0.2f, -1, 0.1f};
+    p.lamp.position = SHADOW_LIGHT;
+    p.lamp.intensity = 50;
+    p.lamp.range = kind == FNL_LIGHT_DIRECTIONAL ? INFINITY : 1000;
+    p.lamp.shadow_update = update;
+    fnl_light_params other = fnl_light_params_default();
+    other.position = (vec3){-3, 0.3f, -3};
+    other.range = 0.6f;
+    assert_int_equal(fnl_scene_add_light(scene, &p.lamp, &p.lights[0]), FNL_OK);
+    assert_int_equal(fnl_scene_add_light(scene, &other, &p.lights[1]), FNL_OK);
+    p.stage = stage_open_scene(scene);
+    const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 0.5f, SHADOW_SIZE);
+    p.stage.frame.width = view.width, p.stage.frame.height = view.height;
+    p.stage.frame.camera = view.camera;
+    p.stage.frame.outputs = FNL_OUTPUT_RADIANCE;
+    p.stage.frame.shadows = FNL_SHADOWS_MAPS;
+    return p;
+}
+
+static void move_square(struct policy *p, int step) {
+    const mat4 at = mat4_translation((vec3){0.4f * (float)step, 1, 0});
+    assert_int_equal(fnl_scene_set_instance_transform(p->stage.scene, p->square, &at), FNL_OK);
+}
+
+static struct shot shoot_drawn(struct policy *p, uint64_t *drawn) {
+    struct shot shot = stage_shoot(&p->stage, &p->stage.frame);
+    *drawn = counter(&shot.stats, "shadows.drawn");
+    return shot;
+}
+
+/* Maps that are drawn on request stay as they are while a caster moves, and are those of all others after a request, to the bit. */
+static void test_maps_are_drawn_on_request(void **state) {
+    UNUSED(state);
+    static const fnl_light_kind kinds[] = {FNL_LIGHT_POINT, FNL_LIGHT_DIRECTIONAL};
+    enum { STEPS = 4 };
+    for (uint32_t k = 0; k < COUNT_OF(kinds); k++) {
+        struct policy always = open_policy(kinds[k], FNL_SHADOW_UPDATE_ALWAYS), asked = open_policy(kinds[k], FNL_SHADOW_UPDATE_ON_REQUEST);
+        uint64_t drawn[2], pages;
+        struct shot first = shoot_drawn(&asked, &pages), moved = shoot_drawn(&always, &drawn[0]);
+        assert_true(pages > 3 && pages == drawn[0]);
+        assert_int_equal(count_differing(&first.radiance, &moved.radiance), 0);
+        for (int step = 1; step <= STEPS; step++) {
+            move_square(&always, step);
+            move_square(&asked, step);
+            shot_free(&moved);
+            moved = shoot_drawn(&always, &drawn[0]);
+            struct shot kept = shoot_drawn(&asked, &drawn[1]);
+            assert_true(drawn[0] > 0 && drawn[0] < pages);
+            assert_int_equal(drawn[1], 0);
+            assert_int_equal(count_differing(&first.radiance, &kept.radiance), 0);
+            assert_true(count_differing(&moved.radiance, &kept.radiance) > 20);
+            shot_free(&kept);
+            if (step == 1) assert_int_equal(fnl_scene_refresh_shadows(asked.stage.scene, &asked.lights[1], 1), FNL_OK); /* another light's */
+        }
+        assert_int_equal(fnl_scene_refresh_shadows(asked.stage.scene, asked.lights, 2), FNL_OK);
+        struct shot fresh = shoot_drawn(&asked, &drawn[0]), again = shoot_drawn(&asked, &drawn[1]);
+        assert_true(drawn[0] > 3 && drawn[0] < pages); /* not those of the other light, which sees nothing of it */
+        assert_int_equal(drawn[1], 0);
+        assert_int_equal(count_differing(&fresh.radiance, &moved.radiance), 0);
+        assert_int_equal(count_differing(&fresh.radiance, &again.radiance), 0);
+        /* What was kept is drawn again where the light moves, and where it is drawn always from now on. */
+        for (int step = 0; step < 2; step++) {
+            move_square(&asked, step);
+            move_square(&always, step);
+            shot_free(&again);
+            again = shoot_drawn(&asked, &drawn[0]);
+            assert_int_equal(drawn[0], 0);
+            if (step == 0) {
+                asked.lamp.position.x += 0.5f, asked.lamp.direction.x += 0.1f;
+                assert_int_equal(fnl_scene_set_light(always.stage.scene, always.lights[0], &asked.lamp), FNL_OK);
+                always.lamp = asked.lamp;
+                always.lamp.shadow_update = FNL_SHADOW_UPDATE_ALWAYS;
+                assert_int_equal(fnl_scene_set_light(always.stage.scene, always.lights[0], &always.lamp), FNL_OK);
+            } else {
+                asked.lamp.shadow_update = FNL_SHADOW_UPDATE_ALWAYS;
+            }
+            assert_int_equal(fnl_scene_set_light(asked.stage.scene, asked.lights[0], &asked.lamp), FNL_OK);
+            shot_free(&again);
+            shot_free(&moved);
+            again = shoot_drawn(&asked, &drawn[0]);
+            moved = shoot_drawn(&always, &drawn[1]);
+            assert_true(drawn[0] > 3);
+            assert_int_equal(count_differing(&again.radiance, &moved.radiance), 0);
+        }
+        shot_free(&first);
+        shot_free(&moved);
+        shot_free(&fresh);
+        shot_free(&again);
+        stage_close(&always.stage);
+        stage_close(&asked.stage);
+    }
+}
+
 /* A pane over the floor is nearer to the light than what is seen through it, and asks for pages of its own. */
 static void test_blended_surfaces_ask_for_pages(void **state) {
     UNUSED(state);
@@ -245,6 +353,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser_MP_6_ES_69, harness_check),
         cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
         cmocka_unit_test_teardown(test_changes_are_drawn, harness_check),
+        cmocka_unit_test_teardown(test_maps_are_drawn_on_request, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_all_samples_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_pages_wait_for_room, harness_check),

@@ -270,6 +270,15 @@ static void pop_view(const struct frame_state *f, uint32_t count) {
     if (count > 1) graph_pop_names(f->graph);
 }
 
+/* Which lights' maps are drawn on request, and which request it is; address 0: no light's. */
+static VkDeviceAddress add_updates(const struct frame_state *f) {
+    const struct light_input *lights = &f->scene->lights;
+    if (!f->r->scene->has_requested) return 0;
+    struct gpu_slice updates = gpu_frame_allocate(f->r->device, (lights->directional_count + lights->local_count) * sizeof(uint32_t));
+    if (updates.data) device_lights_updates(f->r->device_scene, updates.data); /* else the frame fails */
+    return updates.address;
+}
+
 /* One set of maps for `count` views; those of eyes lie as the head's view asks for. The names of the first view's maps are pushed. */
 static void add_maps(struct frame_state *views, uint32_t count) {
     struct frame_state *f = views;
@@ -301,7 +310,7 @@ static void add_maps(struct frame_state *views, uint32_t count) {
     }
     shared.maps.address = slice.address;
     const struct shadow_split_input split = {.page_rays = page_rays(f->r, f->frame)};
-    const struct shadow_pages_input asked = {.wanted = wanted, .suns = suns, .lights = &shared, .split = f->frame->shadows == FNL_SHADOWS_HYBRID ? &split : NULL};
+    const struct shadow_pages_input asked = {.wanted = wanted, .suns = suns, .lights = &shared, .updates = add_updates(f), .split = f->frame->shadows == FNL_SHADOWS_HYBRID ? &split : NULL};
     const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &asked);
     const struct shadow_fill_input fill = {.shapes = pages.shapes,
                                            .scene = &f->scene->geometry,

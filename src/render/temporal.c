@@ -28,7 +28,7 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
     const fnl_frame *a = &s->frame, *b = f->frame;
     vec3 background = f->r->scene->background;
-    return !f->scene->moved && s->uploads == f->r->device_scene->upload_count && s->light_version == f->r->scene->light_version &&
+    return !f->scene->moved && s->uploads == f->r->device_scene->upload_count && s->light_version == f->r->scene->light_version && s->shadow_requests == f->r->scene->shadow_requests &&
            s->decal_version == f->r->scene->decal_version &&
            memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
            memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&
@@ -99,6 +99,7 @@ void temporal_end(struct frame_state *f) {
                                                 .uploads = f->r->device_scene->upload_count,
                                                 .light_version = f->r->scene->light_version,
                                                 .decal_version = f->r->scene->decal_version,
+                                                .shadow_requests = f->r->scene->shadow_requests,
                                                 .image_arrivals = f->r->device_scene->image_arrivals,
                                                 .background = f->r->scene->background,
                                                 .frame = *f->frame,

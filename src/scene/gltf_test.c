@@ -506,9 +506,9 @@ static void test_light_shadows_in_extras(void **state) {
     UNUSED(state);
     static const char json[] =
         "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
-        "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":false,\"sourceRadius\":0.25}}},"
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":false,\"sourceRadius\":0.25,\"update\":\"on-request\"}}},"
         "{\"type\":\"point\",\"extras\":{\"FNL_light_shadows\":{\"castsShadows\":0}}},"
-        "{\"type\":\"directional\",\"extras\":{\"FNL_light_shadows\":{\"sourceAngle\":-3}}}]}},"
+        "{\"type\":\"directional\",\"extras\":{\"FNL_light_shadows\":{\"sourceAngle\":-3,\"update\":\"sometimes\"}}}]}},"
         "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
         "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
         "}";
@@ -520,7 +520,9 @@ static void test_light_shadows_in_extras(void **state) {
     free(glb);
     assert_non_null(strstr(file_log.text, "/lights/1/extras/FNL_light_shadows/castsShadows: is a number, not a boolean"));
     assert_non_null(strstr(file_log.text, "/lights/2/extras/FNL_light_shadows/sourceAngle"));
-    assert_int_equal(file_log.count, 2);
+    assert_non_null(strstr(file_log.text, "/lights/2/extras/FNL_light_shadows/update: is neither always nor on-request"));
+    assert_int_equal(file_log.count, 3);
+    for (uint32_t i = 0; i < 3; i++) assert_int_equal(scene->lights.data[i].params.shadow_update, i == 0 ? FNL_SHADOW_UPDATE_ON_REQUEST : FNL_SHADOW_UPDATE_ALWAYS);
     for (uint32_t i = 0; i < 3; i++) assert_int_equal(scene->lights.data[i].params.casts_shadows, i > 0);
     assert_true(scene->lights.data[0].params.source_radius == 0.25f && scene->lights.data[1].params.source_radius == 0);
     assert_true(scene->lights.data[2].params.source_angle == 0);

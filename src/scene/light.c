@@ -65,6 +65,7 @@ static fnl_result check_light(const struct call *call, const fnl_scene *scene, c
     const double infinite = (double)FLT_MAX;
     fnl_light_kind kind = params->kind;
     TRY(check_enum(call, "kind", (int)kind, FNL_LIGHT_KIND_COUNT, "fnl_light_kind"));
+    TRY(check_enum(call, "shadow_update", (int)params->shadow_update, FNL_SHADOW_UPDATE_COUNT, "fnl_shadow_update"));
     TRY(check_finite(call, "position", params->position));
     TRY(check_finite(call, "direction", params->direction));
     TRY(check_profile(call, scene, params));
@@ -159,6 +160,16 @@ fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, co
         light->params = aligned(&params[i]);
     }
     scene_lights_edited(scene, lights, count);
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_refresh_shadows(fnl_scene *scene, const fnl_light_id *lights, uint32_t count) {
+    TRY(check_handle(__func__, "scene", scene));
+    if (count == 0) return FNL_OK;
+    TRY(check_pointer(CALL(&scene->host), "lights", lights));
+    for (uint32_t i = 0; i < count; i++) TRY(check_light_id(CALL_ELEMENT(&scene->host, i, count), scene, lights[i]));
+    for (uint32_t i = 0; i < count; i++) scene->lights.data[lights[i].index].shadow_request = scene->shadow_requests;
+    scene->shadow_requests++;
     return FNL_OK;
 }
 

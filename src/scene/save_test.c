@@ -184,7 +184,7 @@ static void same_light(const fnl_light_params *a, const fnl_light_params *b) {
     const bool parallel = light_is_parallel(a->kind);
     assert_int_equal(a->kind, b->kind);
     assert_memory_equal(a->color, b->color, sizeof a->color);
-    assert_true(a->intensity == b->intensity && a->casts_shadows == b->casts_shadows);
+    assert_true(a->intensity == b->intensity && a->casts_shadows == b->casts_shadows && a->shadow_update == b->shadow_update);
     assert_true(parallel ? a->source_angle == b->source_angle : a->source_radius == b->source_radius && a->range == b->range);
     if (a->kind != FNL_LIGHT_DIRECTIONAL) assert_memory_equal(&a->position, &b->position, sizeof a->position);
     if (a->kind != FNL_LIGHT_POINT) assert_memory_equal(&a->direction, &b->direction, sizeof a->direction);
@@ -266,6 +266,7 @@ static void test_lights_of_all_kinds_survive_to_the_bit(void **state) {
         p.box_size = vec3_make(between(&r, 0.1f, 9), between(&r, 0.1f, 9), between(&r, 0.1f, 9));
         p.inner_fraction = between(&r, 0, 1);
         p.casts_shadows = i % 2;
+        p.shadow_update = i % 3 ? FNL_SHADOW_UPDATE_ALWAYS : FNL_SHADOW_UPDATE_ON_REQUEST;
         p.source_radius = i % 4 ? 0 : between(&r, 0, 1);
         assert_int_equal(fnl_scene_add_light(scene, &p, &id), FNL_OK);
     }
@@ -443,6 +444,7 @@ static void change_lights(fnl_scene *scene, fnl_light_params *moved) {
     fnl_scene_query_light(scene, 1, &p); /* of two that share theirs */
     p.intensity = 0.1f;
     p.casts_shadows = false;
+    p.shadow_update = FNL_SHADOW_UPDATE_ON_REQUEST;
     assert_int_equal(fnl_scene_set_light(scene, entity(scene, FNL_ENTITY_LIGHT, 1).id.light, &p), FNL_OK);
     fnl_scene_query_light(scene, 2, &p); /* is put elsewhere */
     p.position = vec3_make(1.1f, 2.2f, 3.3f);
@@ -507,7 +509,7 @@ static void test_changes_are_patched_in(void **state) {
     fnl_scene_query_light(again, 0, &p);
     assert_true(p.intensity == 3 && p.casts_shadows);
     fnl_scene_query_light(again, 1, &p);
-    assert_true(p.intensity == 0.1f && !p.casts_shadows);
+    assert_true(p.intensity == 0.1f && !p.casts_shadows && p.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST);
     fnl_scene_query_light(again, 2, &p);
     same_light(&p, &moved);
     same_material(&scene->materials.data[0], &again->materials.data[0]);

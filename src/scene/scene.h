@@ -272,6 +272,7 @@ struct scene_light {
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
     uint32_t slot;           /* of a local light, from when it is added until it is removed; else SCENE_NONE */
+    uint32_t shadow_request; /* fnl_shadow_update: another number is another request */
     bool removed;
     bool animated; /* within animation_apply: it has new values */
 };
@@ -403,6 +404,8 @@ struct fnl_scene {
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
     bool has_rectangles;              /* some light was a rectangle at some time */
+    bool has_requested;               /* some light's shadow maps were drawn on request at some time */
+    uint32_t shadow_requests;         /* numbers of requests that were given */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
 
     ARRAY(uint32_t) free_nodes, free_lights, free_decals, free_probes; /* the holes */

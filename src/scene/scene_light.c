@@ -88,6 +88,7 @@ static void place_light(fnl_scene *scene, uint32_t index) {
     struct scene_light *light = &scene->lights.data[index];
     bool directional = light->params.kind == FNL_LIGHT_DIRECTIONAL;
     scene->has_rectangles |= light->params.kind == FNL_LIGHT_RECTANGLE;
+    scene->has_requested |= light->params.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     list_sun(scene, index, directional && !light->removed);
     bool local = !directional && !light->removed;
     uint32_t slot = light->slot;
@@ -130,7 +131,7 @@ void scene_lights_edited(fnl_scene *scene, const fnl_light_id *lights, uint32_t 
 
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
     struct scene_light light = {
-        .params = *params, .node = node, .slot = SCENE_NONE, .generation = scene_take_generation(scene)};
+        .params = *params, .node = node, .slot = SCENE_NONE, .generation = scene_take_generation(scene), .shadow_request = scene->shadow_requests++};
     if (node != SCENE_NONE) pose_light(scene, &light);
     uint32_t index;
     if (scene_reserve_lights(scene, 1) != FNL_OK) return SCENE_NONE;

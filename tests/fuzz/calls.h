@@ -85,7 +85,7 @@ static inline fnl_light_params calls_light(struct fuzz_input *in) {
     if (changes & 16) p.inner_cone_angle = fuzz_float(in), p.outer_cone_angle = fuzz_float(in);
     if (changes & 32) p.up = fuzz_vec3(in), p.length = fuzz_float(in);
     if (changes & 64) fuzz_floats(in, p.wedge_angles, 2), p.inner_fraction = fuzz_float(in);
-    if (changes & 64) fuzz_floats(in, p.rectangle_size, 2), p.two_sided = true;
+    if (changes & 64) fuzz_floats(in, p.rectangle_size, 2), p.two_sided = true, p.shadow_update = (fnl_shadow_update)(fuzz_byte(in) % (FNL_SHADOW_UPDATE_COUNT + 1));
     if (changes & 128) p.box_size = fuzz_vec3(in), p.casts_shadows = false, p.source_radius = p.source_angle = fuzz_float(in);
     return p;
 }

@@ -22,7 +22,7 @@
 #include "shadows/maps_shared.h"
 
 struct shadow_fill_input {
-    graph_buffer shapes;           /* by row: struct gpu_shape, whose faces the pages are of */
+    graph_buffer shapes;           /* by row: struct gpu_shape, whose faces the pages are of. hull_count not 0: its pages stay when items move */
     const struct geometry_scene *scene;
     const struct rays *rays;       /* of the same scene; the tree over items is enough */
     graph_buffer pages;            /* struct gpu_shadow_page[page_limit] */

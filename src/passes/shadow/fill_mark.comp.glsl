@@ -12,7 +12,9 @@ bool is_touched(gpu_shadow_page p) {
     if (push.all_changed != 0u) return true;
     uint count = push.changed.at[0];
     if (count == 0u) return false;
-    page_volume volume = page_volume_of(push.shapes.at[p.row], p.bit);
+    gpu_shape shape = push.shapes.at[p.row];
+    if (shape.hull_count != 0u) return false; // it is drawn on request, and pages.h knows when that is
+    page_volume volume = page_volume_of(shape, p.bit);
     for (uint i = 1u; i <= count; i++) {
         uint item = push.changed.at[i];
         if (item < push.kept.count && volume_meets_caster(volume, push.kept.at[item])) return true;

@@ -111,7 +111,7 @@ static graph_image add_atlas(struct graph *graph, struct shadow_state *state) {
 static void add_choice(struct build *b, gpu_device *device) {
     struct graph *graph = b->graph;
     const struct light_input *lights = b->input->lights;
-    struct gpu_shadow_rows_push rows = {.row_count = b->out.row_count, .sun_rows = b->sun_rows};
+    struct gpu_shadow_rows_push rows = {.row_count = b->out.row_count, .sun_rows = b->sun_rows, .updates = b->input->updates};
     light_list_header(device, lights, &rows.list);
     graph_dispatch(
         graph, &(struct graph_dispatch){.name = "shadow rows",

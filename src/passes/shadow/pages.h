@@ -52,6 +52,7 @@ fnl_result shadow_pages_prepare(gpu_device *device, struct shadow_state *state, 
 struct shadow_pages_input {
     graph_buffer wanted; /* SHADOW_ROW_WORDS words for each row: a bit for each page that a pixel asks for */
     graph_buffer suns;   /* of shadow_suns_add(). id 0: directional lights have no rows */
+    VkDeviceAddress updates; /* a number for each directional, then each local light: not 0, and its pages are drawn again where it is another than in the last frame. 0: 0 for all */
     const struct shadow_split_input *split; /* NULL: all lights that cast shadows have maps (split.h) */
     const struct light_input *lights; /* whose rows they are: at least one, as many as the state was prepared for or fewer */
 };

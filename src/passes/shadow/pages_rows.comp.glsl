@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 // How important each light is, and whether it is what it was when its pages were drawn.
 #include "lights/iterate.glsl"
 #include "shadows/suns.glsl"
@@ -47,6 +48,9 @@ gpu_shape shape_of_row(gpu_shadow_sun sun, uint row) {
     return shadow_sun_shape(sun, grid, first + ivec2(at % side));
 }
 
+// hull_count says whether the maps are drawn on request, and that a request is another one.
+uint update_of(uint light) { return uvec2(push.updates) != uvec2(0u) ? push.updates.at[light] : 0u; }
+
 void main() {
     uint row = LINEAR_INVOCATION;
     if (row >= push.row_count) return;
@@ -56,12 +60,14 @@ void main() {
         uint index = row / SHADOW_SUN_ROWS;
         gpu_shadow_sun sun = push.suns.at[index];
         now = shape_of_row(sun, row % SHADOW_SUN_ROWS);
+        now.hull_count = update_of(index);
         float radius = ldexp(SHADOW_SUN_REACH, sun.coarsest); // its light falls on all of this
         importance = luminance(push.list.list.lights.at[index].color) * PI * radius * radius;
     } else {
         uint local = row - push.sun_rows;
         gpu_light light = push.list.list.lights.at[push.list.list.directional_count + local];
         now = shape_of(light.shape);
+        now.hull_count = update_of(push.list.list.directional_count + local);
         importance = importance_of(push.list, local, light);
     }
     bool changed = push.shapes.at[row] != now;

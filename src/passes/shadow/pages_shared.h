@@ -55,6 +55,7 @@ struct gpu_shadow_rows_push {
     ADDRESS(const_shadow_sun_array) suns;
     ADDRESS(shadow_shape_array) shapes; /* those that the last frame's pages were drawn for; those of this frame come in their place */
     ADDRESS(uint_array) rows;
+    ADDRESS(const_uint_array) updates;  /* by directional light, then by local light: 0, or its maps are drawn on request, of which this is the number. Null: 0 for all */
     uint row_count;
     uint sun_rows; /* how many of them, the first ones, are of directional lights */
 };

@@ -450,6 +450,20 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
     return FNL_OK;
 }
 
+void device_lights_updates(const struct device_scene *d, uint32_t *out) {
+    const fnl_scene *scene = d->scene;
+#define UPDATE_OF(light) ((light) && (light)->params.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST ? (light)->shadow_request + 1 : 0)
+    for (uint32_t i = 0; i < scene->suns.count; i++) {
+        const struct scene_light *light = &scene->lights.data[scene->suns.data[i]];
+        if (is_lit(scene, light)) *out++ = UPDATE_OF(light);
+    }
+    for (uint32_t slot = 0; slot < scene->light_slot_end; slot++) {
+        const struct scene_light *light = light_at(scene, slot);
+        *out++ = UPDATE_OF(light);
+    }
+#undef UPDATE_OF
+}
+
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights) {
     d->light_bytes_sent = 0;
     if (d->sent.lights == d->scene->light_version) return FNL_OK;

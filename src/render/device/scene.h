@@ -345,6 +345,8 @@ void device_lights_finish(struct device_scene *d);
 /** Declares the update of the light array: sends only the lights that changed, but all directional ones if any of those did. */
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
 /** The lights as one frame sees them; view, width and height are left to the caller. */
+/** For each directional light, then for each place: 0, or a number of the request that its shadow maps were last drawn for (fnl_shadow_update). */
+void device_lights_updates(const struct device_scene *d, uint32_t *out);
 struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights);
 /** The part that needs no device: fills light_data, light_bounds, sun_data and plane_data from d->scene. */
 fnl_result device_lights_gather(struct device_scene *d);
