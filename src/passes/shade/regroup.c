@@ -71,6 +71,11 @@ struct draw_data {
     struct gpu_graphics_params state;
 };
 
+/* What the shaders know of the list and of its lights. */
+static uint32_t kind_of(const struct draw_data *d) {
+    return GPU_LIST_ITEMS | (d->kind & (GPU_LIST_SHADOWED | GPU_LIST_ENVIRONMENT | GPU_LIST_REFLECTIONS | GPU_LIST_LAYERS | GPU_LIST_PROFILES | GPU_LIST_RECTANGLES));
+}
+
 static struct gpu_regroup_draw_push push_of(const struct graph_context *context, const struct draw_data *d) {
     return (struct gpu_regroup_draw_push){.geometry = {.view = d->view,
                                                        .scene = d->r.scene->scene,
@@ -177,7 +182,7 @@ static void execute_batches(const struct graph_context *context, const void *dat
     for (uint32_t c = 0; c < REGROUP_CLASSES; c++) {
         struct gpu_graphics_params state = d->state;
         state.constant_count = FIXED_LIGHTS_ID + 1;
-        const uint32_t constants[FIXED_LIGHTS_ID + 1] = {[LISTS_ID] = GPU_LIST_ITEMS | (d->kind & (GPU_LIST_ENVIRONMENT | GPU_LIST_REFLECTIONS | GPU_LIST_LAYERS | GPU_LIST_PROFILES | GPU_LIST_RECTANGLES)), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = c > 0,
+        const uint32_t constants[FIXED_LIGHTS_ID + 1] = {[LISTS_ID] = kind_of(d), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = c > 0,
                                                          [HAS_METAL_ID] = 1, [FIXED_LIGHTS_ID] = loops[c]};
         memcpy(state.constants, constants, sizeof constants);
         draw_key(context, d, &state, &push, c);
@@ -202,7 +207,7 @@ uint32_t batches_draw_count(const struct geometry_scene *scene) { return opaque_
 /* ---- one pass per light ---- */
 
 static void set_step(struct gpu_graphics_params *state, const struct draw_data *d, uint32_t step) {
-    const uint32_t constants[MULTIPASS_STEP_ID + 1] = {[LISTS_ID] = GPU_LIST_ITEMS | (d->kind & (GPU_LIST_ENVIRONMENT | GPU_LIST_REFLECTIONS | GPU_LIST_LAYERS | GPU_LIST_PROFILES | GPU_LIST_RECTANGLES)), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
+    const uint32_t constants[MULTIPASS_STEP_ID + 1] = {[LISTS_ID] = kind_of(d), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
                                                        [HAS_METAL_ID] = 1, [MULTIPASS_STEP_ID] = step};
     state->constant_count = MULTIPASS_STEP_ID + 1;
     memcpy(state->constants, constants, sizeof constants);

@@ -107,6 +107,52 @@ static void test_scenes_ES_2_MP_17_MP_18(void **state) {
     }
 }
 
+/*
+ * Maps are there before objects are grouped by lights, and before the first light's pass: both give the bits of brute force. The maps of all lights share one
+ * image of a mebibyte.
+ */
+static void test_with_shadow_maps_ES_18_MP_17_MP_18(void **state) {
+    UNUSED(state);
+    static const uint32_t counts[] = {3, 4, 5, 0, 9};
+    static const float positions[12] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    struct stage stage = open_quads(counts, COUNT_OF(counts));
+    stage.frame.camera.position.z = 20;
+    fnl_mesh_params params = {.vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices};
+    fnl_mesh_id mesh;
+    assert_int_equal(fnl_scene_add_mesh(stage.scene, &params, &mesh), FNL_OK);
+    for (uint32_t i = 0; i < COUNT_OF(counts); i++) { /* small, before each, in front of some of its lights' light */
+        fnl_mat4 at = {{0.3f, 0, 0, 0, 0, 0.3f, 0, 0, 0, 0, 1, 0, ((float)i - 2) * 8 + 0.3f, 0.2f, 0.3f, 1}};
+        fnl_instance_id id;
+        assert_int_equal(fnl_scene_add_instance(stage.scene, mesh, &at, &id), FNL_OK);
+    }
+    struct shot plain = shoot(&stage, FNL_LISTS_ALL);
+    stage.frame.shadows = FNL_SHADOWS_MAPS;
+    stage.frame.shadow.memory = 1;
+    struct shot all = shoot(&stage, FNL_LISTS_ALL);
+    assert_true(count_differing(&plain.radiance, &all.radiance) > 10);
+    for (int k = 0; k < 2; k++) {
+        struct shot shot = shoot(&stage, k ? FNL_LISTS_MULTIPASS : FNL_LISTS_BATCHES);
+        assert_int_equal(shot.stats.lists, k ? FNL_LISTS_MULTIPASS : FNL_LISTS_BATCHES);
+        assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
+        assert_true(counter(&shot.stats, "shadows.pages") >= 21 && counter(&shot.stats, "shadows.cells") * 65536 <= 1048576);
+        assert_int_equal(counter(&shot.stats, "shadows.traced"), 0);
+        shot_free(&shot);
+    }
+    shot_free(&all);
+    stage.frame.shadows = FNL_SHADOWS_RAYS;
+    all = shoot(&stage, FNL_LISTS_ALL);
+    for (int k = 0; k < 2; k++) {
+        struct shot shot = shoot(&stage, k ? FNL_LISTS_MULTIPASS : FNL_LISTS_BATCHES);
+        assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
+        assert_int_equal(counter(&shot.stats, "shadows.rays"), counter(&all.stats, "shadows.rays"));
+        shot_free(&shot);
+    }
+    shot_free(&plain);
+    shot_free(&all);
+    stage_close(&stage);
+}
+
 /* With MSAA, or too many lights times groups, lists of objects stand in: pictures stay right, and statistics and log say so. */
 static void test_mesh_lists_stand_in(void **state) {
     UNUSED(state);
@@ -165,6 +211,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_padded_loops_MP_17, harness_check),
         cmocka_unit_test_teardown(test_pass_per_light_ES_2_MP_18, harness_check),
         cmocka_unit_test_teardown(test_scenes_ES_2_MP_17_MP_18, harness_check),
+        cmocka_unit_test_teardown(test_with_shadow_maps_ES_18_MP_17_MP_18, harness_check),
         cmocka_unit_test_teardown(test_mesh_lists_stand_in, harness_check),
         cmocka_unit_test_teardown(test_overflow_CL_10_MP_18, harness_check),
     };
