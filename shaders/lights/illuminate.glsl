@@ -175,8 +175,17 @@ shadowed_point shadowed_point_of(light_list_block l, vec3 position, vec3 normal)
     if (LIST_MAPS) p.maps = shadow_maps_block(l.list.shadow_maps).maps;
     if (LIST_CUBEMAP) {
         p.probes = probes_block(l.list.probes).probes;
-        p.probe = probe_find(p.probes, position);
-        if (p.probe < p.probes.count) p.place = probe_place(p.probes.probes.at[p.probe], position);
+        p.probe = probe_find(p.probes, 0u, position);
+        p.other = p.probes.count;
+        if (p.probe < p.probes.count) {
+            p.place = probe_place(p.probes.probes.at[p.probe], position);
+            p.other = probe_find(p.probes, p.probe + 1u, position);
+        }
+        if (p.other < p.probes.count) {
+            gpu_probe other = p.probes.probes.at[p.other];
+            float first = probe_weight(p.probes.probes.at[p.probe], p.place), second = probe_weight(other, probe_place(other, position));
+            p.part = first / (first + second);
+        }
     }
     return p;
 }
@@ -206,6 +215,23 @@ bool cubemap_sends_rays(shadowed_point p, ray_scope scope, vec3 open) {
     return max_component(open) > 0.0 && (scope.high > 0.0 || (p.probes.flags & PROBES_MOVERS) != 0u);
 }
 
+// The part of a light, by its colours, that comes to the point through the walls of its room and what is in there. In the boxes of two probes: that of each
+// by its part, so that nothing jumps where one ends.
+vec3 rooms_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, float margin, bool endless) {
+    bool two = p.other < p.probes.count;
+    vec3 sum = vec3(0.0);
+    for (uint side = 0u; side < 2u; side++) {
+        ray_scope scope;
+        vec3 open = cubemap_visibility(l, light, p, to_light, away, endless, scope);
+        if (cubemap_sends_rays(p, scope, open)) open *= rays_visibility(l, scope, light, p.position, p.normal, to_light, away, margin, p.slack);
+        if (!two) return open;
+        sum += (side == 0u ? p.part : 1.0 - p.part) * open;
+        p.probe = p.other;
+        p.place = probe_place(p.probes.probes.at[p.probe], p.position);
+    }
+    return sum;
+}
+
 // Whether some of a light comes from before the surface, as far as the direction to its middle tells.
 bool light_may_face(light_list_block l, uint light, vec3 normal, vec3 to_light) {
     return dot(normal, to_light) > 0.0 || LIST_RECTANGLES && l.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
@@ -221,15 +247,12 @@ vec3 shadow_visibility(light_list_block l, uint light, shadowed_point p, vec3 to
         if (!LIST_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light
     }
     float high = light_distance(l, light, p.position, to_light);
-    vec3 wall = vec3(1.0);
-    ray_scope scope = ray_everything();
     if (LIST_CUBEMAP) {
-        wall = cubemap_visibility(l, light, p, to_light, high, false, scope);
-        if (!cubemap_sends_rays(p, scope, wall)) return wall;
+        float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position));
+        return rooms_visibility(l, light, p, to_light, high, margin, false);
     }
     float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
-    float open = rays_visibility(l, scope, light, p.position, p.normal, to_light, high, margin, p.slack);
-    return LIST_CUBEMAP ? wall * open : vec3(open);
+    return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, high, margin, p.slack));
 }
 
 // The same of a directional light.
@@ -241,14 +264,8 @@ vec3 sun_visibility(light_list_block l, uint light, shadowed_point p) {
         float open = sun_map_visibility(l, light, p);
         if (!LIST_RAYS || open >= 0.0) return vec3(abs(open));
     }
-    vec3 wall = vec3(1.0);
-    ray_scope scope = ray_everything();
-    if (LIST_CUBEMAP) {
-        wall = cubemap_visibility(l, light, p, to_light, 1.0, true, scope);
-        if (!cubemap_sends_rays(p, scope, wall)) return wall;
-    }
-    float open = rays_visibility(l, scope, light, p.position, p.normal, to_light, 1.0, 0.0, p.slack);
-    return LIST_CUBEMAP ? wall * open : vec3(open);
+    if (LIST_CUBEMAP) return rooms_visibility(l, light, p, to_light, 1.0, 0.0, true);
+    return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, 1.0, 0.0, p.slack));
 }
 
 // What a directional light gives, in lux.

@@ -20,11 +20,17 @@ vec3 probe_turn(gpu_probe p, vec3 d) { return vec3(dot(p.rows[0].xyz, d), dot(p.
 
 bool probe_holds(gpu_probe p, vec3 place) { return all(lessThanEqual(abs(place), p.half_size + p.wall)); }
 
-// The first probe in whose box, or in whose walls, a point is; or the number of probes.
-uint probe_find(gpu_probes all_probes, vec3 position) {
-    uint k = 0u;
+// The first probe from `k` on in whose box, or in whose walls, a point is; or the number of probes.
+uint probe_find(gpu_probes all_probes, uint k, vec3 position) {
     while (k < all_probes.count && !probe_holds(all_probes.probes.at[k], probe_place(all_probes.probes.at[k], position))) k++;
     return k;
+}
+
+// What counts of a probe at a point that it holds, beside that of another one: it falls to next to nothing where the walls end. Faces that both share leave
+// the ratio alone.
+float probe_weight(gpu_probe p, vec3 place) {
+    vec3 depth = max(p.half_size + p.wall - abs(place), 1e-4); // metres; on faces it is rounded
+    return depth.x * depth.y * depth.z;
 }
 
 // One look-up.

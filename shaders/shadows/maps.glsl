@@ -18,6 +18,8 @@ struct shadowed_point {
     gpu_probes probes;
     uint probe; // that holds it, or probes.count
     vec3 place; // in its space
+    uint other; // that holds it too, or probes.count
+    float part; // of the light of the first
 };
 
 // How many pixels wide the face is where a point lies, if one is so many metres wide there: `along` is the w of shadow_face_clip().

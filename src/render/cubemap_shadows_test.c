@@ -621,6 +621,70 @@ static void test_shadows_do_not_shimmer_LC_13(void **state) {
     stage_close(&r.s);
 }
 
+/* ---- two rooms ---- */
+
+#define WALL 0.02f
+
+/*
+ * The floor of two rooms whose boxes share x = -1 .. 1, under a sun above: that of the first has a ceiling, the other is higher and has none. `first` and
+ * `second`: 0 or 1, the probes in their order; 2: none.
+ */
+static void see_two_rooms(uint32_t first, uint32_t second, float *out) {
+    fnl_scene *scene = world_create(NULL);
+    fnl_probe_params probes[2] = {fnl_probe_params_default(), fnl_probe_params_default()};
+    add_slab(scene, -5, 5, 0, -3, 3);
+    add_slab(scene, -4.5f, 1.5f, 3, -3, 3);
+    probes[0].centre = (vec3){-1.5f, 1.5f, 0};
+    probes[0].half_size = (vec3){2.5f, 1.5f, 2};
+    probes[1].centre = (vec3){1.5f, 2.5f, 0};
+    probes[1].half_size = (vec3){2.5f, 2.5f, 2};
+    for (uint32_t i = 0; i < 2; i++) {
+        const uint32_t which = i ? second : first;
+        fnl_probe_id id;
+        if (which == 2) continue;
+        probes[which].face_size = SIDE;
+        probes[which].wall = WALL;
+        assert_int_equal(fnl_scene_add_probe(scene, &probes[which], &id), FNL_OK);
+    }
+    fnl_light_params sun = fnl_light_params_default();
+    fnl_light_id id;
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    sun.direction = (vec3){0, -1, 0};
+    assert_int_equal(fnl_scene_add_light(scene, &sun, &id), FNL_OK);
+    const fnl_trace_params view = look_down((vec3){0, 0, 0}, EXTENT, 0.05f, SIZE);
+    struct stage s = shadow_stage(scene, &view);
+    s.frame.shadows = FNL_SHADOWS_CUBEMAP;
+    s.frame.shading = FNL_SHADING_FORWARD;
+    s.frame.lists = FNL_LISTS_ALL;
+    s.frame.shadow.cubemap_inside = FNL_CUBEMAP_INSIDE_NONE;
+    shadow_parts(&s, out);
+    stage_close(&s);
+}
+
+/* Where both boxes are, both count, by how far their borders are; elsewhere each is as it is alone, to the bit. No step is larger than the slope. */
+static void test_two_probes_are_blended_LC_16(void **state) {
+    UNUSED(state);
+    static float both[SIZE * SIZE], turned[SIZE * SIZE];
+    see_two_rooms(0, 2, seen);
+    see_two_rooms(1, 2, other);
+    see_two_rooms(0, 1, both);
+    see_two_rooms(1, 0, turned);
+    const float reach = 1 + WALL;
+    uint32_t alone[2] = {0}, shared = 0;
+    for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+        const float x = floor_at(i).x, at = fminf(fmaxf((x + reach) / (2 * reach), 0), 1);
+        const bool near_edge = x > 0.85f && x < 1.1f; /* texels across the edge of the ceiling's box, of which next to nothing is taken */
+        if (fabsf(both[i] - at) > (near_edge ? 0.04f : 0.005f)) fail_msg("at %g: %g of the light, should be %g", (double)x, (double)both[i], (double)at);
+        if (fabsf(both[i] - turned[i]) > 1e-5f) fail_msg("at %g: %g, in the other order %g", (double)x, (double)both[i], (double)turned[i]);
+        if (fabsf(x) > reach) assert_true(both[i] == (x < 0 ? seen : other)[i] && both[i] == turned[i]);
+        alone[0] += x < -reach;
+        alone[1] += x > reach;
+        shared += both[i] > 0.02f && both[i] < 0.98f;
+        if (i % SIZE && fabsf(both[i] - both[i - 1]) > 0.04f) fail_msg("at %g: a step of %g", (double)x, (double)(both[i] - both[i - 1]));
+    }
+    assert_true(alone[0] > SIZE * 5 && alone[1] > SIZE * 5 && shared > SIZE * SIZE / 2);
+}
+
 static void test_paths_and_lists_agree_LC_8(void **state) {
     UNUSED(state);
     struct stage s = stage_open("builtin:glass?lights=12", 0);
@@ -656,6 +720,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_glass_colours_the_light_LC_7, harness_check),
         cmocka_unit_test_teardown(test_lights_share_one_cube_map_LC_8, harness_check),
         cmocka_unit_test_teardown(test_paths_and_lists_agree_LC_8, harness_check),
+        cmocka_unit_test_teardown(test_two_probes_are_blended_LC_16, harness_check),
         cmocka_unit_test_teardown(test_what_moves_casts_too_LC_9, harness_check),
         cmocka_unit_test_teardown(test_what_moves_leaves_the_wall_LC_9, harness_check),
         cmocka_unit_test_teardown(test_errors_grow_with_the_distance_of_walls_LC_10, harness_check),
