@@ -131,6 +131,9 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_PROBE_LOOKUP, /**< cubemap shadows: texels of the cube map that are looked up for the light that gives most, a hue for each face; grey: none */
     FNL_DEBUG_PROBE_LEVELS, /**< cubemap shadows: the level of that look-up, finer is brighter, with a legend */
     FNL_DEBUG_REFLECTIONS,  /**< reflection probes: a colour for each, by its part of the light from all around; grey: none */
+    FNL_DEBUG_SHADOW_RAYS, /**< rays, maps, hybrid, cubemap: heat map of the shadow rays of each pixel, with a legend */
+    FNL_DEBUG_SHADOW_AGE,  /**< shadow maps: frames since the page of FNL_DEBUG_SHADOW_PAGES was drawn; striped where a finer one is wanted and not there */
+    FNL_DEBUG_SHADOW_CLASSES, /**< fnl_shadow_options.classify: of the lights in a tile's list, those that left it, those that give no pixel light, some or all */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

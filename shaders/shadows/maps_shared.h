@@ -34,12 +34,15 @@
 
 #define SHADOW_PAGE_DRAW 1u       /* the atlas does not hold what the page shows in this frame: it is to be drawn. Who draws it takes the flag off; till then it stays */
 #define SHADOW_PAGE_IDLE 2u       /* nothing looks it up in this frame. It need not be drawn: with SHADOW_PAGE_DRAW it is gone in the next frame */
+/* Above the flags: frames since the page was drawn, at most SHADOW_OLDEST. */
+#define SHADOW_AGE_SHIFT 16u
+#define SHADOW_OLDEST 0xffffu
 
 struct gpu_shadow_page {
     uint row;   /* of the light: its index among the local lights */
     uint bit;   /* of the row, 0 .. SHADOW_ROW_WORDS * 32 - 1: which face, level and page; shadow_page_of() */
     uint place; /* least corner in the atlas, in units: x | y << 16 */
-    uint flags; /* SHADOW_PAGE_… */
+    uint flags; /* SHADOW_PAGE_…, and the age */
 };
 
 /* How the blocks of a directional light lie. Places are metres along three axes at right angles. */

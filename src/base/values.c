@@ -63,7 +63,10 @@ struct names {
     ROW("shadow-history", "shadow.denoise: frames that a pixel has collected; brightest: 32, or exact")                          \
     ROW("probe-lookup", "cubemap shadows: texels looked up for the light that gives most, a hue for each face; grey: none")      \
     ROW("probe-levels", "cubemap shadows: the level of that look-up, finer is brighter, with a legend")                         \
-    ROW("reflections", "reflection probes: a colour for each, by its part of the light from all around; grey: none")
+    ROW("reflections", "reflection probes: a colour for each, by its part of the light from all around; grey: none")                            \
+    ROW("shadow-rays", "shadow rays that each pixel sends, with rays, maps, hybrid or cubemap, with a legend")                   \
+    ROW("shadow-age", "shadow maps: frames since that page was drawn; striped where a finer one is wanted and not there")        \
+    ROW("shadow-classes", "shadow.classify: lights of tiles that left: blue; that light no pixel: orange, some: grey, all: white")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

@@ -56,7 +56,12 @@ static void add_shadows(struct frame_state *f, bool swap) {
     graph_push_names(f->graph, "debug view");
     const struct light_list lights = order_add_fallback_lists(f);
     graph_pop_names(f->graph);
-    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, f->view_address, f->color, swap);
+    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, (graph_buffer){0}, f->view_address, f->color, swap);
+}
+
+static void add_classes(struct frame_state *f, bool swap) {
+    if (f->shadow_classes.id) shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->surface_lights, f->shadow_classes, f->view_address, f->color, swap);
+    else add_plain(f, swap); /* no lights, or more than may have maps: black */
 }
 
 static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
@@ -64,6 +69,19 @@ static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, 
     if (frame->shadows == FNL_SHADOWS_MAPS || frame->shadows == FNL_SHADOWS_HYBRID || (frame->shadows == FNL_SHADOWS_CUBEMAP && frame->debug == FNL_DEBUG_SHADOW_ERRORS)) return FNL_OK;
     return unsupported(call, "the debug view %s needs shadows maps or hybrid, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
+}
+
+static fnl_result check_rays(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (frame->shadows != FNL_SHADOWS_OFF && frame->shadows != FNL_SHADOWS_SAMPLED) return FNL_OK;
+    return unsupported(call, "the debug view %s needs shadows rays, maps, hybrid or cubemap, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
+                       fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
+}
+
+static fnl_result check_classes(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (shadows_classify(frame)) return FNL_OK;
+    return unsupported(call, "the debug view %s needs shadows maps or hybrid, shadow.classify, and a frame that it applies to", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
 }
 
 static fnl_result check_probes(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
@@ -111,6 +129,11 @@ static const struct debug_legend_color texels[] = {{DEBUG_TEXEL_QUARTER(LEGEND_C
 static const struct debug_legend_color errors[] = {{DEBUG_SHADOW_EXTRA(LEGEND_COLOR), "light that should not be"},
                                                    {DEBUG_SHADOW_MISSING(LEGEND_COLOR), "light is missing"}};
 
+static const struct debug_legend_color classes[] = {{DEBUG_CLASS_LEFT(LEGEND_COLOR), "left the list"},
+                                                    {DEBUG_CLASS_DARK(LEGEND_COLOR), "light no pixel"},
+                                                    {DEBUG_CLASS_SOME(LEGEND_COLOR), "light some"},
+                                                    {DEBUG_CLASS_ALL(LEGEND_COLOR), "light all"}};
+
 static const struct debug_view views[] = {
     {FNL_DEBUG_ALBEDO, LEGEND_TEXT("base colour; black: nothing"), .surfaces = true, .add = add_plain},
     {FNL_DEBUG_NORMAL, LEGEND_COLORS("the direction of the normal; black: nothing", directions), .surfaces = true, .add = add_plain},
@@ -135,6 +158,9 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_PROBE_LOOKUP, LEGEND_TEXT("texels of the cube map, a hue for each face; grey: none"), .surfaces = true, .add = add_shadows, .check = check_probes},
     {FNL_DEBUG_PROBE_LEVELS, LEGEND_RAMP("level of the cube map, 0 is the finest; grey: none", "7", "0", 1.0f / 8, 1), .surfaces = true, .add = add_shadows, .check = check_probes},
     {FNL_DEBUG_REFLECTIONS, LEGEND_TEXT("each reflection probe in a hue, by its part of the light; grey: none"), .surfaces = true, .add = add_reflections},
+    {FNL_DEBUG_SHADOW_RAYS, LEGEND_COUNTS("shadow rays that the pixel sends; no colour: none"), .surfaces = true, .add = add_shadows, .check = check_rays},
+    {FNL_DEBUG_SHADOW_AGE, LEGEND_RAMP("frames since the page was drawn; magenta: rays find the shadow; stripes: a finer page is wanted", "63 and more", "0", 0, 1), .surfaces = true, .add = add_shadows, .check = check_shadows},
+    {FNL_DEBUG_SHADOW_CLASSES, LEGEND_COLORS("the lights of a tile, each colour by its part of them", classes), .surfaces = true, .add = add_classes, .check = check_classes},
     {FNL_DEBUG_SHADOW_VARIANCE, LEGEND_RAMP("standard deviation of the part of the light that is seen", "0", "0.5 and more", 0, 1), .add = add_denoise, .check = check_denoise},
     {FNL_DEBUG_SHADOW_HISTORY, LEGEND_RAMP("frames that the pixel has collected", "0", "32 and more", 0, 1), .add = add_denoise, .check = check_denoise},
 };

@@ -231,9 +231,8 @@ static void add_split(struct frame_state *f, const struct shadow_pages *pages, c
 }
 
 /* Batches and passes per light draw objects by lists of their own. */
-static bool classifies(const struct frame_state *f) {
-    const fnl_frame *frame = f->frame;
-    return frame->shadow.classify && frame_is(frame, SHADING_SURFACES) && frame->msaa == 1 && !f->scene->lights.filtered &&
+bool shadows_classify(const fnl_frame *frame) {
+    return takes_maps(frame) && frame->shadow.classify && frame_is(frame, SHADING_SURFACES) && frame->msaa == 1 && frame->shadow.filter == FNL_SHADOW_FILTER_HARD &&
            frame->lists != FNL_LISTS_BATCHES && frame->lists != FNL_LISTS_MULTIPASS;
 }
 
@@ -342,9 +341,11 @@ static void add_maps(struct frame_state *views, uint32_t count) {
                                                                               .atlas = pages.atlas,
                                                                               .address = slice.address};
         if (i == 0 && pages.split.id) add_split(f, &pages, &filled, surfaces, depths[0]);
-        if (!classifies(&views[i]) || list_kind(&surfaces[i]) != GPU_LIST_TILES) continue;
+        if (!shadows_classify(views[i].frame) || list_kind(&surfaces[i]) != GPU_LIST_TILES) continue;
         push_view(&views[i], count);
-        shadow_dark_add(f->graph, &pages, &surfaces[i], depths[i]);
+        if (views[i].frame->debug == FNL_DEBUG_SHADOW_CLASSES)
+            views[i].shadow_classes = graph_create_buffer(f->graph, "shadow classes", DIVIDE_UP(views[i].frame->width, 8u) * DIVIDE_UP(views[i].frame->height, 8u) * 8ull);
+        shadow_dark_add(f->graph, &pages, &surfaces[i], depths[i], views[i].shadow_classes);
         views[i].surface_lights = surfaces[i];
         pop_view(&views[i], count);
     }

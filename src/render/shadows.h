@@ -28,6 +28,8 @@ void shadows_add(struct frame_state *f);
 /** The same of the eyes of a display, which share the maps of the first. All have been drawn. */
 void shadows_add_display(struct frame_state *views, uint32_t count);
 
+/** Whether lights leave the lists of tiles that lie in their shadow; where the frame has maps. */
+bool shadows_classify(const fnl_frame *frame);
 /** Whether the frame asks for denoised shadows. Its check sees to it that its order has them. */
 bool shadows_denoised(const fnl_frame *frame);
 /** Adds to f->radiance what the order kept apart, denoised. */

@@ -54,10 +54,11 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
 
 /**
  * Writes a view of shadow maps (GPU_DEBUG_SHADOW_…) to a storage image. `lights` has maps, or rays find all shadows; GPU_DEBUG_SHADOW_ERRORS needs
- * rays too. Cost: a visit of every light of the pixel's list; of errors, a look-up and a ray for each that reaches it.
+ * rays too; GPU_DEBUG_SHADOW_CLASSES the list that shadow_dark_add() has shortened, and its `classes` (else id 0). Cost: a visit of every light of the
+ * pixel's list; of errors, a look-up and a ray for each that reaches it; of rays, the rays.
  */
-void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, VkDeviceAddress view,
-                     graph_image target, bool swap);
+void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, graph_buffer classes,
+                     VkDeviceAddress view, graph_image target, bool swap);
 
 /** Writes the view of reflection probes to a storage image: a colour for each, by its part of the light; grey where none is. */
 void reflections_view_add(struct graph *graph, const struct aov_images *aov, const struct environment_light *light, VkDeviceAddress view,

@@ -14,26 +14,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_debug_push push; };
 
-// Counts on a logarithmic scale: 1, 2, 4 … 256 and more.
-float count_level(uint count) { return count == 0u ? 0.0 : (log2(float(count)) + 1.0) / float(DEBUG_COUNT_PARTS); }
-
-// The legend in the lower left corner: ten boxes, 0 and powers of two.
-bool legend(ivec2 pixel, out vec3 color) {
-    ivec2 size = ivec2(push.view.view.size);
-    int scale = max(1, size.y / 360);
-    ivec2 p = ivec2(pixel.x, pixel.y - (size.y - 14 * scale)) / scale;
-    if (pixel.y < size.y - 14 * scale || p.x >= 160) return false;
-    int box_index = p.x / 16;
-    uint value = box_index == 0 ? 0u : 1u << uint(box_index - 1);
-    color = value == 0u ? vec3(0.0) : heat(count_level(value));
-    ivec2 q = ivec2(p.x - box_index * 16 - 2, p.y - 5);
-    uint hundreds = value / 100u, tens = value / 10u % 10u, ones = value % 10u;
-    bool ink = digit_pixel(ones, q - ivec2(8, 0)) || (value >= 10u && digit_pixel(tens, q - ivec2(4, 0))) ||
-               (value >= 100u && digit_pixel(hundreds, q));
-    if (ink) color = luminance(color) > 0.4 ? vec3(0.0) : vec3(1.0);
-    return true;
-}
-
 // From a word of passes/shade/edges_shared.h: grey for one surface, a colour for several things.
 vec3 edge_color(uint word, float grey) {
     const vec3 colors[5] = vec3[](vec3(0.0), DEBUG_EDGE_SKY(vec3), DEBUG_EDGE_2(vec3), DEBUG_EDGE_3(vec3), DEBUG_EDGE_4(vec3));
@@ -118,7 +98,7 @@ void main() {
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_OVERDRAW || mode == GPU_DEBUG_BACKFACES || mode == GPU_DEBUG_OVERSHADING ||
         mode == GPU_DEBUG_LAYERS || mode == GPU_DEBUG_DECALS) {
         vec3 key;
-        if (legend(pixel, key)) color = key;
+        if (count_legend(pixel, ivec2(push.view.view.size), key)) color = key;
     }
     imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
 }

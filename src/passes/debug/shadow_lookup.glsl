@@ -13,13 +13,16 @@ struct finding {
     uint place;  // in the atlas
     float texel; // over the width of a pixel
     vec2 inside; // texels from the page's least corner, without its border
+    bool asked;  // it is the page that the pixel asks for, not a coarser one that stands in for it
 };
 
 // The page of a row that holds a point, from page.level on.
 bool look_up_row(shadowed_point p, gpu_shape shape, inout finding f) {
     vec4 clip = shadow_face_clip(shape, f.page.face, p.position - shape.position);
     vec2 ndc = clip.xy / clip.w;
+    uint asked = f.page.level;
     if (!shadow_find_from(p.maps, f.row, ndc, f.page, f.place)) return false;
+    f.asked = f.page.level == asked;
     f.texel = shadow_across(shape, clip.w, p.pixel) / shadow_width(f.page.level);
     f.inside = shadow_page_texel(f.page, ndc) - float(SHADOW_BORDER);
     return true;
@@ -28,15 +31,18 @@ bool look_up_row(shadowed_point p, gpu_shape shape, inout finding f) {
 // The page from which map_visibility() and sun_map_visibility() answer.
 finding look_up(light_list_block l, uint light, shadowed_point p) {
     finding f;
-    f.found = false;
+    f.found = f.asked = false;
     gpu_shape shape = l.list.lights.at[light].shape;
     if (!LIST_MAPS || !shadow_has_map(shape)) return f;
     if (light < l.list.directional_count) {
         f.page.face = 0u;
         int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
+        bool first = true;
         for (; !f.found && shadow_sun_find(p.maps, light, p.position, grid, f.row); grid++) {
             f.page.level = p.maps.biases.at[f.row];
             f.found = look_up_row(p, p.maps.shapes.at[f.row], f);
+            f.asked = f.asked && first;
+            first = false;
         }
         return f;
     }

@@ -9,14 +9,17 @@
 _Static_assert((uint32_t)FNL_DEBUG_SHADOW_PAGES == GPU_DEBUG_SHADOW_PAGES && (uint32_t)FNL_DEBUG_SHADOW_LEVELS == GPU_DEBUG_SHADOW_LEVELS &&
                    (uint32_t)FNL_DEBUG_SHADOW_TEXELS == GPU_DEBUG_SHADOW_TEXELS &&
                    (uint32_t)FNL_DEBUG_SHADOW_ERRORS == GPU_DEBUG_SHADOW_ERRORS && (uint32_t)FNL_DEBUG_PROBE_LOOKUP == GPU_DEBUG_PROBE_LOOKUP &&
-                   (uint32_t)FNL_DEBUG_PROBE_LEVELS == GPU_DEBUG_PROBE_LEVELS,
+                   (uint32_t)FNL_DEBUG_PROBE_LEVELS == GPU_DEBUG_PROBE_LEVELS && (uint32_t)FNL_DEBUG_SHADOW_RAYS == GPU_DEBUG_SHADOW_RAYS &&
+                   (uint32_t)FNL_DEBUG_SHADOW_AGE == GPU_DEBUG_SHADOW_AGE && (uint32_t)FNL_DEBUG_SHADOW_CLASSES == GPU_DEBUG_SHADOW_CLASSES,
                "shadow_view_shared.h has the values of fnl_debug_view");
 
-void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, VkDeviceAddress view,
-                     graph_image target, bool swap) {
+void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, graph_buffer classes,
+                     VkDeviceAddress view, graph_image target, bool swap) {
     const struct graph_image_params image = graph_image_info(graph, target);
     struct gpu_shadow_view_push push = {.view = view, .lights = lights->header, .swap = swap, .mode = mode};
-    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_MAPS | GPU_LIST_CUBEMAP | GPU_LIST_RECTANGLES | (mode == GPU_DEBUG_SHADOW_ERRORS ? GPU_LIST_RAYS | GPU_LIST_RAY_QUERY : 0);
+    uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_MAPS | GPU_LIST_CUBEMAP | GPU_LIST_RECTANGLES;
+    if (mode == GPU_DEBUG_SHADOW_ERRORS || mode == GPU_DEBUG_SHADOW_RAYS) heeded |= GPU_LIST_RAYS | GPU_LIST_RAY_QUERY;
+    if (mode == GPU_DEBUG_SHADOW_RAYS) heeded |= GPU_LIST_SOFT;
     struct graph_pass *pass =
         graph_dispatch(graph, &(struct graph_dispatch){.name = "debug view",
                                                        .pipeline = {&shader_shadow_view_comp, 1, {lights->kind & heeded}},
@@ -25,6 +28,7 @@ void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images
                                                        GRAPH_ROWS(graph_samples(&push.albedo, aov->albedo),
                                                                   graph_samples(&push.normal, aov->normal),
                                                                   graph_samples(&push.position, aov->position),
+                                                                  graph_row_if(classes.id > 0, graph_reads(&push.classes, classes)),
                                                                   graph_stores(&push.target, target))});
     light_list_use(pass, lights, GRAPH_READ_COMPUTE);
 }

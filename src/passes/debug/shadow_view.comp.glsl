@@ -27,6 +27,15 @@ vec3 page_color(finding f, float grey) {
     return edge * f.texel < 0.75 ? mix(color, vec3(1.0), 0.6) : color; // pixels
 }
 
+// Frames since the page was drawn: brightest in this one, darkest from AGE_MOST on.
+const float AGE_MOST = 64.0;
+vec3 age_color(gpu_shadow_maps maps, finding f) {
+    uint bit = shadow_bit(f.page.face, f.page.level, f.page.at), word = f.row * SHADOW_ROW_WORDS + bit / 32u;
+    uint below = uint(bitCount(maps.held.at[word] & (1u << (bit % 32u)) - 1u));
+    uint age = maps.pages.at[maps.before.at[word] + below].flags >> SHADOW_AGE_SHIFT;
+    return heat(1.0 - log2(float(age) + 1.0) / log2(AGE_MOST));
+}
+
 vec3 level_color(uint level) { return heat(1.0 - float(level) / float(SHADOW_LEVELS)); }
 
 vec3 texel_color(float texel) {
@@ -79,6 +88,11 @@ struct tally {
 
 // `high`: metres to the light.
 void add_light(inout tally t, light_list_block l, uint light, float lux, shadowed_point p, vec3 to_light, float high) {
+    if (push.mode == GPU_DEBUG_SHADOW_RAYS) {
+        if (light < l.list.directional_count) sun_visibility(l, light, p);
+        else if (light_reaches(l, light, p.position)) shadow_visibility(l, light, p, to_light);
+        return;
+    }
     if (!light_casts(l, light)) return;
     if (lux > t.most) {
         t.most = lux;
@@ -98,13 +112,54 @@ void add_light(inout tally t, light_list_block l, uint light, float lux, shadowe
     t.missing += lux * max(-wrong, 0.0);
 }
 
+float surface_grey(vec3 albedo, float up) { return 0.12 + 0.88 * luminance(albedo) * (0.6 + 0.4 * up); }
+
+// The lights of a tile, which is the work group's: those that left its list, and of the others those that give no pixel light, some, and all.
+shared uint lit, unlit;
+vec3 classes_color(light_list_block l, shadowed_point p, bool is_surface, float grey) {
+    uint tile = gl_WorkGroupID.y * l.list.tiles_x + gl_WorkGroupID.x;
+    uint all = push.classes.at[2u * tile], left = push.classes.at[2u * tile + 1u];
+    gpu_cell cell = l.list.cells.at[tile];
+    uvec3 kinds = uvec3(0u); // dark, some, all
+    for (uint i = 0u; i < all - left; i++) {
+        if (gl_LocalInvocationIndex == 0u) lit = unlit = 0u;
+        barrier();
+        if (is_surface) {
+            uint light = l.list.directional_count + l.list.ids.at[cell.offset + i];
+            vec3 to_light;
+            bool open = illuminate(l, light, p.position, to_light) != vec3(0.0) && light_may_face(l, light, p.normal, to_light);
+            if (open && light_casts(l, light)) open = map_visibility(l, light, p) != 0.0; // -1: rays answer
+            if (open) atomicOr(lit, 1u);
+            else atomicOr(unlit, 1u);
+        }
+        barrier();
+        if (lit == 0u) kinds.x++;
+        else if (unlit != 0u) kinds.y++;
+        else kinds.z++;
+        barrier();
+    }
+    if (all == 0u || !is_surface) return vec3(grey * 0.5);
+    vec3 sum = float(left) * DEBUG_CLASS_LEFT(vec3) + float(kinds.x) * DEBUG_CLASS_DARK(vec3) + float(kinds.y) * DEBUG_CLASS_SOME(vec3) + float(kinds.z) * DEBUG_CLASS_ALL(vec3);
+    return mix(vec3(grey), sum / float(all), 0.8);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (push.mode == GPU_DEBUG_SHADOW_CLASSES) { // every invocation takes part
+        bool inside = all(lessThan(uvec2(pixel), push.view.view.size));
+        ivec2 at = min(pixel, ivec2(push.view.view.size) - 1);
+        vec4 normal = texelFetch(textures[push.normal], at, 0), position = texelFetch(textures[push.position], at, 0);
+        bool is_surface = inside && normal.w > 0.0;
+        float grey = is_surface ? surface_grey(texelFetch(textures[push.albedo], at, 0).rgb, normal.y) : 0.0;
+        vec3 color = classes_color(push.lights, shadowed_point_of(push.lights, position.xyz, normal.xyz), is_surface, grey);
+        if (inside) imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
+        return;
+    }
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
     vec4 albedo = texelFetch(textures[push.albedo], pixel, 0), normal = texelFetch(textures[push.normal], pixel, 0),
          position = texelFetch(textures[push.position], pixel, 0);
     bool sky = normal.w <= 0.0;
-    float grey = sky ? 0.0 : 0.12 + 0.88 * luminance(albedo.rgb) * (0.6 + 0.4 * normal.y);
+    float grey = sky ? 0.0 : surface_grey(albedo.rgb, normal.y);
     light_list_block l = push.lights;
     light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);
     shadowed_point shadowed = shadowed_point_of(l, position.xyz, normal.xyz);
@@ -121,7 +176,9 @@ void main() {
         add_light(t, l, light, lux, shadowed, to_light, light_distance(l, light, position.xyz, to_light));
     }
     vec3 color = vec3(grey * 0.5);
-    if (push.mode == GPU_DEBUG_SHADOW_ERRORS) {
+    if (push.mode == GPU_DEBUG_SHADOW_RAYS) {
+        if (rays_sent > 0u) color = mix(vec3(grey), heat(count_level(rays_sent)), 0.8);
+    } else if (push.mode == GPU_DEBUG_SHADOW_ERRORS) {
         if (t.extra > SHOWN * t.all) color = mix(color, DEBUG_SHADOW_EXTRA(vec3), 0.4 + 0.6 * t.extra / t.all);
         if (t.missing > SHOWN * t.all && t.missing > t.extra) color = mix(vec3(grey * 0.5), DEBUG_SHADOW_MISSING(vec3), 0.4 + 0.6 * t.missing / t.all);
     } else if (push.mode == GPU_DEBUG_PROBE_LOOKUP || push.mode == GPU_DEBUG_PROBE_LEVELS) {
@@ -134,9 +191,14 @@ void main() {
         color = DEBUG_SHADOW_RAYS(vec3);
         if (f.found && push.mode == GPU_DEBUG_SHADOW_PAGES) color = page_color(f, grey);
         if (f.found && push.mode == GPU_DEBUG_SHADOW_LEVELS) color = mix(vec3(grey), level_color(f.page.level), 0.8);
+        if (f.found && push.mode == GPU_DEBUG_SHADOW_AGE) {
+            color = mix(vec3(grey), age_color(shadowed.maps, f), 0.8);
+            if (!f.asked && ((pixel.x + pixel.y) & 7) < 2) color = DEBUG_SHADOW_RAYS(vec3);
+        }
         if (f.found && push.mode == GPU_DEBUG_SHADOW_TEXELS) color = mix(vec3(grey), texel_color(f.texel), 0.8);
     }
     vec3 key;
+    if (push.mode == GPU_DEBUG_SHADOW_RAYS && count_legend(pixel, ivec2(push.view.view.size), key)) color = key;
     if ((push.mode == GPU_DEBUG_SHADOW_LEVELS || push.mode == GPU_DEBUG_PROBE_LEVELS) && legend(pixel, key)) color = key;
     imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
 }

@@ -326,6 +326,235 @@ static void test_errors_are_where_rays_differ(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- rays ---- */
+
+/* Each light over the floor sends a ray to those pixels that its range holds, and a soft one SAMPLES. */
+enum { SAMPLES = 4 };
+struct ray_light {
+    vec3 at;
+    float range, radius;
+};
+
+static void check_rays(const struct ray_light *lights, uint32_t count, fnl_shadows shadows, fnl_light_kind kind) {
+    fnl_scene *scene = floor_scene(1.5f);
+    for (uint32_t i = 0; i < count; i++) {
+        fnl_light_params light = test_point(lights[i].at, 1, lights[i].range);
+        light.source_radius = lights[i].radius;
+        light.kind = kind;
+        light.length = 0;
+        add_light(scene, &light);
+    }
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = view_frame(FNL_DEBUG_SHADOW_RAYS);
+    frame.shadows = shadows;
+    frame.shadow.samples = SAMPLES;
+    frame.count_lights = true;
+    test_render_frame(renderer, &frame);
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+    uint64_t least = 0, most = 0;
+    uint32_t met[32] = {0};
+    for (uint32_t y = 0; y < SIZE; y++)
+        for (uint32_t x = 0; x < SIZE; x++) {
+            uint32_t sure = 0, unsure = 0;
+            for (uint32_t i = 0; i < count; i++) {
+                const double dx = (x + 0.5) * PIXEL - 1 - (double)lights[i].at.x, dy = 1 - (y + 0.5) * PIXEL - (double)lights[i].at.y, z = (double)lights[i].at.z,
+                             away = sqrt(dx * dx + dy * dy + z * z) - (double)lights[i].range;
+                const uint32_t rays = shadows == FNL_SHADOWS_MAPS && kind == FNL_LIGHT_POINT ? 0 : lights[i].radius > 0 ? SAMPLES : 1;
+                *(fabs(away) < 1e-4 ? &unsure : &sure) += away < 1e-4 ? rays : 0;
+            }
+            least += sure;
+            most += sure + unsure;
+            if (unsure || (x < 160 && y >= SIZE - LEGEND_HEIGHT)) continue;
+            met[sure]++;
+            const vec3 color = heat((log2(fmax(sure, 1)) + 1) / 9);
+            expect_color(&image, x, y, sure ? vec3_lerp(plain(), color, 0.8f) : vec3_scale(plain(), 0.5f), "rays");
+        }
+    const uint64_t sent = counter(&stats, "shadows.rays");
+    if (sent < least || sent > most) fail_msg("%u rays are sent, the view shows %u to %u", (uint32_t)sent, (uint32_t)least, (uint32_t)most);
+    if (shadows == FNL_SHADOWS_RAYS) assert_true(met[0] > 100 && met[1] > 100 && met[2] > 100 && met[3] > 100 && met[SAMPLES + 3] > 100);
+    expect_color(&image, 16 * 3 + 14, SIZE - 2, heat(3 / 9.0), "legend"); /* 4 */
+    free_picture(&image);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_rays_of_pixels(void **state) {
+    UNUSED(state);
+    static const struct ray_light lights[] = {{{-0.3f, 0, 0.3f}, 0.8f, 0}, {{0.3f, 0.1f, 0.4f}, 0.8f, 0}, {{0, 0.3f, 0.2f}, 0.7f, 0}, {{0.1f, 0, 0.2f}, 0.4f, 0.1f}};
+    check_rays(lights, COUNT_OF(lights), FNL_SHADOWS_RAYS, FNL_LIGHT_POINT);
+    check_rays(lights, COUNT_OF(lights), FNL_SHADOWS_MAPS, FNL_LIGHT_POINT);   /* none */
+    check_rays(lights, COUNT_OF(lights), FNL_SHADOWS_MAPS, FNL_LIGHT_CAPSULE); /* which have no maps */
+}
+
+/* ---- ages ---- */
+
+/* Frames since the page was drawn: all grow in each frame, but for the pages that see what has moved. */
+static void test_ages_of_pages(void **state) {
+    UNUSED(state);
+    const vec3 at = {-0.6f, 0.1f, 2.9f};
+    fnl_scene *scene = floor_scene(1.5f);
+    struct scene_material m = scene_material_default();
+    const uint32_t node = test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0.7f, 0.7f, 0.3f}, (vec3){0.05f, 0.05f, 1});
+    const fnl_light_params light = test_point(at, 1, 40);
+    add_light(scene, &light);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = view_frame(FNL_DEBUG_SHADOW_AGE);
+    const fnl_instance_id id = {node, scene->nodes.data[node].generation};
+    enum { MOVED = 4, FRAMES = 7 };
+    uint64_t drawn = 0;
+    for (int step = 0; step < FRAMES; step++) {
+        if (step == MOVED) {
+            const mat4 place = mat4_from_trs((vec3){0.72f, 0.7f, 0.3f}, quat_identity(), (vec3){0.05f, 0.05f, 1});
+            assert_int_equal(fnl_scene_set_instance_transform(scene, id, &place), FNL_OK);
+        }
+        test_render_frame(renderer, &frame);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+        if (step == MOVED) drawn = counter(&stats, "shadows.drawn");
+        fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+        struct page pages[64];
+        uint32_t count = 0, old = 0, fresh = 0;
+        for (uint32_t y = 0; y < SIZE; y++)
+            for (uint32_t x = 0; x < SIZE; x++) {
+                const struct place p = place_of(at, x, y, 0);
+                if (p.level < 0 || (x > 150 && y < 50)) continue; /* the square itself */
+                const bool is_old = is_color(&image, x, y, vec3_lerp(plain(), heat(1 - log2(step + 1) / 6), 0.8f));
+                if (!is_old) expect_color(&image, x, y, vec3_lerp(plain(), heat(1 - log2(step < MOVED ? step + 1 : step - MOVED + 1) / 6), 0.8f), "ages");
+                uint32_t i = 0;
+                while (i < count && !same_page(&pages[i], 0, &p)) i++;
+                assert_true(i < COUNT_OF(pages));
+                if (i == count) {
+                    pages[count++] = (struct page){0, p, {is_old}};
+                    *(is_old ? &old : &fresh) += 1;
+                }
+                assert_int_equal(pages[i].color[0], is_old);
+            }
+        assert_true(old > 2 && (step < MOVED ? fresh == 0 : fresh > 0 && fresh <= drawn && drawn < old));
+        free_picture(&image);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* Where finer pages wait for room the coarser ones that stand in are striped. */
+static void test_missing_pages_are_striped(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = floor_scene(1.5f);
+    const fnl_light_params light = test_point((vec3){0, 0, 2.9f}, 1, 40);
+    add_light(scene, &light);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = view_frame(FNL_DEBUG_SHADOW_AGE);
+    frame.width = frame.height = SIZE / 4; /* coarse pages */
+    test_render_frame(renderer, &frame);
+    renderer->shadow_pairs = 1; /* of a page and an item: one page a frame */
+    frame.width = frame.height = SIZE;
+    uint32_t last = SIZE * SIZE;
+    for (int step = 0; step < 3 + GPU_FRAMES_IN_FLIGHT; step++) {
+        test_render_frame(renderer, &frame);
+        fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+        uint32_t striped = 0;
+        for (uint32_t y = 0; y < SIZE; y++)
+            for (uint32_t x = 0; x < SIZE; x++) {
+                const bool is = is_color(&image, x, y, (vec3){0.9f, 0.1f, 0.8f});
+                assert_true(!is || (x + y) % 8 < 2);
+                striped += is;
+            }
+        if (step == 0) assert_true(striped > SIZE * SIZE / 6 && striped < SIZE * SIZE / 4); /* all but one page's */
+        assert_true(striped <= last);
+        last = striped;
+        free_picture(&image);
+    }
+    assert_int_equal(last, 0);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- classes ---- */
+
+enum { CLASSES = 4, TILE = 8, TILES = SIZE / TILE };
+
+/* How many of at most two lights of a tile are in each class; false: the colour is no such mixture. */
+static bool classes_of(const fnl_image *image, uint32_t tile_x, uint32_t tile_y, uint32_t counts[CLASSES]) {
+    static const vec3 colors[CLASSES] = {{0.1f, 0.3f, 0.9f}, {1, 0.45f, 0.05f}, {0.4f, 0.4f, 0.4f}, {1, 1, 1}};
+    const uint32_t x = tile_x * TILE + 3, y = tile_y * TILE + 3;
+    memset(counts, 0, CLASSES * sizeof *counts);
+    if (is_color(image, x, y, vec3_scale(plain(), 0.5f))) return true;
+    for (uint32_t a = 0; a < CLASSES; a++)
+        for (uint32_t b = a; b < CLASSES; b++)
+            if (is_color(image, x, y, vec3_lerp(plain(), vec3_lerp(colors[a], colors[b], 0.5f), 0.8f))) {
+                counts[a]++;
+                counts[b]++;
+                return true;
+            }
+    return false;
+}
+
+/*
+ * Two lights, and a square that hides the floor from the first: their lists in tiles. Both have unlimited range, so that each tile has two entries; sums are
+ * those of the statistics.
+ */
+static void test_classes_of_tiles_ES_49(void **state) {
+    UNUSED(state);
+    const vec3 at[2] = {{0, 0, 2}, {-0.9f, 0.9f, 1.2f}};
+    fnl_scene *scene = floor_scene(1.5f);
+    struct scene_material m = scene_material_default();
+    m.double_sided = true;
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0.3f, -0.3f, 0.3f}, (vec3){0.4f, 0.3f, 1});
+    for (int i = 0; i < 2; i++) {
+        const fnl_light_params light = test_point(at[i], 1, 1e4f);
+        add_light(scene, &light);
+    }
+    fnl_frame frame = view_frame(FNL_DEBUG_SHADOW_CLASSES);
+    frame.camera.position.z = 0.2f; /* from below the square */
+    frame.camera.near_distance = 0.05f;
+    frame.shadow.classify = true;
+    frame.lists = FNL_LISTS_TILED;
+    fnl_renderer *renderer = test_renderer(scene);
+    test_render_frame(renderer, &frame);
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+    uint32_t sums[CLASSES] = {0}, wrong = 0;
+    for (uint32_t y = 0; y < TILES; y++)
+        for (uint32_t x = 0; x < TILES; x++) {
+            uint32_t counts[CLASSES], lit[2] = {0};
+            if (!classes_of(&image, x, y, counts)) fail_msg("tile %u, %u has the colour %d %d %d", x, y, test_pixel8(&image, x * TILE + 3, y * TILE + 3)[0],
+                                                            test_pixel8(&image, x * TILE + 3, y * TILE + 3)[1], test_pixel8(&image, x * TILE + 3, y * TILE + 3)[2]);
+            bool close = false; /* to the edge of a shadow */
+            for (int k = 0; k < 2; k++)
+                for (uint32_t i = 0; i < TILE * TILE; i++) {
+                    const double px = (x * TILE + i % TILE + 0.5) * PIXEL - 1, py = 1 - (y * TILE + i / TILE + 0.5) * PIXEL, part = 0.3 / (double)at[k].z;
+                    const double sx = px + ((double)at[k].x - px) * part - 0.3, sy = py + ((double)at[k].y - py) * part + 0.3;
+                    const double inside = fmin(0.4 - fabs(sx), 0.3 - fabs(sy));
+                    close = close || fabs(inside) < 1.5 * PIXEL;
+                    lit[k] += inside < 0;
+                }
+            uint32_t all = 0, none = 0;
+            for (int k = 0; k < 2; k++) {
+                all += lit[k] == TILE * TILE;
+                none += lit[k] == 0;
+            }
+            if (!close) wrong += counts[3] != all || counts[0] + counts[1] != none || counts[2] != 2 - all - none;
+            for (uint32_t i = 0; i < CLASSES; i++) sums[i] += counts[i];
+        }
+    print_message("left %u, dark %u, some %u, all %u\n", sums[0], sums[1], sums[2], sums[3]);
+    assert_int_equal(wrong, 0);
+    assert_int_equal(sums[0] + sums[1] + sums[2] + sums[3], 2 * TILES * TILES);
+    assert_int_equal(counter(&stats, "shadows.entries"), 2 * TILES * TILES);
+    assert_int_equal(counter(&stats, "shadows.dark"), sums[0]);
+    assert_true(sums[0] > 60 && sums[1] < sums[0] && sums[2] > 30 && sums[3] > 700);
+    free_picture(&image);
+    frame.shadow.classify = false;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    frame.shadow.classify = true;
+    frame.shading = FNL_SHADING_LIGHT_PREPASS;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- every path ---- */
 
 static void test_views_need_maps(void **state) {
@@ -340,6 +569,13 @@ static void test_views_need_maps(void **state) {
             const bool shown = shadows == FNL_SHADOWS_MAPS || shadows == FNL_SHADOWS_HYBRID || (shadows == FNL_SHADOWS_CUBEMAP && view == FNL_DEBUG_SHADOW_ERRORS);
             assert_int_equal(fnl_renderer_render(renderer, &frame), shown ? FNL_OK : FNL_ERROR_UNSUPPORTED);
         }
+    for (uint32_t shadows = 0; shadows < FNL_SHADOWS_AUTO; shadows++) {
+        fnl_frame frame = view_frame(FNL_DEBUG_SHADOW_RAYS);
+        frame.shadows = (fnl_shadows)shadows;
+        assert_int_equal(fnl_renderer_render(renderer, &frame), shadows == FNL_SHADOWS_OFF || shadows == FNL_SHADOWS_SAMPLED ? FNL_ERROR_UNSUPPORTED : FNL_OK);
+        frame.debug = FNL_DEBUG_SHADOW_AGE;
+        assert_int_equal(fnl_renderer_render(renderer, &frame), shadows == FNL_SHADOWS_MAPS || shadows == FNL_SHADOWS_HYBRID ? FNL_OK : FNL_ERROR_UNSUPPORTED);
+    }
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&scene);
 }
@@ -380,6 +616,10 @@ int main(void) {
         cmocka_unit_test(test_pages),
         cmocka_unit_test(test_pixels_without_pages),
         cmocka_unit_test(test_errors_are_where_rays_differ),
+        cmocka_unit_test(test_rays_of_pixels),
+        cmocka_unit_test(test_ages_of_pages),
+        cmocka_unit_test(test_missing_pages_are_striped),
+        cmocka_unit_test(test_classes_of_tiles_ES_49),
         cmocka_unit_test(test_views_need_maps),
         cmocka_unit_test(test_views_are_the_same_in_all_paths),
     };

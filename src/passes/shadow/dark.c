@@ -17,7 +17,7 @@ void shadow_least_add(struct graph *graph, const struct shadow_pages *pages, con
                                                               graph_changes(&push.least, pages->least), graph_samples(&push.atlas, pages->atlas))});
 }
 
-void shadow_dark_add(struct graph *graph, const struct shadow_pages *pages, const struct light_list *list, graph_image depth) {
+void shadow_dark_add(struct graph *graph, const struct shadow_pages *pages, const struct light_list *list, graph_image depth, graph_buffer classes) {
     const struct graph_image_params image = graph_image_info(graph, depth);
     struct gpu_shadow_dark_push push = {.list = list->header, .side = graph_image_info(graph, pages->atlas).width};
     struct light_list others = *list;
@@ -29,6 +29,7 @@ void shadow_dark_add(struct graph *graph, const struct shadow_pages *pages, cons
                                         GRAPH_PUSH(push),
                                         GRAPH_ROWS(graph_changes(NULL, list->cells), graph_changes(NULL, list->ids),
                                                    graph_changes(&push.counts, pages->counts), graph_reads(&push.least, pages->least),
+                                                   graph_row_if(classes.id > 0, graph_writes(&push.classes, classes)),
                                                    graph_samples(&push.depth, depth))});
     light_list_use(pass, &others, GRAPH_READ_COMPUTE);
 }

@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 // Takes the lights out of a tile's list that give nothing to the surfaces in its 8x8 pixels: they do not reach them, or the maps show all of them in shadow.
 #include "passes/shadow/requests_box.glsl"
 #include "passes/shadow/pages.glsl"
@@ -92,6 +93,8 @@ void main() {
     light_list_block l = push.list;
     uint thread = gl_LocalInvocationIndex, tile = gl_WorkGroupID.y * l.list.tiles_x + gl_WorkGroupID.x;
     gpu_cell cell = l.list.cells.at[tile];
+    bool told = thread == 0u && uvec2(push.classes) != uvec2(0u);
+    if (told) push.classes.at[2u * tile] = push.classes.at[2u * tile + 1u] = 0u;
     if (cell.count == GPU_CELL_ALL || cell.count == 0u) return;
     find_boxes();
     request_box whole = box_of(group_parts);
@@ -117,6 +120,8 @@ void main() {
     }
     if (thread == 0u) {
         l.list.cells.at[tile].count = kept;
+        if (told) push.classes.at[2u * tile] = cell.count;
+        if (told) push.classes.at[2u * tile + 1u] = cell.count - kept;
         atomicAdd(push.counts.counts.entries, cell.count);
         atomicAdd(push.counts.counts.dark, cell.count - kept);
     }

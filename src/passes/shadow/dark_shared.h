@@ -21,6 +21,7 @@ struct gpu_shadow_dark_push {
     ADDRESS(light_list_block) list;
     ADDRESS(const_uint_array) least;
     ADDRESS(shadow_counts_block) counts;
+    ADDRESS(uint_array) classes; /* by tile: lights in its list, of them those that leave; null: nobody asks */
     uint depth; /* sampled index */
     uint side;  /* of the atlas, texels */
 };

@@ -52,7 +52,7 @@ void main() {
     walk(page, first);
     push.drawn.at[atomicAdd(push.totals.totals.clear.instance_count, 1u)] = page;
     atomicAdd(push.totals.totals.groups[0], 1u);
-    push.pages.at[page].flags &= ~SHADOW_PAGE_DRAW;
+    push.pages.at[page].flags &= ~(SHADOW_PAGE_DRAW | SHADOW_OLDEST << SHADOW_AGE_SHIFT);
 #else
     push.sums.at[page] = wants ? walk(page, 0u) : 0u;
 #endif

@@ -14,7 +14,7 @@
 #define SHADOW_NO_PLACE 0xffffffffu
 
 /* Flags of an idle page hold its youth besides: one less than SHADOW_YOUTHS in the first frame that nobody looks it up, and then one less with each,
-   down to 1. */
+   down to 1, in the bits below those of the age. */
 #define SHADOW_YOUTH_SHIFT 8u
 #define SHADOW_YOUTHS 32u
 

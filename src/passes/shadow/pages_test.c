@@ -45,6 +45,7 @@ struct bench {
     bool *was;
     uint32_t *places; /* of what was there */
     uint8_t *ages;    /* frames for which nobody has looked it up, up to OLDEST */
+    uint32_t *since;  /* frames since it was drawn */
     bool *lost;       /* it was idle and had to be drawn */
     struct gpu_shape *shapes;
     bool known;
@@ -69,6 +70,7 @@ static struct bench bench_open(uint32_t row_limit, uint32_t side) {
     b.was = zeroed(row_limit * ROW_BITS, sizeof *b.was);
     b.places = zeroed(row_limit * ROW_BITS, sizeof *b.places);
     b.ages = zeroed(row_limit * ROW_BITS, sizeof *b.ages);
+    b.since = zeroed(row_limit * ROW_BITS, sizeof *b.since);
     b.lost = zeroed(row_limit * ROW_BITS, sizeof *b.lost);
     b.shapes = zeroed(row_limit, sizeof *b.shapes);
     b.view.eye = vec3_make(1, 2, 3);
@@ -79,7 +81,7 @@ static struct bench bench_open(uint32_t row_limit, uint32_t side) {
 static void bench_close(struct bench *b) {
     shadow_state_finish(harness_device(), &b->state);
     graph_destroy(&b->graph);
-    void *all[] = {b->lights, b->bounds, b->wanted, b->was, b->places, b->ages, b->lost, b->shapes};
+    void *all[] = {b->lights, b->bounds, b->wanted, b->was, b->places, b->ages, b->since, b->lost, b->shapes};
     for (uint32_t i = 0; i < COUNT_OF(all); i++) free(all[i]);
 }
 
@@ -401,7 +403,8 @@ static void check(struct bench *b, const struct answer *a) {
         const uint32_t flags = now[at] == 2 ? SHADOW_PAGE_IDLE | (OLDEST + 1u - b->ages[at]) << 8
                                : draw       ? SHADOW_PAGE_DRAW
                                             : 0;
-        if (page->flags != flags) fail_msg("page %u: flags %#x, should be %#x", i, page->flags, flags);
+        b->since[at] = draw ? 0 : b->since[at] + 1;
+        if (page->flags != (flags | b->since[at] << SHADOW_AGE_SHIFT)) fail_msg("page %u: flags %#x, should be %#x, age %u", i, page->flags, flags, b->since[at]);
         counts.drawn += draw;
         b->places[at] = page->place;
         if (now[at] == 1) b->ages[at] = 0;
