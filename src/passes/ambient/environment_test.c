@@ -285,7 +285,7 @@ static void check_picture(const char *file) {
     free(p.texels);
 }
 
-static void test_maps_hold_what_surfaces_reflect_MP_12_EN_2_EN_3(void **state) {
+static void test_maps_hold_what_surfaces_reflect_MP_12_EN_2_EN_3_MB_10(void **state) {
     UNUSED(state);
     check_picture("spiaggia_di_mondello_1k.hdr");
     check_picture("peppermint_powerplant_1k.hdr");
@@ -395,7 +395,7 @@ static void test_faces_look_along_their_axes_MP_11(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_cubes_are_compressed_BC_14, harness_check),
-        cmocka_unit_test_teardown(test_maps_hold_what_surfaces_reflect_MP_12_EN_2_EN_3, harness_check),
+        cmocka_unit_test_teardown(test_maps_hold_what_surfaces_reflect_MP_12_EN_2_EN_3_MB_10, harness_check),
         cmocka_unit_test_teardown(test_a_constant_picture_stays_constant_MP_12, harness_check),
         cmocka_unit_test_teardown(test_faces_look_along_their_axes_MP_11, harness_check),
     };
