@@ -26,7 +26,7 @@ typedef struct fnl_probe_params {
      * Texels on the side of each of the cube's six faces, 8 .. 2048; default 128. Of reflections the greatest power of two that is not above it, 16 .. 1024.
      */
     uint32_t face_size;
-    bool shadows;       /**< FNL_SHADOWS_CUBEMAP: lights outside shine in through it; default true */
+    bool shadows;       /**< FNL_SHADOWS_CUBEMAP: lights outside shine in through it; where boxes overlap, the first two that have it are blended; default true */
     /** shadow.cubemap-lod=linear: levels of detail for each metre between a surface and the wall, 0 .. 16; 0 (default): hard shadows. */
     float softness;
     /**
