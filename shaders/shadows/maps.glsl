@@ -39,10 +39,12 @@ bool shadow_find(gpu_shadow_maps maps, uint row, uint bit, out uint place) {
     return (page.flags & SHADOW_PAGE_DRAW) == 0u;
 }
 
-// The finest page that is there and holds a point of a face, from at.level on.
+// The finest page that is there and holds a point of a face, from at.level on. Nearly always that is the first.
 bool shadow_find_from(gpu_shadow_maps maps, uint row, vec2 ndc, inout shadow_page at, out uint place) {
-    for (; at.level < SHADOW_LEVELS; at.level++) {
-        at.at = min(uvec2(max(ndc * 0.5 + 0.5, 0.0) * float(shadow_side(at.level))), uvec2(shadow_side(at.level) - 1u));
+    at.at = shadow_page_at(at.level, ndc);
+    if (shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), place)) return true;
+    for (at.level++; at.level < SHADOW_LEVELS; at.level++) {
+        at.at = shadow_page_at(at.level, ndc);
         if (shadow_find(maps, row, shadow_bit(at.face, at.level, at.at), place)) return true;
     }
     return false;
@@ -83,9 +85,9 @@ float shadow_quad_depth(shadow_quad q) {
 // what casts a shadow the point stays behind by more than a quarter of the step.
 bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, float depth) {
     shadow_quad q = shadow_quad_at(maps, place, at, shadow_page_texel(at, ndc));
-    if (!(q.nearest > depth)) return false;
     vec2 range = shadow_quad_range(q);
-    return range.x > depth || shadow_quad_depth(q) > depth + 0.25 * (range.y - range.x);
+    bool is_nearer = q.nearest > depth, are_all = range.x > depth, is_off = shadow_quad_depth(q) > depth + 0.25 * (range.y - range.x);
+    return is_nearer && (are_all || is_off);
 }
 
 #include "shadows/filter.glsl"
@@ -98,15 +100,15 @@ float row_visibility(light_list_block l, uint light, shadowed_point p, uint row,
     vec2 ndc = clip.xy / clip.w;
     uint place;
     if (!shadow_find_from(p.maps, row, ndc, at, place)) return -1.0;
-    float texel = 2.0 / shadow_width(at.level);
-    bool hidden;
+    float texel = 2.0 / shadow_width(at.level), depth;
     if (shape.kind == GPU_SHAPE_BOX) { // what is beyond the last that casts has the least depth
         float before = p.slack + 0.5 * texel * max(shape.size.x, shape.size.y);
-        hidden = shadow_hides(p.maps, place, at, ndc, max(clip.z + 0.5 * before / shape.size.z, 0.0));
+        depth = max(clip.z + 0.5 * before / shape.size.z, 0.0);
     } else {
         float along = clip.w - p.slack - 0.5 * texel * clip.w;
-        hidden = along > 0.0 && shadow_hides(p.maps, place, at, ndc, SHADOW_NEAR / along);
+        depth = along > 0.0 ? SHADOW_NEAR / along : 2.0; // nothing is nearer
     }
+    bool hidden = shadow_hides(p.maps, place, at, ndc, depth);
     if (!LIST_FILTERED) return hidden ? 0.0 : 1.0;
     return shadow_filtered(l, light, p, row, shape, at, place, shadow_receiver_of(shape, at.face, clip, ray, p.normal), hidden);
 }
