@@ -36,8 +36,9 @@ void deferred_add(struct graph *graph, const struct shade_input *input, const st
             dispatch.indirect_offset = i * 12ull;
         } else {
             push.first_row = i * together * 8;
-            dispatch.groups[0] = DIVIDE_UP(input->width, 8u);
+            dispatch.groups[0] = MIN(DIVIDE_UP(input->width, 8u), DEFERRED_STRIP);
             dispatch.groups[1] = MIN(together, rows - i * together);
+            dispatch.groups[2] = DIVIDE_UP(input->width, 8u * DEFERRED_STRIP);
         }
         dispatch.pipeline = pipeline;
         dispatch.push = &push;

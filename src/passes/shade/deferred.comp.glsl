@@ -39,7 +39,9 @@ void store_apart(ivec2 pixel, vec3 normal) {
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, push.first_row);
+    uint thread = gl_LocalInvocationIndex; // eight in a row are 4x2 pixels: they look up places that lie closer together than those of 8x1
+    uvec2 group = uvec2(gl_WorkGroupID.z * DEFERRED_STRIP + gl_WorkGroupID.x, gl_WorkGroupID.y);
+    ivec2 pixel = ivec2(group * 8u + uvec2(thread & 3u | thread >> 1 & 4u, thread >> 2 & 1u | thread >> 3 & 6u)) + ivec2(0, push.first_row);
     if (BLOCK_SIZE != 0u && !block_pixel(pixel)) return;
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
     float depth = gbuffer_depth(push.gbuffer, pixel);

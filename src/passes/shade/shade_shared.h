@@ -4,6 +4,10 @@
 
 #include "gbuffer_shared.h"
 
+/* Work groups across a strip of the picture. Devices take groups in the order of their numbers, so strips are shaded one after the other: what one row of a
+   strip looks up is still in caches when the next row needs it. */
+#define DEFERRED_STRIP 4u
+
 struct gpu_deferred_push {
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) lights;
