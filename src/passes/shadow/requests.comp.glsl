@@ -11,6 +11,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 1) const uint SAMPLES = 1u;
 layout(push_constant, scalar) uniform push_block { gpu_shadow_requests_push push; };
 
+#define POINTS_KEPT
 #include "passes/shadow/requests_group.glsl"
 
 const uint SHARE = 16u; // lights whose quads are taken at once
@@ -38,20 +39,26 @@ void weigh(uint light) {
     request_weigh(push.list, push.wanted, request_row(push.list, light), pixels);
 }
 
-void find_pairs(uint first) {
-    uint count = min(SHARE, light_count - first) * QUADS;
+// `box`: that of the only quad whose pairs the thread finds.
+void find_pairs(uint first, request_box box) {
+    uint count = is_empty(box) ? 0u : min(SHARE, light_count - first) * QUADS;
     for (uint i = gl_LocalInvocationIndex; i < count; i += GROUP) {
-        uint light = lights[first + i / QUADS], quad = i % QUADS;
-        request_box box = box_of_quad(quad);
-        if (!is_empty(box) && is_reached(light, box) && is_missing(light, box)) pairs[atomicAdd(pair_count, 1u)] = light * QUADS + quad;
+        uint light = lights[first + i / QUADS];
+        if (is_reached(light, box) && is_missing(light, box)) pairs[atomicAdd(pair_count, 1u)] = light * QUADS + i % QUADS;
     }
 }
 
-// Of a single pixel.
-void ask(uint light, uvec2 pixel) {
+// Of a single pixel of a quad.
+void ask(uint light, uint quad, uint k) {
 #ifdef COUNT // for the test: how often, behind the last row
     atomicAdd(push.wanted.at[push.list.list.local_count * SHADOW_ROW_WORDS], 1u);
 #endif
+    if (SAMPLES == 1u) {
+        vec4 point = pixel_points[quad * 4u + k];
+        if (point.w > 0.0) request_of_light(push.list, push.wanted, light, point.xyz, point.w);
+        return;
+    }
+    uvec2 pixel = pixel_of_quad(quad, k);
     uint samples = samples_of(pixel);
     float last = 0.0;
     for (uint s = 0u; s < samples; s++) {
@@ -76,6 +83,7 @@ void main() {
     find_boxes();
     request_box whole = box_of(group_parts);
     if (is_empty(whole)) return;
+    request_box own = box_of_quad(thread % QUADS); // GROUP is a multiple of QUADS
     uint next = 0u, end = l.list.local_count;
     bool is_direct = true;
     if (LIST_KIND == GPU_LIST_TILES) {
@@ -101,9 +109,12 @@ void main() {
         for (uint first = 0u; first < light_count; first += SHARE) {
             if (thread == 0u) pair_count = 0u;
             barrier();
-            find_pairs(first);
+            find_pairs(first, own);
             barrier();
-            for (uint i = thread; i < pair_count * 4u; i += GROUP) ask(pairs[i / 4u] / QUADS, pixel_of_quad(pairs[i / 4u] % QUADS, i % 4u));
+            for (uint i = thread; i < pair_count * 4u; i += GROUP) {
+                uint pair = pairs[i / 4u];
+                ask(pair / QUADS, pair % QUADS, i % 4u);
+            }
             barrier();
         }
         barrier();

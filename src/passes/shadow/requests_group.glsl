@@ -11,6 +11,15 @@ const uint GROUP = 64u, QUADS = 16u;
 const uint PARTS = 9u;
 const float NOTHING = 3e38;
 shared float quad_parts[QUADS * PARTS], group_parts[PARTS];
+#ifdef POINTS_KEPT
+shared vec4 pixel_points[GROUP]; // with one sample, by quads: the point that a pixel shows, and its shadow_slack(); 0: sky
+#endif
+
+void keep_point(uint place, vec3 position, float near) {
+#ifdef POINTS_KEPT
+    if (SAMPLES == 1u) pixel_points[place] = vec4(position, near);
+#endif
+}
 
 request_box box_of(float p[PARTS]) {
     request_box box;
@@ -57,15 +66,17 @@ void find_boxes() {
             uvec2 pixel = pixel_of_quad(thread, k);
             uint samples = samples_of(pixel);
             float last = 0.0;
+            keep_point(thread * 4u + k, vec3(0.0), 0.0);
             for (uint s = 0u; s < samples; s++) {
                 vec3 position;
                 if (!sample_position(pixel, s, last, position)) continue;
-                float width = pixel_width(v, length(v.view.eye - position));
+                float width = pixel_width(v, length(v.view.eye - position)), near = shadow_slack(push.list, position);
+                keep_point(thread * 4u + k, position, near);
                 for (int i = 0; i < 3; i++) {
                     p[i] = min(p[i], position[i]);
                     p[3 + i] = min(p[3 + i], -position[i]);
                 }
-                p[6] = min(p[6], -shadow_slack(push.list, position));
+                p[6] = min(p[6], -near);
                 p[7] = min(p[7], width);
                 p[8] = min(p[8], -width);
             }
