@@ -98,7 +98,7 @@ static uint32_t check_dispatches(const char *label, uint64_t group_work, uint64_
     for (uint32_t i = 0; i < spy.work_count; i++) {
         const struct spy_work *work = &spy.work[i];
         if (strcmp(work->label, label) != 0) continue;
-        uint64_t here = (uint64_t)work->count[0] * work->count[1];
+        uint64_t here = (uint64_t)work->count[0] * work->count[1] * work->count[2];
         assert_true(here * group_work <= most);
         sum += here;
         count++;

@@ -53,7 +53,7 @@ static void test_dark_lights_leave_with_the_same_picture_ES_49(void **state) {
     UNUSED(state);
     expect_work("builtin:hall?lights=256", 0.65);
     expect_work("builtin:city?lights=256&blocks=1", 0.67);
-    expect_work("builtin:interior?lights=40", 0.45);
+    expect_work("builtin:interior?lights=40", 0.55);
 }
 
 /* ---- which ones ---- */

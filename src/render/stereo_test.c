@@ -424,6 +424,7 @@ static void test_shared_work_VR_1_VR_2(void **state) {
     assert_true(count_passes(&stage, "cull mark'") == 2);
     assert_true(count_passes(&stage, "clustered fill'") == 2);
     both.stereo.eyes = 2;
+    both.multiview = FNL_MULTIVIEW_AUTO;
     check_lists_by_angle(&stage, both);
     stage_close(&stage);
 }
