@@ -49,7 +49,7 @@ static void test_the_first_frame_makes_no_pipeline(void **state) {
                                            frame.camera, frame.camera, frame.camera, frame.camera};
             frame.views = cameras;
             frame.view_count = cases[i].views;
-            frame.multiview = FNL_MULTIVIEW_ON;
+            frame.multiview = cases[i].eyes ? FNL_MULTIVIEW_AUTO : FNL_MULTIVIEW_ON;
             frame.stereo.eyes = cases[i].eyes;
             fnl_frame_stats stats;
             if (warm) {
