@@ -5,8 +5,8 @@
 
 #include <getopt.h>
 
-/** getopt_long(); but where an option's value is the next word and that is an option as well (--stats -q), it says so and returns '?'. A name
- * that begins with a hyphen can be given as --stats=-q. */
+/** getopt_long(), but an option whose value was forgotten does not swallow the next one: for --stats -q it prints an error and returns '?'.
+ * A value that looks like an option can be given as --stats=-q. */
 int argument_next(int argc, char **argv, const char *letters, const struct option *options);
 
 #endif

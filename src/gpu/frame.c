@@ -1,34 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 #include "gpu/gpu_internal.h"
 
-static fnl_result init_vertex_counts(gpu_device *device) {
-    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) {
-        const VkQueryPoolCreateInfo info = {
-            .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-            .queryType = VK_QUERY_TYPE_PIPELINE_STATISTICS,
-            .queryCount = GPU_MAX_VERTEX_COUNTS,
-            .pipelineStatistics = VK_QUERY_PIPELINE_STATISTIC_VERTEX_SHADER_INVOCATIONS_BIT,
-        };
-        VkQueryPool *queries = &device->frames[i].vertex_counts;
-        TRY(gpu_check(device, device->vk.CreateQueryPool(device->handle, &info, NULL, queries), "vkCreateQueryPool"));
-        gpu_name(device, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)*queries, "vertex counts");
-        atomic_store(&device->frames[i].vertices_counted, true); /* new ones must be reset, too */
-    }
+static fnl_result create_queries(gpu_device *device, const VkQueryPoolCreateInfo *info, const char *name, VkQueryPool *out) {
+    TRY(gpu_check(device, device->vk.CreateQueryPool(device->handle, info, NULL, out), "vkCreateQueryPool"));
+    gpu_name(device, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)*out, name);
     return FNL_OK;
 }
 
 fnl_result gpu_frames_init(gpu_device *device) {
-    if (device->info.vertex_counts) TRY(init_vertex_counts(device));
-    if (!device->timestamp_mask) return FNL_OK;
+    const VkQueryPoolCreateInfo counts = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                          .queryType = VK_QUERY_TYPE_PIPELINE_STATISTICS,
+                                          .queryCount = GPU_MAX_VERTEX_COUNTS,
+                                          .pipelineStatistics = VK_QUERY_PIPELINE_STATISTIC_VERTEX_SHADER_INVOCATIONS_BIT},
+                                times = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO, .queryType = VK_QUERY_TYPE_TIMESTAMP, .queryCount = GPU_MAX_TIMESTAMPS};
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) {
-        VkQueryPoolCreateInfo info = {
-            .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-            .queryType = VK_QUERY_TYPE_TIMESTAMP,
-            .queryCount = GPU_MAX_TIMESTAMPS,
-        };
-        VkQueryPool *queries = &device->frames[i].queries;
-        TRY(gpu_check(device, device->vk.CreateQueryPool(device->handle, &info, NULL, queries), "vkCreateQueryPool"));
-        gpu_name(device, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)*queries, "timestamps");
+        struct gpu_frame *frame = &device->frames[i];
+        if (device->info.vertex_counts) TRY(create_queries(device, &counts, "vertex counts", &frame->vertex_counts));
+        if (device->info.vertex_counts) atomic_store(&frame->vertices_counted, true); /* new ones must be reset, too */
+        if (device->timestamp_mask) TRY(create_queries(device, &times, "timestamps", &frame->queries));
     }
     return FNL_OK;
 }

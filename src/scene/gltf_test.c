@@ -483,17 +483,23 @@ static void test_light_shapes_in_extras(void **state) {
     fnl_scene_destroy(&scene);
 }
 
-/* What materials say of theirs. */
-static void test_material_shadows_in_extras(void **state) {
-    UNUSED(state);
-    static const char json[] = "{" ASSET ",\"materials\":[{\"extras\":{\"FNL_material_shadows\":{\"castsShadows\":false},\"mine\":1}},"
-                               "{\"extras\":{\"FNL_material_shadows\":{\"castsShadows\":1}}},{\"extras\":[2]},{\"extras\":{\"FNL_material_shadows\":3}}]}";
+/* The scene of a document without buffers; what is told of it goes to `file_log`. */
+static fnl_scene *load_logged(const char *json, const char *name) {
     size_t size;
     unsigned char *glb = test_glb(json, NULL, 0, &size);
     fnl_host host = test_host(&file_log);
     fnl_scene *scene;
-    assert_int_equal(gltf_load_memory(&host, glb, size, "shadows.glb", NULL, &scene), FNL_OK);
+    assert_int_equal(gltf_load_memory(&host, glb, size, name, NULL, &scene), FNL_OK);
     free(glb);
+    return scene;
+}
+
+/* What materials say of shadows. */
+static void test_material_shadows_in_extras(void **state) {
+    UNUSED(state);
+    static const char json[] = "{" ASSET ",\"materials\":[{\"extras\":{\"FNL_material_shadows\":{\"castsShadows\":false},\"mine\":1}},"
+                               "{\"extras\":{\"FNL_material_shadows\":{\"castsShadows\":1}}},{\"extras\":[2]},{\"extras\":{\"FNL_material_shadows\":3}}]}";
+    fnl_scene *scene = load_logged(json, "shadows.glb");
     assert_non_null(strstr(file_log.text, "/materials/1/extras/FNL_material_shadows/castsShadows: is a number, not a boolean"));
     assert_non_null(strstr(file_log.text, "/materials/3/extras/FNL_material_shadows"));
     assert_int_equal(file_log.count, 2);
@@ -512,12 +518,7 @@ static void test_light_shadows_in_extras(void **state) {
         "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
         "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
         "}";
-    size_t size;
-    unsigned char *glb = test_glb(json, NULL, 0, &size);
-    fnl_host host = test_host(&file_log);
-    fnl_scene *scene;
-    assert_int_equal(gltf_load_memory(&host, glb, size, "shadows.glb", NULL, &scene), FNL_OK);
-    free(glb);
+    fnl_scene *scene = load_logged(json, "shadows.glb");
     assert_non_null(strstr(file_log.text, "/lights/1/extras/FNL_light_shadows/castsShadows: is a number, not a boolean"));
     assert_non_null(strstr(file_log.text, "/lights/2/extras/FNL_light_shadows/sourceAngle"));
     assert_non_null(strstr(file_log.text, "/lights/2/extras/FNL_light_shadows/update: is neither always nor on-request"));
