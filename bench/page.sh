@@ -75,6 +75,43 @@ tables() {
     function key(k, r, lights) { return (k, r, lights) in time ? time[k, r, lights] : 1e30 }' "$1"
 }
 
+# Of other renderers, measured by hand: a row for each of them, a column for each number of lights, and over the fastest of ours with the same filter.
+peers() {
+    cat <<'END'
+
+### And other renderers?
+
+The same hall, written as glTF and loaded by each, without shadows, on the same driver; [how](../bench/peers/README.md). Others filter textures once where we take eight samples along, so ours
+were measured with both. Where a renderer has a limit of lights in a cell it is as high as the scene needs: with their own defaults lights are missing from the pictures, and frames are faster.
+
+END
+    awk '
+    /^#/ { next }
+    !seen_head { seen_head = 1; next }
+    {
+        line = $0; n = 0
+        while (match(line, /^("[^"]*"|[^,]*),?/)) { t = substr(line, 1, RLENGTH); line = substr(line, RLENGTH + 1); sub(/,$/, "", t); gsub(/"/, "", t); f[++n] = t; if (line == "") break }
+        row = f[1] " | " f[2] " | " f[3]
+        if (!(row in rows)) { rows[row] = ++row_count; names[row_count] = row }
+        if (!(f[4] in columns)) { columns[f[4]] = ++column_count; lights[column_count] = f[4] }
+        time[rows[row], columns[f[4]]] = f[5]
+        if (f[1] !~ /^Fanal/ && (!(f[4] in best) || f[5] + 0 < best[f[4]])) best[f[4]] = f[5] + 0
+    }
+    END {
+        printf "| ms per frame, 1280x720 | settings | anisotropy |"
+        for (c = 1; c <= column_count; c++) printf " %d lights |", lights[c]
+        printf "\n|---|---|---|"
+        for (c = 1; c <= column_count; c++) printf "---|"
+        printf "\n"
+        for (r = 1; r <= row_count; r++) {
+            printf "| %s |", names[r]
+            for (c = 1; c <= column_count; c++) printf (names[r] ~ /^Fanal/ ? " %d (%.1fx) |" : " %d |"), time[r, c], best[lights[c]] / time[r, c]
+            printf "\n"
+        }
+    }' "$1"
+    printf '\nIn brackets: how many times as fast as the fastest of the others. Measured at commit %s, one run on a quiet machine.\n' "$(sed -n 's/^# commit //p' "$1")"
+}
+
 page() {
     cat <<'END'
 <!-- SPDX-License-Identifier: MIT -->
@@ -103,6 +140,7 @@ END
             tables "$file"
             printf 'Measured at commit %s.\n' "$(sed -n 's/^# commit //p' "$file")"
         done <bench/experiments.txt
+        [ ! -e "${folder}peers.csv" ] || peers "${folder}peers.csv"
     done
     for file in bench/results/radv-*/pipelines.csv; do
         [ -e "$file" ] || continue
