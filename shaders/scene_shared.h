@@ -127,7 +127,7 @@ struct gpu_group {
     uint first_item;
     uint item_count;
     uint primitive;
-    uint pad;
+    uint first_unit; /* pages of shadow maps draw units: the primitive, then each of its clusters if it has several and does not deform */
 };
 
 struct gpu_draw {

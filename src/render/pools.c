@@ -79,7 +79,7 @@ static void grow_dais_pools(fnl_renderer *r, const struct frame_counts *counts) 
 
 /* Pages of shadow maps that found no room wait for the next frame. */
 static void grow_shadow_pairs(fnl_renderer *r, const struct frame_counts *counts) {
-    const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 16, (uint64_t)PAIR_START);
+    const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 20, (uint64_t)PAIR_START);
     if (needed > r->shadow_pairs) r->shadow_pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)POOL_LIMIT));
 }
 

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Bounding sphere and normal cone of each cluster against the view.
 #include "passes/geometry/clusters.glsl"
+#include "passes/geometry/stretch.glsl"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint BY_TRIANGLE = 0u;
@@ -37,14 +38,6 @@ bool faces_away(gpu_cluster cluster, gpu_instance instance) {
         reach = push.params.params.pixels_per_slope / (distance(center, push.view.view.eye) + cluster.radius * scale);
     }
     return away && cluster.thinnest * scale * reach * SINE > 8.0 * push.params.params.slack;
-}
-
-// The largest factor by which a transform stretches, or a little more.
-float stretch(gpu_instance instance) {
-    mat3 m = mat3(instance.rows[0].xyz, instance.rows[1].xyz, instance.rows[2].xyz);
-    mat3 g = m * transpose(m); // the norm of a symmetric matrix is at most its greatest row sum
-    vec3 sums = abs(g[0]) + abs(g[1]) + abs(g[2]);
-    return sqrt(max_component(sums)) * 1.0001;
 }
 
 uint reason_of(gpu_item item, gpu_primitive primitive, gpu_cluster cluster, uint flags) {

@@ -43,6 +43,7 @@ struct geometry_scene {
         vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
     const struct geometry_bucket *buckets;
     uint32_t bucket_count, item_count, group_count;
+    uint32_t unit_count;                         /* of struct gpu_group, of all of them */
     uint32_t attributes;                         /* GEOMETRY_… */
     float gradient_taps;                         /* constant GRADIENT_TAPS of shaders/material.glsl */
     uint32_t most_triangles;                     /* of one item; lines and points count too */

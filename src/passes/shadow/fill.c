@@ -36,9 +36,9 @@ static void execute_draw(const struct graph_context *context, const void *data) 
         params.fragment = cutout ? &shader_depth_frag : NULL;
         gpu_bind(commands, graph_pipeline(context, &params));
         gpu_push(commands, &d->push, sizeof d->push);
-        gpu_draw_indexed_indirect_count(commands, draws, (uint64_t)cutout * d->scene->group_count * sizeof(struct gpu_draw),
+        gpu_draw_indexed_indirect_count(commands, draws, (uint64_t)cutout * d->scene->unit_count * sizeof(struct gpu_draw),
                                         totals, offsetof(struct gpu_fill_totals, draw_counts) + cutout * 4ull,
-                                        d->scene->group_count);
+                                        d->scene->unit_count);
     }
 }
 
@@ -122,20 +122,21 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
         .drawn = graph_create_buffer(graph, "shadow fill drawn", in->page_limit * 4ull),
         .totals = graph_create_buffer(graph, "shadow fill totals", sizeof(struct gpu_fill_totals))};
     graph_buffer sums = graph_create_buffer(graph, "shadow fill sums", (in->page_limit + 1) * 4ull),
-                 item_sums = graph_create_buffer(graph, "shadow fill item sums", (scene->item_count + 1) * 4ull),
+                 unit_sums = graph_create_buffer(graph, "shadow fill unit sums", (scene->unit_count + 1) * 4ull),
                  entries =
                      graph_create_buffer(graph, "shadow fill entries", capacity * (uint64_t)sizeof(struct gpu_fill_entry)),
                  draws = graph_create_buffer(graph, "shadow fill draws",
-                                             MAX(scene->group_count, 1u) * 2ull * sizeof(struct gpu_draw));
+                                             MAX(scene->unit_count, 1u) * 2ull * sizeof(struct gpu_draw));
     struct gpu_fill_push push = {.rays = in->rays->address,
                                  .page_limit = in->page_limit,
                                  .pair_capacity = capacity,
                                  .caster_count = scene->caster_count,
-                                 .group_count = scene->group_count};
+                                 .group_count = scene->group_count,
+                                 .unit_count = scene->unit_count};
     const uint32_t page_groups = DIVIDE_UP(in->page_limit + 1, 64u);
     if (in->all_changed || in->moved) add_marks(graph, in, &push);
     graph_add_clear(graph, "shadow fill clear", GRAPH_QUEUE_GRAPHICS,
-                    (struct graph_clear){.buffers = {item_sums, fill.totals}});
+                    (struct graph_clear){.buffers = {unit_sums, fill.totals}});
     struct graph_pass *pass = graph_dispatch(
         graph,
         &(struct graph_dispatch){.name = "shadow fill count",
@@ -154,16 +155,16 @@ struct shadow_fill shadow_fill_add(struct graph *graph, gpu_device *device, cons
                               GRAPH_PUSH(push),
                               GRAPH_ROWS(graph_changes(&push.pages, in->pages), graph_changes(&push.counts, in->counts),
                                          graph_reads(&push.shapes, in->shapes), graph_reads(&push.sums, sums),
-                                         graph_changes(&push.item_sums, item_sums), graph_writes(&push.entries, entries),
+                                         graph_changes(&push.unit_sums, unit_sums), graph_writes(&push.entries, entries),
                                          graph_writes(&push.drawn, fill.drawn), graph_changes(&push.totals, fill.totals))});
     rays_use(pass, in->rays, GRAPH_READ_COMPUTE);
-    prefix_sum_add(graph, "shadow fill items", GRAPH_QUEUE_GRAPHICS, item_sums, scene->item_count + 1);
+    prefix_sum_add(graph, "shadow fill units", GRAPH_QUEUE_GRAPHICS, unit_sums, scene->unit_count + 1);
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = "shadow fill place",
                               .pipeline = {.shader = &shader_fill_place_comp},
-                              .groups = {DIVIDE_UP(MAX(in->page_limit, scene->group_count), 64u)},
+                              .groups = {DIVIDE_UP(MAX(in->page_limit, scene->unit_count), 64u)},
                               GRAPH_PUSH(push),
-                              GRAPH_ROWS(graph_reads(&push.sums, sums), graph_reads(&push.item_sums, item_sums),
+                              GRAPH_ROWS(graph_reads(&push.sums, sums), graph_reads(&push.unit_sums, unit_sums),
                                          graph_reads(&push.entries, entries), graph_writes(&push.pairs, fill.pairs),
                                          graph_writes(&push.draws, draws), graph_changes(&push.totals, fill.totals))});
     add_draw(graph, device, in, &fill, draws);

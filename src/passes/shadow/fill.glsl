@@ -4,6 +4,7 @@
 #define FILL_GLSL
 
 #include "shadows/rays.glsl"
+#include "passes/geometry/stretch.glsl"
 #include "shadows/faces.glsl"
 #include "lights/iterate.glsl"
 
@@ -41,7 +42,7 @@ gpu_fill_caster caster_of(rays_block rays, uint index, uint caster_count) {
 struct page_volume {
     vec3 origin;     // the light, in the world
     float range;     // nothing farther away matters
-    vec4 planes[6];  // inside is dot(xyz, p) + w >= 0
+    vec4 planes[6];  // inside is dot(xyz, p) + w >= 0; xyz is a unit vector
     vec3 corners[8]; // of four sides from the light's position to its range; of box lights of a box
 };
 
@@ -74,6 +75,7 @@ page_volume page_volume_of(gpu_shape shape, uint bit) {
     r.planes[3] = is_box ? vec4(-v, high.y) : vec4(high.y * along - v, 0.0);
     r.planes[4] = vec4(along, -near);
     r.planes[5] = vec4(-along, far);
+    for (int k = 0; k < 6; k++) r.planes[k] /= length(r.planes[k].xyz);
     for (int k = 0; k < 8; k++) {
         float at = k < 4 ? near : far, wide = is_box ? 1.0 : at;
         r.corners[k] = ((k & 1) != 0 ? high.x : low.x) * wide * u + ((k & 2) != 0 ? high.y : low.y) * wide * v + at * along;
@@ -91,7 +93,7 @@ bool volume_meets_box(page_volume r, vec3 center, vec3 a, vec3 b, vec3 c) {
     for (int k = 0; k < 6; k++) {
         vec3 n = r.planes[k].xyz;
         float reach = abs(dot(n, a)) + abs(dot(n, b)) + abs(dot(n, c));
-        if (dot(n, center) + r.planes[k].w < -reach - slack * length(n)) return false;
+        if (dot(n, center) + r.planes[k].w < -reach - slack) return false;
     }
     return true;
 }
@@ -127,6 +129,30 @@ bool volume_meets_caster(page_volume r, gpu_fill_caster c) {
     return volume_meets_turned_box(r, center, transform_direction(instance, vec3(half_size.x, 0.0, 0.0)),
                                    transform_direction(instance, vec3(0.0, half_size.y, 0.0)),
                                    transform_direction(instance, vec3(0.0, 0.0, half_size.z)));
+}
+
+bool volume_meets_sphere(page_volume r, vec3 center, float radius) {
+    float reach = radius + volume_slack(r, center);
+    if (length(center) > r.range + reach) return false;
+    for (int k = 0; k < 6; k++)
+        if (dot(r.planes[k].xyz, center) + r.planes[k].w < -reach) return false;
+    return true;
+}
+
+// The group that an item is in, or, by_unit, a unit. Both lie in the order of groups.
+uint group_of(scene_block s, uint group_count, uint index, bool by_unit) {
+    uint low = 0u, high = group_count;
+    while (high - low > 1u) {
+        uint middle = (low + high) / 2u;
+        if ((by_unit ? s.scene.groups.at[middle].first_unit : s.scene.groups.at[middle].first_item) <= index) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+// How many units a group has.
+uint units_of(scene_block s, uint group_count, uint unit_count, uint group) {
+    return (group + 1u < group_count ? s.scene.groups.at[group + 1u].first_unit : unit_count) - s.scene.groups.at[group].first_unit;
 }
 
 #endif

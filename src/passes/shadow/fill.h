@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Draws pages of shadow maps (shadows/maps_shared.h) into the atlas: those with SHADOW_PAGE_DRAW, whose flag is cleared. Each
- * walks the tree over items for what it shows; pairs of item and page become the instances of one indirect draw for each group
- * of items, so that the CPU makes three draw calls whatever there is to draw. Opaque and cutout triangles cast shadows, from
+ * walks the tree over items for what it shows; items whose meshes are in clusters are drawn as a whole if it shows all clusters, else cluster by
+ * cluster. Pairs of item and page become the instances of one indirect draw for each primitive of a group or cluster of it, so that the CPU makes
+ * three draw calls whatever there is to draw. Opaque and cutout triangles cast shadows, from
  * both sides. Cost: two walks for each page that is drawn, and drawing its items; where none is drawn, a look at each page and
  * item.
  *
@@ -34,7 +35,7 @@ struct shadow_fill_input {
        compared has changed, such as materials or vertices that do not deform. */
     bool all_changed;
     bool moved;             /* items have come, gone or moved, or what deforms has */
-    uint32_t pair_capacity; /* room for pairs, 16 bytes each; there is room for as many as there are items in any case */
+    uint32_t pair_capacity; /* room for pairs, 20 bytes each; there is room for as many as there are items in any case */
 };
 
 struct shadow_fill {

@@ -1,15 +1,46 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// The items that each page shows. First they are counted; then, LIST, they are listed for the pages for which there is room,
-// and these pages are marked as drawn.
+// What each page shows: items, or the clusters of these that it shows. First they are counted; then, LIST, they are listed for the pages for
+// which there is room, and these pages are marked as drawn.
 #include "common.glsl"
 #include "passes/shadow/fill.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_fill_push push; };
 
-uint walk(uint page, uint at) {
+#ifdef LIST
+void list(uint at, uint item, uint unit) { push.entries.at[at] = gpu_fill_entry(item, unit, atomicAdd(push.unit_sums.at[unit], 1u)); }
+#endif
+
+// Of an item that the page shows as a whole or in part: how many units. Clusters are worth it where some are elsewhere, and as long as one pair for
+// each item after this one would still fit, so that there is room for the pairs of any one page. `shown`: units before, `first`: where they go.
+uint show(page_volume volume, uint item, uint shown, uint first) {
+    scene_block s = push.rays.rays.scene;
+    uint group = group_of(s, push.group_count, item, false), unit = s.scene.groups.at[group].first_unit;
+    gpu_primitive primitive = s.scene.primitives.at[s.scene.groups.at[group].primitive];
+    gpu_instance instance = s.scene.instances.at[s.scene.items.at[item].instance];
+    uint clusters = units_of(s, push.group_count, push.unit_count, group) - 1u, count = 0u;
+    if (clusters != primitive.cluster_count) clusters = 0u;
+    float scale = clusters > 0u ? stretch(instance) : 0.0;
+    for (uint k = 0u; k < clusters; k++) {
+        gpu_cluster cluster = s.scene.clusters.at[primitive.first_cluster + k];
+        if (volume_meets_sphere(volume, transform_point(instance, cluster.center) - volume.origin, cluster.radius * scale)) count++;
+    }
+    bool whole = count == clusters || shown + count + push.caster_count > push.pair_capacity;
+#ifdef LIST
+    uint at = first + shown;
+    if (whole) list(at, item, unit);
+    for (uint k = 0u; k < clusters && !whole; k++) {
+        gpu_cluster cluster = s.scene.clusters.at[primitive.first_cluster + k];
+        if (volume_meets_sphere(volume, transform_point(instance, cluster.center) - volume.origin, cluster.radius * scale))
+            list(at++, item, unit + 1u + k);
+    }
+#endif
+    return whole ? 1u : count;
+}
+
+uint walk(uint page, uint first) {
     gpu_shadow_page p = push.pages.at[page];
     page_volume volume = page_volume_of(push.shapes.at[p.row], p.bit);
     gpu_ray_tree tree = push.rays.rays.items;
@@ -25,12 +56,7 @@ uint walk(uint page, uint at) {
             last = node.last;
         } else {
             uint item = tree.ids.at[last];
-            if (volume_meets_caster(volume, caster_of(push.rays, item, push.caster_count))) {
-#ifdef LIST
-                push.entries.at[at + count] = gpu_fill_entry(item, atomicAdd(push.item_sums.at[item], 1u));
-#endif
-                count++;
-            }
+            if (volume_meets_caster(volume, caster_of(push.rays, item, push.caster_count))) count += show(volume, item, count, first);
         }
         reference = tree.next.at[last];
     }

@@ -7,13 +7,14 @@
 #include "scene_shared.h"
 #include "shadows/maps_shared.h"
 
-/* An item that a page shows, in the order of pages. */
+/* What a page shows, in the order of pages: a unit (struct gpu_group) of an item. */
 struct gpu_fill_entry {
     uint item;
-    uint rank; /* entries of the item that were counted before this one */
+    uint unit;
+    uint rank; /* entries of the unit that were counted before this one */
 };
 
-/* The same in the order of items: what an instance of a draw is. */
+/* The same in the order of units: what an instance of a draw is. */
 struct gpu_fill_pair {
     uint item;
     uint page;
@@ -22,6 +23,7 @@ struct gpu_fill_pair {
 struct gpu_fill_totals {
     STRUCT(gpu_draw) clear;     /* a square for each page that is drawn */
     uint draw_counts[2];        /* opaque, cutout */
+    uint triangles;             /* of all draws */
     uint groups[3];             /* for a dispatch: as many as pages are drawn, 1, 1 */
 };
 
@@ -53,16 +55,17 @@ struct gpu_fill_push {
     ADDRESS(shadow_page_array) pages;
     ADDRESS(shadow_counts_block) counts;
     ADDRESS(uint_array) sums;            /* entries of each page, and one more; then their prefix sums */
-    ADDRESS(uint_array) item_sums;       /* the same of items; of the pages that are drawn */
+    ADDRESS(uint_array) unit_sums;       /* the same of units; of the pages that are drawn */
     ADDRESS(fill_entry_array) entries;
     ADDRESS(fill_pair_array) pairs;
     ADDRESS(uint_array) drawn;           /* the pages that are drawn, in any order */
-    ADDRESS(draw_array) draws;           /* of opaque groups, then from group_count on those of cutouts, in any order */
+    ADDRESS(draw_array) draws;           /* of opaque units, then from unit_count on those of cutouts, in any order */
     ADDRESS(fill_totals_block) totals;
     uint page_limit;
     uint pair_capacity;
     uint caster_count;                   /* items before this one cast shadows, if they are triangles */
     uint group_count;
+    uint unit_count;
 };
 
 /* Begins as what fragment shaders of the scene expect. */

@@ -349,19 +349,20 @@ static void check_untouched(const struct world *w, const float *before) {
     free(drawn);
 }
 
-/* The pairs are those of what was drawn: by item, each once. */
+/* The pairs are those of what was drawn: by group, each once, where no item is in clusters. */
 static void check_pairs(const struct world *w) {
-    uint32_t drawn = 0, last = 0;
+    const struct device_scene *d = w->user.scene;
+    uint32_t drawn = 0, group = 0;
     bool *seen = calloc(w->user.scene->item_count * MOST_PAGES + 1, sizeof *seen);
     assert_true(w->counts.pairs <= w->pair_count);
     for (uint32_t i = 0; i < w->counts.pairs; i++) {
         const struct gpu_fill_pair *p = &w->pairs[i];
-        assert_true(p->item >= last && p->item < w->user.scene->item_count && p->page < w->pages.count &&
-                    w->pages.data[p->page].draw);
+        assert_true(p->item < d->item_count && p->page < w->pages.count && w->pages.data[p->page].draw);
+        while (group < d->group_list.count && p->item - d->group_list.data[group].first >= d->group_list.data[group].count) group++;
+        assert_true(group < d->group_list.count);
         bool *place = &seen[p->item * MOST_PAGES + p->page];
         assert_false(*place);
         *place = true;
-        last = p->item;
     }
     for (uint32_t i = 0; i < MOST_PAGES; i++) {
         assert_int_equal(w->flags[i] & SHADOW_PAGE_DRAW, i < w->pages.count ? 0 : SHADOW_PAGE_DRAW);
@@ -435,6 +436,85 @@ static void test_pages_list_what_they_see(void **state) {
         assert_true(k == 0 ? seen > 3 && seen < w.pages.count - 3 : seen == 0);
         world_close(&w);
     }
+}
+
+/* A wavy square of many triangles, across x and y. */
+static uint32_t wave_mesh(fnl_scene *scene) {
+    enum { ACROSS = 32, POINTS = ACROSS + 1 };
+    static vec3 positions[POINTS * POINTS];
+    static uint32_t indices[ACROSS * ACROSS * 6];
+    for (uint32_t i = 0; i < POINTS * POINTS; i++) {
+        const float x = (float)(i % POINTS) * (2.f / ACROSS) - 1, y = (float)(i / POINTS) * (2.f / ACROSS) - 1;
+        positions[i] = (vec3){x, y, 0.1f * sinf(7 * x) * cosf(5 * y)};
+    }
+    for (uint32_t i = 0; i < ACROSS * ACROSS; i++) {
+        const uint32_t first = i / ACROSS * POINTS + i % ACROSS, corners[6] = {0, 1, POINTS, POINTS, 1, POINTS + 1};
+        for (uint32_t k = 0; k < 6; k++) indices[i * 6 + k] = first + corners[k];
+    }
+    struct scene_primitive p = {.material = SCENE_NONE,
+                                .vertex_count = POINTS * POINTS,
+                                .index_count = COUNT_OF(indices),
+                                .indices = indices,
+                                .positions = positions};
+    assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+    return scene_add_mesh(scene, "", &p, 1);
+}
+
+/*
+ * Of a large mesh a page draws the clusters that it shows, and what it shows as a whole it draws at once: a wide floor that is turned, stretched
+ * and mirrored, and the same mesh, small, in one page of the finest of these levels.
+ */
+static void test_pages_draw_clusters_SH_69(void **state) {
+    UNUSED(state);
+    static struct world w;
+    fnl_scene *scene = test_scene();
+    const uint32_t mesh = wave_mesh(scene);
+    put(scene, mesh, (vec3){0.4f, -1.6f, -0.3f}, (vec3){1, 0.2f, 0.1f}, -1.4f, (vec3){-6, 4, 2});
+    put(scene, mesh, (vec3){0.6f, 1.9f, 0.55f}, (vec3){1, 0, 0}, -1.6f, (vec3){0.1f, 0.1f, 0.1f});
+    put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
+    world_open(&w, scene);
+    fill(&w, 0);
+    const struct device_scene *d = w.user.scene;
+    const uint32_t large = d->item_nodes.data[0] == 0 ? 0 : 1, mesh_triangles = w.triangles.count / 2;
+    for (uint32_t level = 2; level <= 4; level += 2) {
+        const uint32_t across = page_side(level);
+        w.pages = (struct pages){0};
+        for (uint32_t face = 2; face < 4; face++) /* up and down */
+            for (uint32_t i = 0; i < across * across; i++)
+                pages_put(&w.pages, (struct page){.face = face, .level = level, .x = i % across, .y = i / across, .draw = true});
+        w.all_changed = true;
+        fill(&w, 1 << 16);
+        uint32_t may_show = 0, whole = 0, of_small[MOST_PAGES] = {0}, large_pages = 0;
+        bool shows_large[MOST_PAGES] = {false};
+        for (uint32_t i = 0; i < w.pages.count; i++) {
+            const struct page *p = &w.pages.data[i];
+            const struct face f = face_of(&d->light_data.data[p->row].shape, p->face);
+            uint32_t items;
+            struct triangles shown = triangles_of_page(&w.triangles, p, &f, &items);
+            may_show += shown.count;
+            free(shown.data);
+        }
+        for (uint32_t i = 0; i < w.counts.pairs; i++)
+            if (w.pairs[i].item == large) shows_large[w.pairs[i].page] = true;
+            else of_small[w.pairs[i].page]++;
+        for (uint32_t i = 0; i < w.pages.count; i++) {
+            large_pages += shows_large[i];
+            whole += of_small[i] == 1;
+        }
+        print_message("level %u: %u triangles in %u pairs; %u may show, %u pages show the floor of %u triangles\n", level,
+                      w.totals.triangles, w.counts.pairs, may_show, large_pages, mesh_triangles);
+        assert_true(whole == 1); /* it lies within a page of each level: one pair draws it */
+        assert_true(large_pages > across * across / 2);
+        assert_true(w.totals.triangles >= may_show && w.totals.triangles <= may_show * 3);
+        if (level == 2) assert_true(w.totals.triangles < large_pages * mesh_triangles / 3);
+        struct found found = {0};
+        for (uint32_t i = 0; i < w.pages.count; i += level == 2 ? 3 : 1) check_page(&w, i, &found);
+        assert_true(found.covered > found.texels / 50);
+        fill(&w, 0); /* with room for whole items alone no page waits for ever */
+        assert_true(w.counts.pairs <= w.pages.count * d->item_count);
+        assert_int_equal(w.flags[0] & SHADOW_PAGE_DRAW, 0);
+    }
+    world_close(&w);
 }
 
 /* Below a node of the tree that a page does not touch nothing is looked at: with the root's box spoiled nothing is found. */
@@ -697,6 +777,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pages_show_what_rays_find),
         cmocka_unit_test(test_pages_list_what_they_see),
+        cmocka_unit_test(test_pages_draw_clusters_SH_69),
         cmocka_unit_test(test_culling_stops_at_nodes),
         cmocka_unit_test(test_other_pages_keep_their_texels),
         cmocka_unit_test(test_only_what_changed_is_drawn),

@@ -117,10 +117,16 @@ static fnl_result add_to_bucket(struct device_scene *d, uint32_t index) {
     return FNL_OK;
 }
 
+/* What pages of shadow maps draw of a primitive (struct gpu_group): all of it or single clusters, unless there is one alone or their bounds change. */
+static uint32_t units_of(const struct gpu_primitive *p) {
+    return p->cluster_count > 1 && p->bind_offset == 0 ? 1 + p->cluster_count : 1;
+}
+
 /* What follows from the lists: buckets, sums, and what the device has. */
 fnl_result device_items_send(struct device_scene *d) {
     d->buckets.count = d->most_triangles = d->blend_item_count = d->caster_count = 0;
     d->cluster_count = d->triangle_count = 0;
+    d->unit_count = 0;
     d->group_count = d->group_list.count;
     d->item_count = d->item_list.count;
     size_t size = MAX(d->group_count, 1u) * sizeof(struct gpu_group);
@@ -128,7 +134,9 @@ fnl_result device_items_send(struct device_scene *d) {
     fnl_result result = groups ? FNL_OK : FNL_ERROR_MEMORY;
     for (uint32_t i = 0; i < d->group_count && result == FNL_OK; i++) {
         const struct device_group *group = &d->group_list.data[i];
-        groups[i] = (struct gpu_group){.first_item = group->first, .item_count = group->count, .primitive = group->primitive};
+        groups[i] = (struct gpu_group){
+            .first_item = group->first, .item_count = group->count, .primitive = group->primitive, .first_unit = d->unit_count};
+        d->unit_count += units_of(&primitives_of(d)[group->primitive]);
         result = add_to_bucket(d, i);
     }
     if (result == FNL_OK)

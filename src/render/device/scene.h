@@ -191,7 +191,7 @@ struct device_scene {
     uint64_t cluster_count, triangle_count; /* of all items that culling by clusters is for */
     uint32_t index_count, influence_count, morph_count; /* in use by the scene's primitives; morph_count: floats */
     uint32_t pool_triangles;
-    uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, caster_count, matrix_count, weight_count;
+    uint32_t item_count, group_count, unit_count, most_triangles, blend_first_item, blend_item_count, caster_count, matrix_count, weight_count;
 
     ARRAY(struct range) arrived; /* places of instances that have come, and that not all users have drawn */
     uint64_t arrived_before;     /* so many came before these */
