@@ -47,6 +47,29 @@ static bool make_series(struct report_series *series, uint32_t count, uint32_t f
     return series->names && series->queues && series->times && series->begins;
 }
 
+/* The row of a name in a series, a new one where no frame has had it so far; false: memory ran out. `place`: where frames mostly have it. */
+static bool find_row(struct report_series *s, uint32_t frame_count, const fnl_pass_time *pass, uint32_t place, uint32_t *out) {
+    *out = place;
+    if (place < s->count && strcmp(s->names[place], pass->name) == 0) return true;
+    for (*out = 0; *out < s->count; (*out)++)
+        if (strcmp(s->names[*out], pass->name) == 0) return true;
+    const size_t before = (size_t)s->count * frame_count, all = before + frame_count + 1;
+    const char **names = realloc((void *)s->names, (s->count + 1) * sizeof *names);
+    if (names) s->names = names;
+    fnl_queue *queues = realloc(s->queues, (s->count + 1) * sizeof *queues);
+    if (queues) s->queues = queues;
+    double *times = realloc(s->times, all * sizeof *times);
+    if (times) s->times = times;
+    double *begins = realloc(s->begins, all * sizeof *begins);
+    if (begins) s->begins = begins;
+    if (!names || !queues || !times || !begins) return false;
+    memset(times + before, 0, (frame_count + 1) * sizeof *times);
+    memset(begins + before, 0, (frame_count + 1) * sizeof *begins);
+    names[s->count] = pass->name;
+    queues[s->count++] = pass->queue;
+    return true;
+}
+
 static bool begin_notes(struct render_report *r, const fnl_frame_stats *stats) {
     r->cpu_times = calloc(r->frame_count, sizeof(double));
     r->gpu_times = calloc(r->frame_count, sizeof(double));
@@ -63,9 +86,10 @@ static bool begin_notes(struct render_report *r, const fnl_frame_stats *stats) {
 
 bool report_note(struct render_report *r, uint32_t index, const fnl_frame_stats *stats) {
     if (index == 0 && !begin_notes(r, stats)) return false;
-    for (uint32_t i = 0; i < r->passes.count && i < stats->pass_count; i++) {
-        r->passes.times[(size_t)i * r->frame_count + index] = stats->passes[i].milliseconds;
-        r->passes.begins[(size_t)i * r->frame_count + index] = stats->passes[i].begin_milliseconds;
+    for (uint32_t i = 0, row; i < stats->pass_count; i++) { /* a still frame has fewer than one before it */
+        if (!find_row(&r->passes, r->frame_count, &stats->passes[i], i, &row)) return false;
+        r->passes.times[(size_t)row * r->frame_count + index] = stats->passes[i].milliseconds;
+        r->passes.begins[(size_t)row * r->frame_count + index] = stats->passes[i].begin_milliseconds;
     }
     for (uint32_t i = 0; i < r->sections.count && i < stats->cpu_section_count; i++) {
         r->sections.times[(size_t)i * r->frame_count + index] = stats->cpu_sections[i].milliseconds;

@@ -270,6 +270,14 @@ fnl_result options_check(const struct call *call, const fnl_frame *frame) {
     return FNL_OK;
 }
 
+bool options_equal(const fnl_frame *a, const fnl_frame *b) {
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
+        const size_t at = rows[i].offset, size = rows[i].option.kind == FNL_OPTION_SWITCH ? sizeof(bool) : sizeof(uint32_t);
+        if (memcmp((const char *)a + at, (const char *)b + at, size) != 0) return false;
+    }
+    return true;
+}
+
 /* ---- by text ---- */
 
 static fnl_result parse_name(const struct call *call, const fnl_option *o, const char *text, uint32_t *out) {

@@ -67,6 +67,8 @@ struct renderer_view {
         struct gpu_buffer kept; /* of items, by which they are found to have changed */
         uint64_t drawn[4], placed[2]; /* versions of what the pages show: how things look, and where they are */
         bool all_changed, moved; /* since then */
+        uint64_t changed; /* number of the last frame that was not in all the one before */
+        uint64_t settled; /* of the last one known to have left all pages as they were */
     } shadows;
 
     /* Of the last frame. */

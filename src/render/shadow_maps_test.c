@@ -159,6 +159,219 @@ static void test_changes_are_drawn(void **state) {
     stage_close(&s);
 }
 
+/* ---- frames in which nothing changes ---- */
+
+/* Whether the last frame asked for pages. Otherwise it did nothing for its maps but to look them up. */
+static bool has_asked(const fnl_frame_stats *stats, const char *view) {
+    bool asked = false, worked = false;
+    for (uint32_t i = 0; i < stats->pass_count; i++) {
+        const char *name = stats->passes[i].name;
+        if (strncmp(name, view, strlen(view)) != 0 || !strstr(name, "shadows/")) continue;
+        worked = worked || !strstr(name, "shadow suns");
+        asked = asked || strstr(name, "shadow requests");
+    }
+    assert_int_equal(worked, asked);
+    return asked;
+}
+
+static bool asks(struct stage *s) {
+    const fnl_frame_stats stats = after_frame(s);
+    return has_asked(&stats, "");
+}
+
+/* Frames until none asks for pages: those that counts take to come back, and two in which pages that are gone may be evicted. */
+static void settle(struct stage *s) {
+    for (int i = 0; i < GPU_FRAMES_IN_FLIGHT + 2; i++) after_frame(s);
+    const fnl_frame_stats stats = after_frame(s);
+    assert_false(has_asked(&stats, ""));
+    assert_int_equal(counter(&stats, "shadows.drawn") + counter(&stats, "shadows.evicted") + counter(&stats, "shadows.pairs"), 0);
+    assert_true(counter(&stats, "shadows.pages") > 3 && counter(&stats, "shadows.wanted") > 3 && counter(&stats, "shadows.cells") > 0);
+}
+
+static void never_settles(struct stage *s) {
+    for (int i = 0; i < GPU_FRAMES_IN_FLIGHT + 4; i++) assert_true(asks(s));
+}
+
+/* A frame with something else asks for its pages; then the frames come to rest. */
+#define EXPECT_ASKS(s, change)   \
+    do {                         \
+        settle(s);               \
+        change;                  \
+        assert_true(asks(s));    \
+    } while (0)
+
+struct rest {
+    struct stage stage;
+    fnl_material_id material;
+    fnl_instance_id square;
+    fnl_light_id light;
+    fnl_light_params lamp;
+};
+
+static struct rest open_rest(void) {
+    struct rest r = {.lamp = fnl_light_params_default()};
+    fnl_scene *scene = shadow_floor();
+    const fnl_material_params white = matt(1);
+    r.material = add_material(scene, &white);
+    r.square = add_instance(scene, add_square_mesh(scene, r.material), mat4_translation((vec3){0, 1, 0}));
+    r.lamp.position = (vec3){0.4f, 2, 0.3f};
+    r.lamp.intensity = 5;
+    r.lamp.range = 20;
+    r.lamp.shadow_update = FNL_SHADOW_UPDATE_ON_REQUEST;
+    assert_int_equal(fnl_scene_add_light(scene, &r.lamp, &r.light), FNL_OK);
+    r.stage = stage_open_scene(scene);
+    const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 0.5f, SHADOW_SIZE);
+    r.stage.frame.width = view.width, r.stage.frame.height = view.height;
+    r.stage.frame.camera = view.camera;
+    r.stage.frame.shadows = FNL_SHADOWS_MAPS;
+    r.stage.frame.timers = true;
+    return r;
+}
+
+/* Frames that repeat the last one look up what that has made, and nothing more; whatever may change what they look up, they ask for pages again. */
+static void test_SH_61_still_frames_look_up_alone(void **state) {
+    UNUSED(state);
+    struct rest r = open_rest();
+    struct stage *s = &r.stage;
+    fnl_frame *f = &s->frame;
+    assert_true(asks(s) && asks(s)); /* that nothing was drawn is not known yet */
+    EXPECT_ASKS(s, f->camera.position.x += 0.05f);
+    EXPECT_ASKS(s, f->camera.vertical_extent *= 0.99f);
+    EXPECT_ASKS(s, f->jitter.x = 0.25f);
+    EXPECT_ASKS(s, f->width--);
+    EXPECT_ASKS(s, f->msaa = 4);
+    EXPECT_ASKS(s, f->msaa = 1);
+    EXPECT_ASKS(s, f->shadow.memory = 8);
+    EXPECT_ASKS(s, f->shadow.filter = FNL_SHADOW_FILTER_PCSS);
+    EXPECT_ASKS(s, f->shadow.light_radius = 0.1f);
+    EXPECT_ASKS(s, f->shading = FNL_SHADING_FORWARD);
+    EXPECT_ASKS(s, f->debug = FNL_DEBUG_SHADOW_PAGES);
+    EXPECT_ASKS(s, f->debug = FNL_DEBUG_NONE);
+    f->shadow.filter = FNL_SHADOW_FILTER_HARD;
+    const mat4 moved = mat4_translation((vec3){0.3f, 1, 0});
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_instance_transform(s->scene, r.square, &moved), FNL_OK));
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_refresh_shadows(s->scene, &r.light, 1), FNL_OK));
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_instance_visible(s->scene, r.square, false), FNL_OK));
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_instance_visible(s->scene, r.square, true), FNL_OK));
+    fnl_material_params holes = matt(1);
+    holes.alpha_mode = FNL_ALPHA_MASK;
+    holes.base_color[3] = 0;
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_material(s->scene, r.material, &holes), FNL_OK));
+    r.lamp.intensity = 3;
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_light(s->scene, r.light, &r.lamp), FNL_OK));
+    r.lamp.position.x += 0.1f;
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_light(s->scene, r.light, &r.lamp), FNL_OK));
+    EXPECT_ASKS(s, f->reset_history = true);
+    f->reset_history = false;
+    settle(s);
+    f->shadows = FNL_SHADOWS_OFF;
+    after_frame(s);
+    f->shadows = FNL_SHADOWS_MAPS;
+    assert_true(asks(s));
+    stage_close(s);
+}
+
+/* What changes in every frame, or counts by frames, never rests. */
+static void test_SH_61_what_never_rests(void **state) {
+    UNUSED(state);
+    struct rest r = open_rest();
+    fnl_frame *f = &r.stage.frame;
+    settle(&r.stage);
+    f->shadows = FNL_SHADOWS_HYBRID;
+    f->shadow.page_rays = 64;
+    never_settles(&r.stage);
+    f->shadows = FNL_SHADOWS_MAPS;
+    f->aa = FNL_ANTIALIASING_TAA;
+    never_settles(&r.stage);
+    f->aa = FNL_ANTIALIASING_NONE;
+    f->debug = FNL_DEBUG_SHADOW_AGE;
+    never_settles(&r.stage);
+    f->debug = FNL_DEBUG_NONE;
+    f->shadow.classify = true;
+    never_settles(&r.stage);
+    stage_close(&r.stage);
+}
+
+static struct shot shoot_color(struct stage *s) {
+    s->frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
+    return stage_shoot(s, &s->frame);
+}
+
+/* Pictures and numbers are those of frames that do all the work, and so are the ages of pages when they are shown. */
+static void test_SH_61_still_frames_tell_the_truth(void **state) {
+    UNUSED(state);
+    struct rest still = open_rest(), busy = open_rest();
+    busy.stage.frame.debug = FNL_DEBUG_SHADOW_AGE; /* which asks in all frames */
+    settle(&still.stage);
+    for (int i = 0; i < GPU_FRAMES_IN_FLIGHT + 3; i++) assert_true(asks(&busy.stage));
+    static const char *const keys[] = {"shadows.wanted", "shadows.pages",     "shadows.drawn",  "shadows.evicted", "shadows.coarsened",
+                                       "shadows.cells",  "shadows.traced", "shadows.waiting", "shadows.pairs"};
+    for (int step = 0; step < 2; step++) {
+        struct shot a = shoot_color(&still.stage), b = shoot_color(&busy.stage);
+        for (uint32_t k = 0; k < COUNT_OF(keys); k++) assert_int_equal(counter(&a.stats, keys[k]), counter(&b.stats, keys[k]));
+        assert_int_equal(count_differing(&a.radiance, &b.radiance), 0);
+        still.stage.frame.debug = FNL_DEBUG_SHADOW_AGE;
+        if (step) assert_memory_equal(a.color.pixels, b.color.pixels, (size_t)a.color.width * a.color.height * 4);
+        shot_free(&a);
+        shot_free(&b);
+    }
+    stage_close(&still.stage);
+    stage_close(&busy.stage);
+}
+
+/* Pages that wait for room are drawn in the frames that follow, however still these are. */
+static void test_SH_61_pages_that_wait_are_not_forgotten(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:hall?lights=16", 0);
+    s.frame.width = 65, s.frame.height = 37;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    s.frame.timers = true;
+    s.renderer->shadow_pairs = 1; /* room for as many as items, until the first frame's counts are back */
+    fnl_frame_stats stats = after_frame(&s);
+    assert_true(counter(&stats, "shadows.waiting") > 0);
+    do {
+        stats = after_frame(&s);
+        assert_true(has_asked(&stats, ""));
+    } while (counter(&stats, "shadows.drawn") > 0);
+    assert_int_equal(counter(&stats, "shadows.waiting"), 0);
+    settle(&s);
+    stage_close(&s);
+}
+
+/* Each view rests by itself, but eyes, which share their maps. */
+static void test_SH_61_views_rest_by_themselves(void **state) {
+    UNUSED(state);
+    for (uint32_t eyes = 0; eyes <= 2; eyes += 2) {
+        struct rest r = open_rest();
+        fnl_camera cameras[2] = {r.stage.frame.camera, r.stage.frame.camera};
+        cameras[1].position.x += 0.06f;
+        cameras[1].target.x += 0.06f;
+        r.stage.frame.views = cameras;
+        r.stage.frame.view_count = 2;
+        r.stage.frame.stereo.eyes = eyes;
+        const char *const first = eyes ? "" : "view 0";
+        for (int i = 0; i < GPU_FRAMES_IN_FLIGHT + 2; i++) after_frame(&r.stage);
+        assert_false(asks(&r.stage));
+        cameras[1].position.x += 0.01f;
+        fnl_frame_stats stats = after_frame(&r.stage);
+        assert_int_equal(has_asked(&stats, first), eyes > 0);
+        if (!eyes) assert_true(has_asked(&stats, "view 1"));
+        stage_close(&r.stage);
+    }
+}
+
+/* A pose is another picture, and an animation that stands still is not. */
+static void test_SH_61_what_is_animated_asks(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("Fox.glb", 8);
+    s.frame.width = 64, s.frame.height = 36;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    s.frame.timers = true;
+    EXPECT_ASKS(&s, assert_int_equal(fnl_scene_set_time(s.scene, 0, 0.3), FNL_OK));
+    EXPECT_ASKS(&s, assert_int_equal(fnl_scene_set_time(s.scene, 0, 0.4), FNL_OK));
+    stage_close(&s);
+}
+
 /* A floor, a square that moves above it, and two lights: the first draws its maps by a policy, the other's see nothing of the square. */
 struct policy {
     struct stage stage;
@@ -353,6 +566,12 @@ int main(void) {
         cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser_MP_6_ES_69, harness_check),
         cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
         cmocka_unit_test_teardown(test_changes_are_drawn, harness_check),
+        cmocka_unit_test_teardown(test_SH_61_still_frames_look_up_alone, harness_check),
+        cmocka_unit_test_teardown(test_SH_61_what_never_rests, harness_check),
+        cmocka_unit_test_teardown(test_SH_61_still_frames_tell_the_truth, harness_check),
+        cmocka_unit_test_teardown(test_SH_61_pages_that_wait_are_not_forgotten, harness_check),
+        cmocka_unit_test_teardown(test_SH_61_views_rest_by_themselves, harness_check),
+        cmocka_unit_test_teardown(test_SH_61_what_is_animated_asks, harness_check),
         cmocka_unit_test_teardown(test_maps_are_drawn_on_request, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_all_samples_ask_for_pages, harness_check),

@@ -158,6 +158,10 @@ static bool ends_with(const char *name, const char *end) {
 
 void shadows_note(fnl_renderer *r, uint32_t slot) {
     const struct frame_counts *counts = r->counts[slot].mapped;
+    for (uint32_t i = 0; i < r->slot_views[slot]; i++) {
+        const struct gpu_shadow_counts *c = &counts[i].shadows;
+        if ((c->drawn | c->evicted | c->pairs) == 0) r->views.data[i].shadows.settled = r->slot_frames[slot];
+    }
     r->shadow_counts.frame = r->shadow_counts.drawn = 0;
     if (r->slot_views[slot] == 0 || counts->split.maps + counts->split.rays == 0) return;
     r->shadow_counts.frame = r->slot_frames[slot];
@@ -278,12 +282,81 @@ static VkDeviceAddress add_updates(const struct frame_state *f) {
     return updates.address;
 }
 
+/*
+ * Whether the last frame's pages are this one's as they are: cameras, surfaces, lights and options are the same, and of a frame since they last were not
+ * it is known that it drew and evicted nothing. Counts come back some frames later; in between pages are chosen anew, and stay the same.
+ */
+static bool are_settled(const struct frame_state *views, uint32_t count) {
+    const struct frame_state *f = views;
+    struct renderer_shadows *s = &f->kept->shadows;
+    bool same = !s->all_changed && !s->moved && f->graph != f->r->asking_graph;
+    for (uint32_t i = 0; i < count; i++) same = same && views[i].temporal.same;
+    if (!same) s->changed = gpu_frame_number(f->r->device);
+    return same && s->settled > s->changed && s->pages.known && f->frame->shadows == FNL_SHADOWS_MAPS && !shadows_classify(f->frame) &&
+           f->frame->debug != FNL_DEBUG_SHADOW_AGE;
+}
+
+/* What a set of maps is made from. */
+struct asked {
+    graph_buffer suns;
+    const struct light_input *lights;
+    uint32_t pairs; /* that there is room for */
+    graph_image depths[DISPLAY_MOST];
+    struct light_list surfaces[DISPLAY_MOST];
+};
+
+/* Finds the pages that the views need and draws those that are not there. */
+static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, struct asked *asked, struct shadow_fill *out_filled) {
+    struct frame_state *f = views;
+    graph_buffer wanted = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        push_view(&views[i], count);
+        asked->depths[i] = depth_of(&views[i]);
+        asked->surfaces[i] = order_add_surface_lists(&views[i], asked->depths[i]);
+        add_requests(&views[i], asked->suns, asked->depths[i], &asked->surfaces[i], &wanted);
+        pop_view(&views[i], count);
+    }
+    const struct shadow_split_input split = {.page_rays = page_rays(f->r, f->frame)};
+    const struct shadow_pages_input input = {.wanted = wanted,
+                                             .suns = asked->suns,
+                                             .lights = asked->lights,
+                                             .updates = add_updates(f),
+                                             .split = f->frame->shadows == FNL_SHADOWS_HYBRID ? &split : NULL};
+    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &input);
+    const struct shadow_fill_input fill = {.shapes = pages.shapes,
+                                           .scene = &f->scene->geometry,
+                                           .rays = &f->rays,
+                                           .pages = pages.pages,
+                                           .counts = pages.counts,
+                                           .page_limit = pages.page_limit,
+                                           .atlas = pages.atlas,
+                                           .kept = &f->kept->shadows.kept,
+                                           .all_changed = f->kept->shadows.all_changed,
+                                           .moved = f->kept->shadows.moved,
+                                           .pair_capacity = asked->pairs};
+    *out_filled = shadow_fill_add(f->graph, f->r->device, &fill);
+    f->kept->shadows.all_changed = f->kept->shadows.moved = false;
+    shadow_least_add(f->graph, &pages, out_filled);
+    return pages;
+}
+
+/* Takes lights that are in shadow out of the lists of a view. */
+static void add_dark(struct frame_state *f, uint32_t count, const struct shadow_pages *pages, struct light_list *surfaces, graph_image depth) {
+    if (!shadows_classify(f->frame) || list_kind(surfaces) != GPU_LIST_TILES) return;
+    push_view(f, count);
+    if (f->frame->debug == FNL_DEBUG_SHADOW_CLASSES)
+        f->shadow_classes = graph_create_buffer(f->graph, "shadow classes", DIVIDE_UP(f->frame->width, 8u) * DIVIDE_UP(f->frame->height, 8u) * 8ull);
+    shadow_dark_add(f->graph, pages, surfaces, depth, f->shadow_classes);
+    f->surface_lights = *surfaces;
+    pop_view(f, count);
+}
+
 /* One set of maps for `count` views; those of eyes lie as the head's view asks for. The names of the first view's maps are pushed. */
 static void add_maps(struct frame_state *views, uint32_t count) {
     struct frame_state *f = views;
     struct light_input *lights = &f->scene->lights, shared = *lights;
     if (!has_maps(f->r, f->frame) || shadow_row_count(lights) == 0) return;
-    const uint32_t pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count);
+    struct asked asked = {.lights = &shared, .pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count)};
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
     struct gpu_shadow_maps *maps = slice.data;
     if (!maps) return; /* the frame fails */
@@ -295,63 +368,37 @@ static void add_maps(struct frame_state *views, uint32_t count) {
     *maps = (struct gpu_shadow_maps){.point = gpu_sampler_index(f->r->device, &point),
                                      .texel = 1.0f / (float)atlas_side(f->frame),
                                      .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
-    graph_buffer suns = shadow_suns_add(f->graph, f->r->device, &shared, &f->rays), wanted = {0};
-    if (suns.id) graph_put_address(f->graph, &maps->suns, suns);
-    graph_image depths[DISPLAY_MOST];
-    struct light_list surfaces[DISPLAY_MOST];
-    for (uint32_t i = 0; i < count; i++) {
-        push_view(&views[i], count);
-        views[i].scene->lights.maps.address = slice.address;
-        depths[i] = depth_of(&views[i]);
-        surfaces[i] = order_add_surface_lists(&views[i], depths[i]);
-        add_requests(&views[i], suns, depths[i], &surfaces[i], &wanted);
-        pop_view(&views[i], count);
-    }
+    asked.suns = shadow_suns_add(f->graph, f->r->device, &shared, &f->rays);
+    if (asked.suns.id) graph_put_address(f->graph, &maps->suns, asked.suns);
+    for (uint32_t i = 0; i < count; i++) views[i].scene->lights.maps.address = slice.address;
     shared.maps.address = slice.address;
-    const struct shadow_split_input split = {.page_rays = page_rays(f->r, f->frame)};
-    const struct shadow_pages_input asked = {.wanted = wanted, .suns = suns, .lights = &shared, .updates = add_updates(f), .split = f->frame->shadows == FNL_SHADOWS_HYBRID ? &split : NULL};
-    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &asked);
-    const struct shadow_fill_input fill = {.shapes = pages.shapes,
-                                           .scene = &f->scene->geometry,
-                                           .rays = &f->rays,
-                                           .pages = pages.pages,
-                                           .counts = pages.counts,
-                                           .page_limit = pages.page_limit,
-                                           .atlas = pages.atlas,
-                                           .kept = &f->kept->shadows.kept,
-                                           .all_changed = f->kept->shadows.all_changed,
-                                           .moved = f->kept->shadows.moved,
-                                           .pair_capacity = pairs};
-    const struct shadow_fill filled = shadow_fill_add(f->graph, f->r->device, &fill);
-    f->kept->shadows.all_changed = f->kept->shadows.moved = false;
+    const bool settled = are_settled(views, count);
+    struct shadow_fill filled = {0};
+    const struct shadow_pages pages = settled ? shadow_pages_again(f->graph, &f->kept->shadows.pages) : add_pages(views, count, &asked, &filled);
     graph_put_address(f->graph, &maps->held, pages.held);
     graph_put_address(f->graph, &maps->before, pages.before);
     graph_put_address(f->graph, &maps->pages, pages.pages);
     graph_put_address(f->graph, &maps->biases, pages.biases);
     graph_put_address(f->graph, &maps->shapes, pages.shapes);
     graph_put_sampled(f->graph, &maps->atlas, pages.atlas);
-    shadow_least_add(f->graph, &pages, &filled);
     for (uint32_t i = 0; i < count; i++) {
-        views[i].scene->lights.maps = surfaces[i].maps = (struct shadow_maps){.held = pages.held,
-                                                                              .before = pages.before,
-                                                                              .pages = pages.pages,
-                                                                              .biases = pages.biases,
-                                                                              .shapes = pages.shapes,
-                                                                              .suns = suns,
-                                                                              .atlas = pages.atlas,
-                                                                              .address = slice.address};
-        if (i == 0 && pages.split.id) add_split(f, &pages, &filled, surfaces, depths[0]);
-        if (!shadows_classify(views[i].frame) || list_kind(&surfaces[i]) != GPU_LIST_TILES) continue;
-        push_view(&views[i], count);
-        if (views[i].frame->debug == FNL_DEBUG_SHADOW_CLASSES)
-            views[i].shadow_classes = graph_create_buffer(f->graph, "shadow classes", DIVIDE_UP(views[i].frame->width, 8u) * DIVIDE_UP(views[i].frame->height, 8u) * 8ull);
-        shadow_dark_add(f->graph, &pages, &surfaces[i], depths[i], views[i].shadow_classes);
-        views[i].surface_lights = surfaces[i];
-        pop_view(&views[i], count);
+        const struct shadow_maps made = {.held = pages.held,
+                                         .before = pages.before,
+                                         .pages = pages.pages,
+                                         .biases = pages.biases,
+                                         .shapes = pages.shapes,
+                                         .suns = asked.suns,
+                                         .atlas = pages.atlas,
+                                         .address = slice.address};
+        views[i].scene->lights.maps = made;
+        if (settled) continue;
+        asked.surfaces[i].maps = made;
+        if (i == 0 && pages.split.id) add_split(f, &pages, &filled, asked.surfaces, asked.depths[0]);
+        add_dark(&views[i], count, &pages, &asked.surfaces[i], asked.depths[i]);
     }
     graph_pop_names(f->graph);
     COUNTERS_COPY(f, pages.counts, 0, shadows);
-    counters_note(f, "shadows.waiting", pairs);
+    counters_note(f, "shadows.waiting", asked.pairs);
 }
 
 void shadows_add(struct frame_state *f) {

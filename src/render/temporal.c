@@ -3,6 +3,7 @@
 
 #include "passes/aa/taa.h"
 #include "render/frame_state.h"
+#include "render/options.h"
 #include "render/shadows.h"
 #include "render/view.h"
 
@@ -35,20 +36,25 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
            a->transparency == b->transparency && a->transmission_layers == b->transmission_layers && a->decals == b->decals && a->light_lod == b->light_lod;
 }
 
+/* The jitter of the frame, with that of its place in the sequence of temporal antialiasing. */
+static vec2 choose_jitter(struct frame_state *f) {
+    vec2 jitter = f->frame->jitter;
+    if (f->frame->aa != FNL_ANTIALIASING_TAA) return jitter;
+    f->temporal.index = collects(f) ? f->kept->temporal.index + 1 : 0;
+    const vec2 place = pixel_jitter(f->temporal.index);
+    return (vec2){jitter.x + place.x, jitter.y + place.y};
+}
+
 void temporal_begin(struct frame_state *f) {
     struct frame_temporal *t = &f->temporal;
     const struct temporal_state *s = &f->kept->temporal;
     t->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
     t->keeps = keeps(f, &t->view);
     t->still = t->keeps && is_still(f, &t->view);
-    t->jitter = f->frame->jitter;
     t->still_frames = t->still ? s->still + 1 : 0;
     if (shadows_denoised(f->frame)) t->sequence = t->keeps ? s->sequence + 1 : 0;
-    if (f->frame->aa != FNL_ANTIALIASING_TAA) return;
-    t->index = collects(f) ? s->index + 1 : 0;
-    vec2 jitter = pixel_jitter(t->index);
-    t->jitter.x += jitter.x;
-    t->jitter.y += jitter.y;
+    t->jitter = choose_jitter(f);
+    t->same = t->still && t->jitter.x == s->jitter.x && t->jitter.y == s->jitter.y && !f->frame->hidden_areas && options_equal(f->frame, &s->frame);
 }
 
 /* `depth`: of opaque surfaces. */
@@ -96,6 +102,7 @@ void temporal_add(struct frame_state *f) {
 void temporal_end(struct frame_state *f) {
     f->kept->temporal = (struct temporal_state){.valid = true,
                                                 .view = f->temporal.view,
+                                                .jitter = f->temporal.jitter,
                                                 .uploads = f->r->device_scene->upload_count,
                                                 .light_version = f->r->scene->light_version,
                                                 .decal_version = f->r->scene->decal_version,

@@ -11,6 +11,7 @@ struct frame_state;
 struct temporal_state {
     bool valid;                                     /* the last frame was rendered */
     struct gpu_view view;                           /* its view, without jitter */
+    vec2 jitter;
     uint64_t uploads, light_version, decal_version, image_arrivals; /* of the scene then */
     uint32_t shadow_requests;
     vec3 background;

@@ -22,6 +22,7 @@ void shadow_state_finish(gpu_device *device, struct shadow_state *state) {
     }
     gpu_buffer_destroy(device, &state->shapes);
     gpu_buffer_destroy(device, &state->counts);
+    gpu_buffer_destroy(device, &state->biases);
     gpu_buffer_destroy(device, &state->least);
     gpu_buffer_destroy(device, &state->split);
     gpu_image_destroy(device, &state->atlas);
@@ -43,6 +44,7 @@ static fnl_result create(gpu_device *device, struct shadow_state *state, uint32_
     TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow shapes", row_room * sizeof(struct gpu_shape), GPU_MEMORY_DEVICE,
                           &state->shapes));
     TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow counts", sizeof(struct gpu_shadow_counts), GPU_MEMORY_DEVICE, &state->counts));
+    TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow biases", row_room * 4ull, GPU_MEMORY_DEVICE, &state->biases));
     TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow split", row_room * sizeof(struct gpu_shadow_split_row), GPU_MEMORY_DEVICE, &state->split));
     const uint64_t blocks = atlas_side / SHADOW_DARK_BLOCK, squares = atlas_side / SHADOW_DARK_WIDE;
     TRY(gpu_buffer_create_for(device, GPU_USE_SHADOWS, "shadow least", (blocks * blocks + squares * squares) * 4, GPU_MEMORY_DEVICE, &state->least));
@@ -89,6 +91,7 @@ struct build {
     graph_buffer places;  /* gpu_shadow_places.sums */
     graph_buffer traced;  /* a word for each row: 1: rays find its shadows. id 0: none is chosen to be */
     uint32_t split_rows; /* about which the last frame decided */
+    uint32_t frames;     /* since the last that chose pages */
     uint32_t sun_rows, face_count, side, cell_count, block_count;
     struct {
         graph_buffer held, before, pages;
@@ -166,7 +169,7 @@ static void add_wanted(struct build *b) {
 }
 
 static void add_stay_step(const struct build *b, const char *name, const struct gpu_shader *shader) {
-    struct gpu_shadow_stay_push push = {.side = b->side, .row_count = b->out.row_count};
+    struct gpu_shadow_stay_push push = {.side = b->side, .row_count = b->out.row_count, .frames = b->frames};
     graph_dispatch(b->graph,
                    &(struct graph_dispatch){
                        .name = name,
@@ -260,7 +263,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                       .out = {.held = graph_import_buffer(graph, "shadow held", &state->held[now]),
                               .before = graph_import_buffer(graph, "shadow before", &state->before[now]),
                               .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
-                              .biases = graph_create_buffer(graph, "shadow biases", row_count * 4ull),
+                              .biases = graph_import_buffer(graph, "shadow biases", &state->biases),
                               .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
                               .least = graph_import_buffer(graph, "shadow least", &state->least),
                               .shapes = graph_import_buffer(graph, "shadow shapes", &state->shapes),
@@ -274,6 +277,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                       .cells = graph_create_buffer(graph, "shadow cells", cells * sizeof(struct gpu_shadow_cell)),
                       .faces = graph_create_buffer(graph, "shadow faces", (face_count + 1) * 4ull),
                       .places = graph_create_buffer(graph, "shadow places", sum_count * 4ull),
+                      .frames = state->kept + 1,
                       .sun_rows = sun_rows,
                       .face_count = face_count,
                       .side = side,
@@ -300,5 +304,21 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
     state->turn = now;
     state->row_count = row_count;
     state->known = true;
+    state->kept = 0;
     return b.out;
+}
+
+struct shadow_pages shadow_pages_again(struct graph *graph, struct shadow_state *state) {
+    const uint32_t side = state->atlas.params.width / SHADOW_PAGE, now = state->turn;
+    state->kept++;
+    return (struct shadow_pages){.held = graph_import_buffer(graph, "shadow held", &state->held[now]),
+                                 .before = graph_import_buffer(graph, "shadow before", &state->before[now]),
+                                 .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
+                                 .biases = graph_import_buffer(graph, "shadow biases", &state->biases),
+                                 .shapes = graph_import_buffer(graph, "shadow shapes", &state->shapes),
+                                 .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
+                                 .least = graph_import_buffer(graph, "shadow least", &state->least),
+                                 .atlas = add_atlas(graph, state),
+                                 .row_count = state->row_count,
+                                 .page_limit = side * side * CELL_PAGES};
 }

@@ -28,7 +28,7 @@
 /** What a view keeps between frames. Zeroed: nothing yet. */
 struct shadow_state {
     struct gpu_buffer held[2], before[2], pages[2]; /* of the last frame and of this one, in turns */
-    struct gpu_buffer shapes, counts;
+    struct gpu_buffer shapes, counts, biases;
     struct gpu_buffer least; /* the least depths of squares of texels (dark_shared.h), of pages that were drawn */
     struct gpu_image atlas; /* D32_SFLOAT; an attachment, and sampled */
     uint32_t row_room;      /* rows that there is memory for */
@@ -36,6 +36,7 @@ struct shadow_state {
     uint32_t turn;          /* which of the two are this frame's */
     bool known;             /* the pages of the last frame are in the atlas */
     bool cleared;           /* the atlas is */
+    uint32_t kept;          /* frames that shadow_pages_again() was called in since */
     struct gpu_buffer split;  /* struct gpu_shadow_split_row for each row */
     bool splits;              /* the last frame had a split */
 };
@@ -70,5 +71,10 @@ struct shadow_pages {
 /** Once a frame, after shadow_pages_prepare(). All passes are on the graphics queue. With more rows than that prepared for: an error of the device. */
 struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
                                      const struct shadow_pages_input *input);
+/**
+ * In place of it, where its input would be that of the last frame and that frame left all pages as they were: none drawn, evicted or waiting. Adds no passes.
+ * Nothing is changed, ages apart, which the next shadow_pages_add() brings up to date.
+ */
+struct shadow_pages shadow_pages_again(struct graph *graph, struct shadow_state *state);
 
 #endif

@@ -101,6 +101,7 @@ struct gpu_shadow_stay_push {
     ADDRESS(shadow_cell_array) cells;
     uint side;
     uint row_count;
+    uint frames;                           /* from the last frame to this one: more than 1 where shadow_pages_again() kept them in between */
 };
 
 struct gpu_shadow_room_push {

@@ -12,8 +12,8 @@ void main() {
     if (index >= push.choice.choice.last) return;
     gpu_shadow_page page = push.last_pages.at[index];
     bool was_idle = (page.flags & SHADOW_PAGE_IDLE) != 0u, is_lost = (page.flags & SHADOW_PAGE_DRAW) != 0u; // nobody drew it
-    uint youth = was_idle ? max((page.flags >> SHADOW_YOUTH_SHIFT & 0xffu) - 1u, 1u) : SHADOW_YOUTHS - 1u, flags = 0u;
-    uint age = min((page.flags >> SHADOW_AGE_SHIFT) + 1u, SHADOW_OLDEST) << SHADOW_AGE_SHIFT;
+    uint last = page.flags >> SHADOW_YOUTH_SHIFT & 0xffu, youth = was_idle ? last - min(push.frames, last - 1u) : SHADOW_YOUTHS - 1u, flags = 0u;
+    uint age = min((page.flags >> SHADOW_AGE_SHIFT) + push.frames, SHADOW_OLDEST) << SHADOW_AGE_SHIFT;
     if (page.row < push.row_count) {
         uint c = shadow_class_of(page.bit), cell = cell_of(push.side, page.place), slot = slot_of(page.place, c);
         bool is_wanted = (push.held.at[page.row * SHADOW_ROW_WORDS + page.bit / 32u] & 1u << page.bit % 32u) != 0u;

@@ -457,6 +457,42 @@ static struct gpu_shadow_counts frame(struct bench *b) {
     return counts;
 }
 
+/* Frames that leave what a settled one has made as it is, without a pass. */
+static void stand_still(struct bench *b, uint32_t frames) {
+    gpu_device *device = harness_device();
+    struct answer last = run_frame(b);
+    check(b, &last);
+    draw(b, &last);
+    assert_int_equal(last.counts.drawn + last.counts.evicted, 0);
+    for (uint32_t i = 0; i < frames; i++) {
+        struct list_reads reads;
+        graph_begin(b->graph);
+        assert_int_equal(gpu_frame_begin(device), FNL_OK);
+        const struct shadow_pages made = shadow_pages_again(b->graph, &b->state);
+        list_reads_add(b->graph, (graph_buffer[]){made.held, made.before, made.pages, made.biases, made.counts}, 5, &reads);
+        assert_int_equal(graph_compile(b->graph), FNL_OK);
+        static char plan[1 << 16];
+        assert_true(graph_print(b->graph, plan, sizeof plan) < sizeof plan);
+        assert_null(strstr(plan, "shadow stay"));
+        assert_int_equal(graph_execute_frame(b->graph, &(struct graph_execute_params){.poison = true}), FNL_OK);
+        assert_int_equal(gpu_wait_idle(device), FNL_OK);
+        assert_true(made.row_count == b->row_count && made.page_limit == last.page_limit);
+        const size_t words = b->row_count * SHADOW_ROW_WORDS * 4ull;
+        assert_memory_equal(reads.buffers[0].mapped, last.held, words);
+        assert_memory_equal(reads.buffers[1].mapped, last.before, words);
+        assert_memory_equal(reads.buffers[2].mapped, last.pages, last.counts.pages * sizeof *last.pages);
+        assert_memory_equal(reads.buffers[3].mapped, last.biases, b->row_count * 4ull);
+        assert_memory_equal(reads.buffers[4].mapped, &last.counts, sizeof last.counts);
+        list_reads_free(&reads);
+    }
+    for (uint32_t at = 0; at < b->row_limit * ROW_BITS; at++) {
+        if (!b->was[at]) continue;
+        b->since[at] += frames;
+        if (b->ages[at] > 0) b->ages[at] = (uint8_t)MIN(b->ages[at] + frames, OLDEST);
+    }
+    answer_free(&last);
+}
+
 /* ---- lights and requests ---- */
 
 /* A light of any kind. Its importance is far enough from the powers of two that rounding does not tell. */
@@ -634,6 +670,32 @@ static void test_still_and_moved(void **state) {
     bench_close(&b);
 }
 
+/* Pages that stand still grow older all the same, those that nobody looks up too: what goes first does not depend on it. */
+static void test_stands_still(void **state) {
+    UNUSED(state);
+    struct random_state random = {15};
+    struct bench b = bench_open(20, 14);
+    for (uint32_t row = 0; row < 20; row++) {
+        set_light(&b, row, &random);
+        want_something(&b, row, &random, 3);
+    }
+    assert_int_equal(frame(&b).coarsened, 0);
+    static const uint32_t still[] = {3, 1, 40, 7};
+    uint32_t idle = 0;
+    for (uint32_t i = 0; i < COUNT_OF(still); i++) {
+        for (uint32_t row = i; row < 20; row += 7) want_nothing(&b, row);
+        const struct gpu_shadow_counts counts = frame(&b);
+        assert_true(counts.drawn == 0 && counts.evicted == 0);
+        stand_still(&b, still[i]);
+        frame(&b);
+    }
+    for (uint32_t at = 0; at < 20 * ROW_BITS; at++) idle += b.was[at] && b.ages[at] > 0;
+    assert_true(idle > 10);
+    for (uint32_t row = 0; row < 20; row++) want_something(&b, row, &random, 1); /* idle ones must go */
+    assert_true(frame(&b).evicted > 0);
+    bench_close(&b);
+}
+
 /* A small page is left in each of four cells, so that no cell is free for large ones; together they would take one. */
 static void test_scattered(void **state) {
     UNUSED(state);
@@ -758,6 +820,7 @@ int main(void) {
         {"two runs give the same bytes", test_same_bytes, NULL, harness_check, NULL},
         {"a still scene draws nothing, a light that has changed its own pages", test_still_and_moved, NULL, harness_check,
          NULL},
+        {"pages that are left alone grow older", test_stands_still, NULL, harness_check, NULL},
         {"pages that lie scattered are laid anew where others need the room", test_scattered, NULL, harness_check, NULL},
         {"pages that nobody looks up stay while there is room", test_idle, NULL, harness_check, NULL},
         {"nothing wanted, one cell, and more lights than fit", test_limits, NULL, harness_check, NULL},
