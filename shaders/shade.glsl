@@ -117,7 +117,7 @@ struct light_apart {
     vec3 drawn;  // the same, estimated by the chosen ones
     vec3 seen;   // what is left of that by their shadows
     vec4 field;  // lux: sum over the lights of the direction to it, and of 1, each times its luminance; it knows nothing of the surface
-    float noise; // variance of seen over drawn, as a part of what is possible for its mean; 0: all lights were sent a ray
+    float noise; // variance of seen over drawn, as a part of what is possible for its mean; 0: nothing was left to chance
 };
 light_apart apart;
 
@@ -144,6 +144,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
     light_draw draw;
     float weights = 0.0;
     uint weighed = 0u;
+    if (LIST_SAMPLED) one_point = true;
     if (LIST_DENOISED) apart = light_apart(vec3(0.0), vec3(0.0), vec3(0.0), vec4(0.0), 0.0);
     for (uint walk = LIST_SAMPLED ? 0u : 1u; walk < 2u && HAS_LIGHTS == 1u; walk++) {
         if (LIST_SAMPLED && walk == 1u) {
@@ -186,6 +187,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
             }
         }
     }
+    if (LIST_DENOISED && LIST_SOFT && point_chosen && apart.noise == 0.0) apart.noise = 1.0 / float(weighed);
     if (COUNT_LIGHTS == 1u) {
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);

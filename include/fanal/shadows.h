@@ -98,6 +98,7 @@ typedef struct fnl_shadow_options {
     /**
      * Shadow rays that go from a point to points of a light that has a radius, 1 .. 1024: with several its shadows by rays are soft. They are the same in
      * every frame, unless frames are collected (fnl_frame.aa is TAA). Default 1: one ray to the middle, hard shadows. Lights that are points always get one.
+     * sampled: a local light that is chosen gets one ray, to one of so many points, another one with each seed; their mean is the soft shadow that rays have with as many.
      */
     uint32_t samples;
     float light_radius; /**< fnl_light_params.source_radius of lights where that is 0, metres, >= 0; default 0 */

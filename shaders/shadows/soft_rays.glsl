@@ -6,6 +6,17 @@
 #include "shadows/sources.glsl"
 #include "shadows/ray_query.glsl"
 
+// Shading that sends rays to some lights alone (shadows/sampled.glsl) sends each of them one: to one of its points that chance chooses, so that the mean over all
+// seeds is what all points together show. It says so before.
+bool one_point = false;
+bool point_chosen = false; // it was so
+
+// 0 < x < 1, another one in each frame.
+float point_number(light_list_block l, float turn) {
+    uint n = (uint(turn * 16777216.0) << 8) + l.list.shadow_seed * 3242174889u;
+    return (float(n >> 9) + 0.5) * (1.0 / 8388608.0);
+}
+
 // The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
 // `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer
 // to the source than `margin` hides nothing. Of a rectangle the rays go to points of it. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
@@ -36,12 +47,26 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
         count = LIST_SOFT ? l.list.view.view.frame.frame.shadow_samples : 1u;
         turn = LIST_SOFT ? source_turn(l, light, position) : 0.0;
     }
+    bool one = LIST_SOFT && LIST_SAMPLED && one_point && !endless && count > 1u;
+    uint first = 0u, end = count;
+    float number = 0.0;
+    vec4 chosen = vec4(0.0); // of a rectangle: direction and distance
+    if (one) {
+        number = point_number(l, turn);
+        point_chosen = true;
+        if (area) end = count + 1u; // for the chosen one
+        else end = (first = min(uint(number * float(count)), count - 1u)) + 1u;
+    }
     float open = 0.0, weights = 0.0;
-    for (uint k = 0u; k < count; k++) {
+    for (uint k = first; k < end; k++) {
         vec3 direction = to_light;
         float high = away;
         float weight = 1.0;
-        if (area) {
+        if (area && one && k == count) {
+            if (!(weights > 0.0)) break;
+            direction = chosen.xyz;
+            high = chosen.w;
+        } else if (area) {
             vec2 at = vec2(0.0);
             if (LIST_SOFT) at = 2.0 * rectangle_point(k, count, turn) - 1.0;
             vec3 ray = shape.position - position;
@@ -52,6 +77,13 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
             weight = dot(normal, direction) * abs(dot(shape.direction, direction)) / (high * high);
             if (!(weight > 0.0)) continue;
             weights += weight;
+            if (one) { // chances in proportion to weights, by one number
+                float chance = weight / weights;
+                bool taken = number < chance;
+                if (taken) chosen = vec4(direction, high);
+                number = taken ? number / chance : (number - chance) / (1.0 - chance);
+                continue;
+            }
         } else if (LIST_SOFT && size > 0.0) {
             vec2 at = source_point(k, count, turn) * size;
             vec3 ray = to_light * away;
@@ -65,13 +97,13 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
             direction = ray / high;
             if (!(dot(normal, direction) > 0.0)) continue;
         }
-        float end = endless ? 1e30 : high - margin;
-        float seen = LIST_CUBEMAP ? ray_visibility_in(rays_block(l.list.rays), scope, position, direction, end, slack)
-                                  : ray_visibility(rays_block(l.list.rays), position, direction, end, slack);
+        float stop = endless ? 1e30 : high - margin;
+        float seen = LIST_CUBEMAP ? ray_visibility_in(rays_block(l.list.rays), scope, position, direction, stop, slack)
+                                  : ray_visibility(rays_block(l.list.rays), position, direction, stop, slack);
         open += area ? weight * seen : seen;
     }
-    if (area) return weights > 0.0 ? open / weights : 0.0;
-    return open / float(count);
+    if (area && !one) return weights > 0.0 ? open / weights : 0.0;
+    return open / float(one ? 1u : count);
 }
 
 #endif

@@ -356,6 +356,60 @@ static void test_points_turn_in_collected_frames(void **state) {
     stage_close(&s);
 }
 
+/* ---- sampled ---- */
+
+/* With `sampled` a light gets one ray, to one of its points: the mean of frames with other seeds is the penumbra of the tracer, and that of rays to all points. */
+static void test_mean_of_sampled_points_is_the_tracers_MP_8_SH_68(void **state) {
+    UNUSED(state);
+    static const fnl_light_kind kinds[] = {FNL_LIGHT_POINT, FNL_LIGHT_CAPSULE, FNL_LIGHT_RECTANGLE};
+    enum { FRAMES = 64, POINTS = 64 };
+    static float parts[SIZE * SIZE], mean[SIZE * SIZE];
+    for (uint32_t k = 0; k < COUNT_OF(kinds); k++) {
+        const char *name = fnl_value_name(FNL_ENUM_LIGHT_KIND, kinds[k]);
+        const fnl_light_params lamp = soft_lamp_of(kinds[k]);
+        fnl_light_id id;
+        struct stage s = open_half_covered(&lamp, &id);
+        s.frame.count_lights = true;
+        s.frame.shadow.samples = POINTS;
+        fnl_trace truth = trace_of(&s, 512);
+        s.frame.shadows = FNL_SHADOWS_RAYS;
+        shadow_parts(&s, parts);
+        const struct error all = error_of(parts, &truth.visibility);
+        s.frame.shadows = FNL_SHADOWS_SAMPLED;
+        memset(mean, 0, sizeof mean);
+        struct error one = {0};
+        for (uint32_t n = 0; n < FRAMES; n++) {
+            s.frame.shadow.seed = n;
+            const fnl_frame_stats stats = shadow_parts(&s, parts);
+            assert_true(counter(&stats, "shadows.rays") <= SIZE * SIZE);
+            if (n == 0) one = error_of(parts, &truth.visibility);
+            for (uint32_t i = 0; i < SIZE * SIZE; i++) mean[i] += parts[i] / FRAMES;
+        }
+        const struct error error = error_of(mean, &truth.visibility);
+        print_message("%s: error %.4f of one ray, %.4f of %d; bias %.4f, of rays to all points %.4f, %.4f\n", name, one.rms, error.rms, FRAMES, error.bias, all.rms, all.bias);
+        if (error.rms > 0.03 || error.rms > one.rms / 6 || fabs(error.bias - all.bias) > 0.001) fail_msg("%s: an error of %g, %g on the whole", name, error.rms, error.bias);
+        fnl_trace_free(NULL, &truth);
+        stage_close(&s);
+    }
+}
+
+/* A light without size has the shadow that it has with one ray, to the bit. */
+static void test_sampled_points_are_as_they_were(void **state) {
+    UNUSED(state);
+    const fnl_light_params lamp = lamp_of(FNL_LIGHT_POINT);
+    fnl_light_id id;
+    struct stage s = open_half_covered(&lamp, &id);
+    for (int i = 0; i < 4; i++) assert_int_equal(fnl_scene_add_light(s.scene, &lamp, &id), FNL_OK);
+    s.frame.shadows = FNL_SHADOWS_SAMPLED;
+    struct shot hard = stage_shoot(&s, &s.frame);
+    s.frame.shadow.samples = 16;
+    struct shot soft = stage_shoot(&s, &s.frame);
+    assert_int_equal(count_differing(&hard.radiance, &soft.radiance), 0);
+    shot_free(&hard);
+    shot_free(&soft);
+    stage_close(&s);
+}
+
 static void test_paths_and_lists_give_the_same_soft_shadows(void **state) {
     UNUSED(state);
     fnl_frame soft = fnl_frame_default();
@@ -376,6 +430,8 @@ int main(void) {
         cmocka_unit_test_teardown(test_soft_shadows_without_maps_are_the_tracers_MP_8, harness_check),
         cmocka_unit_test_teardown(test_radius_of_a_frame, harness_check),
         cmocka_unit_test_teardown(test_points_turn_in_collected_frames, harness_check),
+        cmocka_unit_test_teardown(test_mean_of_sampled_points_is_the_tracers_MP_8_SH_68, harness_check),
+        cmocka_unit_test_teardown(test_sampled_points_are_as_they_were, harness_check),
         cmocka_unit_test_teardown(test_paths_and_lists_give_the_same_soft_shadows, harness_check),
     };
     return cmocka_run_group_tests_name("shadow_lights", tests, harness_begin, harness_end);
