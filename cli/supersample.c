@@ -35,7 +35,7 @@ bool supersample_render(struct supersample *s, fnl_renderer *renderer, const fnl
         fnl_vec2 place = fnl_jitter(i);
         jittered.jitter = (fnl_vec2){frame->jitter.x + place.x, frame->jitter.y + place.y};
         /* As many as there are; frames that know those before count by themselves, upwards. */
-        if (frame->aa != FNL_ANTIALIASING_TAA && !frame->shadow.denoise) jittered.shadow.seed = (frame->shadow.seed + i) % 1000000;
+        if (frame->aa != FNL_ANTIALIASING_TAA && !frame->shadow.denoise && !frame->shadow.guide) jittered.shadow.seed = (frame->shadow.seed + i) % 1000000;
         good = fnl_renderer_render(renderer, &jittered) == FNL_OK && add(renderer, FNL_OUTPUT_COLOR, s->color) &&
                add(renderer, FNL_OUTPUT_RADIANCE, s->radiance);
     }

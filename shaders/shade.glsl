@@ -11,7 +11,7 @@
 #include "shadows/sampled.glsl"
 
 // Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface; behind them, points that no cell of
-// their list served, and shadow rays.
+// their list served, shadow rays, and those of them that passed.
 layout(constant_id = COUNT_LIGHTS_ID) const uint COUNT_LIGHTS = 0u;
 
 // Variants for pixels that need less: 0 where no list holds a light; HAS_METAL of brdf.glsl.
@@ -108,13 +108,14 @@ float shade_cost(view_block v, float seed) {
 void count_rays(view_block v, uint_array counters) {
     if (COUNT_LIGHTS != 1u || !LIST_RAYS) return;
     atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u + 1u], rays_sent);
-    rays_sent = 0u;
+    atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u + 2u], rays_passed);
+    rays_sent = rays_passed = 0u;
 }
 
 // With LIST_DENOISED shade_surface() leaves here what it did not add to the radiance.
 struct light_apart {
     vec3 open;   // what all local lights give without shadows, cd/m^2: exact
-    vec3 drawn;  // the same, estimated by the chosen ones
+    vec3 drawn;  // the same, estimated by the chosen ones; where guides choose them unevenly, the same
     vec3 seen;   // what is left of that by their shadows
     vec4 field;  // lux: sum over the lights of the direction to it, and of 1, each times its luminance; it knows nothing of the surface
     float noise; // variance of seen over drawn, as a part of what is possible for its mean; 0: nothing was left to chance
@@ -144,12 +145,15 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
     light_draw draw;
     float weights = 0.0;
     uint weighed = 0u;
+    float expected = 0.0; // with LIST_GUIDED: of what the lights give, what is likely to be seen
+    bool even = true;     // and guides say nothing
     if (LIST_SAMPLED) one_point = true;
     if (LIST_DENOISED) apart = light_apart(vec3(0.0), vec3(0.0), vec3(0.0), vec4(0.0), 0.0);
     for (uint walk = LIST_SAMPLED ? 0u : 1u; walk < 2u && HAS_LIGHTS == 1u; walk++) {
         if (LIST_SAMPLED && walk == 1u) {
             draw = light_draw_begin(lights, pixel, weights, weighed);
             if (LIST_DENOISED && draw.scale != 0.0) apart.noise = 1.0 / float(lights.list.shadow_rays);
+            if (LIST_DENOISED && LIST_GUIDED) apart.noise *= guided_noise(weights, expected, luminance(apart.open));
             cursor = lights_begin(lights, point);
         }
         FOR_EACH_LIGHT(lights, cursor, light) {
@@ -164,6 +168,12 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                 if (LIST_SAMPLED) {
                     precise float weight = luminance(illuminance * (area ? of_area : layers_cos(s, b, to_light)));
                     if (!(weight > 0.0)) continue;
+                    if (LIST_GUIDED) {
+                        float by = guide_weight(light);
+                        weight *= by;
+                        even = even && by == 1.0;
+                        if (LIST_DENOISED && walk == 0u) expected += weight * by;
+                    }
                     if (walk == 0u) {
                         if (LIST_DENOISED) {
                             apart.open += illuminance * (area ? of_area : layers_cos(s, b, to_light));
@@ -180,13 +190,18 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                 }
                 if (LIST_DENOISED) apart.drawn += illuminance * (area ? of_area : layers_cos(s, b, to_light));
                 if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
-                if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
+                if (LIST_SHADOWED) {
+                    vec3 open = shadow_visibility(lights, light, shadowed, to_light);
+                    if (LIST_GUIDED) guide_note(light, open.x);
+                    illuminance *= open;
+                }
                 if (LIST_DENOISED) apart.seen += illuminance * (area ? of_area : layers_cos(s, b, to_light));
                 else sum += illuminance * (area ? of_area : layers_cos(s, b, to_light));
                 if (LIST_SAMPLED && light_draw_done(draw)) break;
             }
         }
     }
+    if (LIST_DENOISED && LIST_GUIDED && !even) apart.drawn = apart.open;
     if (LIST_DENOISED && LIST_SOFT && point_chosen && apart.noise == 0.0) apart.noise = 1.0 / float(weighed);
     if (COUNT_LIGHTS == 1u) {
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);

@@ -116,6 +116,12 @@ typedef struct fnl_shadow_options {
      * are blurred where few frames know them. Frames take other lights each, and those of a still scene come close to FNL_SHADOWS_RAYS. Default false.
      */
     bool denoise;
+    /**
+     * sampled: lights that earlier frames found hidden in the same place of the picture get fewer rays, which leaves more for the others. The mean over all frames is that of
+     * FNL_SHADOWS_RAYS as without; single frames have less noise. For deferred shading with 1 sample; glass and other surfaces that are shaded forward choose as without. A frame
+     * that earlier ones do not count for (a view's first, of another size, after reset_history) is to the bit what it is without. Default false.
+     */
+    bool guide;
     fnl_cubemap_lod cubemap_lod;       /**< cubemap; default FNL_CUBEMAP_LOD_LINEAR */
     fnl_cubemap_inside cubemap_inside; /**< cubemap; default FNL_CUBEMAP_INSIDE_ALL */
     bool cubemap_tint;                 /**< cubemap: coloured glass in the walls colours the light; default true */

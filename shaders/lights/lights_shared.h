@@ -52,6 +52,8 @@ struct gpu_light {
 #define GPU_LIST_CUBEMAP 0x20000u
 /* Any of the seven above. */
 #define GPU_LIST_SHADOWED 0x2fc00u
+/* Beside GPU_LIST_SAMPLED: what earlier frames saw of lights guides the choice (shadows/guide_shared.h). Of passes, not of lists. */
+#define GPU_LIST_GUIDED 0x1000000u
 /* Beside GPU_LIST_SAMPLED: what the chosen lights give is kept apart, to be denoised (passes/shadow/denoise.h). Of passes, not of lists. */
 #define GPU_LIST_DENOISED 0x10000u
 /* Beside the kind: ambient light comes from the environment (shaders/environment.glsl). */

@@ -46,20 +46,25 @@ float query_visibility(rays_block b, vec3 origin, vec3 direction, float high, fl
     return open;
 }
 
-// Rays that this invocation has sent.
-uint rays_sent = 0u;
+// Rays that this invocation has sent, and those of them that found at least half of their light.
+uint rays_sent = 0u, rays_passed = 0u;
+
+float ray_counted(float open) {
+    rays_sent++;
+    if (open >= 0.5) rays_passed++;
+    return open;
+}
 
 // The part of light, 0 .. 1, that comes from `origin` + `high` metres along the unit `direction`. What holds the origin within `slack` metres casts no
 // shadow on it.
 float ray_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
-    rays_sent++;
-    return LIST_RAY_QUERY ? query_visibility(b, origin, direction, high, slack) : tree_visibility(b, ray_everything(), origin, direction, high, slack);
+    return ray_counted(LIST_RAY_QUERY ? query_visibility(b, origin, direction, high, slack)
+                                      : tree_visibility(b, ray_everything(), origin, direction, high, slack));
 }
 
 // The same through some items; not with LIST_RAY_QUERY.
 float ray_visibility_in(rays_block b, ray_scope scope, vec3 origin, vec3 direction, float high, float slack) {
-    rays_sent++;
-    return tree_visibility(b, scope, origin, direction, high, slack);
+    return ray_counted(tree_visibility(b, scope, origin, direction, high, slack));
 }
 
 #endif

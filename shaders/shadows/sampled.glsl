@@ -10,6 +10,15 @@
 #define SHADOWS_SAMPLED_GLSL
 
 #include "lights/iterate.glsl"
+#include "shadows/guide_shared.h"
+
+// Shaders that can do it define SHADOWS_GUIDED.
+#ifdef SHADOWS_GUIDED
+const bool LIST_GUIDED = (LIST_BITS & GPU_LIST_GUIDED) != 0u;
+layout(set = 0, binding = 2, r32ui) uniform uimage2D images_counted[];
+#else
+const bool LIST_GUIDED = false;
+#endif
 
 struct light_draw {
     float scale;  // marks for each unit of weight; 0: all lights are chosen
@@ -46,5 +55,37 @@ float light_draw_next(inout light_draw d, float weight) {
 
 // Whether all marks are passed.
 bool light_draw_done(light_draw d) { return d.scale != 0.0 && d.mark == d.last; }
+
+// ---- guided (LIST_GUIDED): weights are also by what the tile saw of the light (guide_shared.h) ----
+
+struct light_guide {
+    uint weights, seen; // images
+    ivec2 tile;
+};
+light_guide guide; // the shader fills it in
+
+light_guide guide_of(uint weights, uint seen, ivec2 pixel) { return light_guide(weights, seen, pixel / int(GUIDE_TILE)); }
+
+// GUIDE_LEAST .. 1.
+float guide_weight(uint light) {
+    uint slot = light % GUIDE_SLOTS, texel = slot / 4u;
+    return texelFetch(textures[guide.weights], guide.tile * int(GUIDE_SIDE / 2u) + ivec2(texel % (GUIDE_SIDE / 2u), texel / (GUIDE_SIDE / 2u)), 0)[slot % 4u];
+}
+
+// Denoised: the variance of the part of all light that is seen, as guides expect it, over that of unguided rays. The chance of a light to be seen is the square
+// of its guide g, so that what is expected of it is f g^2, and the second moment of a ray the square of the sum of f g.
+float guided_noise(float weights, float expected, float all) {
+    float mean = expected / all, root = weights / all, unguided = mean * (1.0 - mean);
+    return unguided > 1e-4 ? clamp((root * root - mean * mean) / unguided, GUIDE_SURE, 1.0) : 1.0;
+}
+
+// Of a ray that was sent to the light, what came through.
+void guide_note(uint light, float passed) {
+#ifdef SHADOWS_GUIDED
+    uint slot = light % GUIDE_SLOTS;
+    imageAtomicAdd(images_counted[guide.seen], guide.tile * int(GUIDE_SIDE) + ivec2(slot % GUIDE_SIDE, slot / GUIDE_SIDE),
+                   GUIDE_UNIT << 16 | uint(round(clamp(passed, 0.0, 1.0) * float(GUIDE_UNIT))));
+#endif
+}
 
 #endif

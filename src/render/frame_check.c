@@ -38,9 +38,10 @@ static fnl_result check_geometry(const struct call *call, const fnl_renderer *r,
     return FNL_OK;
 }
 
-static fnl_result check_denoise(const struct call *call, const fnl_frame *frame) {
-    if (!shadows_denoised(frame) || frame->shading == FNL_SHADING_DEFERRED) return FNL_OK;
-    return unsupported(call, "shadow.denoise needs deferred shading, not %s", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+static fnl_result check_sampled(const struct call *call, const fnl_frame *frame) {
+    const bool denoised = shadows_denoised(frame);
+    if (!(denoised || shadows_guided(frame)) || frame->shading == FNL_SHADING_DEFERRED) return FNL_OK;
+    return unsupported(call, "shadow.%s needs deferred shading, not %s", denoised ? "denoise" : "guide", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 
 static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
@@ -99,7 +100,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     TRY(lists_check(call, &frame->clusters));
     TRY(check_gbuffer(call, frame));
     TRY(check_geometry(call, r, frame));
-    TRY(check_denoise(call, frame));
+    TRY(check_sampled(call, frame));
     TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
     if (!fnl_shading_supports(frame->shading, frame->lists, 1))
         return unsupported(call, "%s lists do not work with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),

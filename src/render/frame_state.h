@@ -32,7 +32,7 @@ struct frame_temporal {
     uint32_t index;
     bool keeps, still; /* the last frame's history counts; and nothing has changed since */
     bool same;         /* nor have options and jitter: its pixels showed the same points */
-    uint32_t sequence;     /* frames before whose history counts, where shadows are denoised */
+    uint32_t sequence;     /* frames before whose history counts, where shadows are denoised or guided */
     uint32_t still_frames; /* since something changed */
     graph_image motion;
 };

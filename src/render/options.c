@@ -69,6 +69,8 @@ static const struct row rows[] = {
     COUNT("shadow.seed", shadow.seed, 0, 999999, "", EVERY, EVERY, "shadows=sampled: frames with the same seed have the same noise"),
     SWITCH("shadow.denoise", shadow.denoise, PATH(DEFERRED), EVERY,
            "shadows=sampled: filters their noise over time and space; needs 1 sample per pixel"),
+    SWITCH("shadow.guide", shadow.guide, PATH(DEFERRED), EVERY,
+           "shadows=sampled: rays go to lights that earlier frames saw rather than to hidden ones; needs 1 sample per pixel"),
     NAME("shadow.cubemap-lod", shadow.cubemap_lod, FNL_ENUM_CUBEMAP_LOD, EVERY, EVERY, "shadows=cubemap: what shadows are as soft as"),
     NAME("shadow.cubemap-inside", shadow.cubemap_inside, FNL_ENUM_CUBEMAP_INSIDE, EVERY, EVERY,
          "shadows=cubemap: what casts shadows in a room besides its walls"),

@@ -143,7 +143,7 @@ static fnl_frame capture_frame(const fnl_frame *shown, const fnl_camera *cameras
                     : shown->shadows == FNL_SHADOWS_HYBRID ? FNL_SHADOWS_MAPS
                                                            : shown->shadows;
     frame.shadow = shown->shadow;
-    frame.shadow.denoise = false;
+    frame.shadow.denoise = frame.shadow.guide = false;
     frame.shadow.memory = MAX(shown->shadow.memory / FACES, 8u); /* each face has its own */
     frame.decals = shown->decals == FNL_DECALS_OFF ? FNL_DECALS_OFF : FNL_DECALS_LISTS;
     frame.transparency = shown->transparency;

@@ -98,6 +98,7 @@ struct renderer_tests {
     bool cluster_limit;           /* pools of culling stay as they are */
     uint32_t visibility_bits;     /* ids of the visibility buffer are at least so wide */
     uint32_t dais_probe;          /* DAIS_SHOW_… */
+    bool guide_adverse;           /* what guides the choice of lights is nonsense */
     bool dais_impatient;          /* nobody locks a bucket, so that each fragment stores its triangle */
     bool show_levels;             /* virtual texturing gives levels of detail in place of radiance */
     struct gpu_buffer *probe_tap; /* takes the texels of the cube map that is baked, cubemap_bytes(); NULL: nothing does */
@@ -193,8 +194,8 @@ static inline uint32_t frame_mono_count(const fnl_frame *frame) {
 /** All for which there are cameras, numbers and whatever is kept. */
 static inline uint32_t frame_camera_count(const fnl_frame *frame) { return frame_view_count(frame) + frame_mono_count(frame); }
 
-/** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, then shadow rays. */
-static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + 2; }
+/** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, shadow rays, and those of them that passed. */
+static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + 3; }
 
 /** What tests ask for: nothing outside of them. */
 static inline struct renderer_tests renderer_tests(const fnl_renderer *r) {

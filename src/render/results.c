@@ -31,7 +31,7 @@ fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out)
 
 static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *view, fnl_frame_stats *s) {
     const uint32_t *counters = view->counters.mapped;
-    uint64_t pixels = (view->counter_count - 2) / 2;
+    uint64_t pixels = (view->counter_count - 3) / 2;
     for (uint64_t i = 0; i < pixels; i++) {
         s->evaluations += counters[2 * i];
         s->evaluations_useful += counters[2 * i + 1];

@@ -3,6 +3,7 @@
 
 #include "passes/shadow/dark.h"
 #include "passes/shadow/fill.h"
+#include "passes/shadow/guide.h"
 #include "passes/shadow/maps.h"
 #include "render/multiview.h"
 #include "render/orders/order.h"
@@ -411,6 +412,22 @@ void shadows_add_display(struct frame_state *views, uint32_t count) {
     add_maps(views, count);
 }
 
+/* ---- guided ---- */
+
+bool shadows_guided(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.guide; }
+
+struct shade_guide shadows_guide(struct frame_state *f) {
+    const bool moves = f->temporal.keeps && !f->temporal.still;
+    if (moves) temporal_add_motion(f);
+    const struct guide_input input = {.view = f->view_address,
+                                      .width = f->frame->width,
+                                      .height = f->frame->height,
+                                      .motion = moves ? f->temporal.motion : (graph_image){0},
+                                      .keeps = f->temporal.keeps,
+                                      .adverse = renderer_tests(f->r).guide_adverse};
+    return guide_add(f->graph, &input);
+}
+
 /* ---- denoised ---- */
 
 bool shadows_denoised(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.denoise; }
@@ -438,11 +455,13 @@ static bool find_waiting(const struct counted *counted, uint64_t *value) {
 }
 
 /* Behind the counts of light evaluations. */
-static bool find_rays(const struct counted *counted, uint64_t *value) {
+static bool find_rays_at(const struct counted *counted, uint64_t from_end, uint64_t *value) {
     const fnl_frame *frame = &counted->r->frame;
-    *value = ((const uint32_t *)counted->view->counters.mapped)[counted->view->counter_count - 1];
+    *value = ((const uint32_t *)counted->view->counters.mapped)[counted->view->counter_count - from_end];
     return frame->shadows != FNL_SHADOWS_OFF;
 }
+static bool find_rays(const struct counted *counted, uint64_t *value) { return find_rays_at(counted, 2, value); }
+static bool find_rays_passed(const struct counted *counted, uint64_t *value) { return find_rays_at(counted, 1, value); }
 
 #define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadows.member), .needs = "shadows=maps,hybrid"}
 #define SPLIT(key, unit, help, member) {"shadows." key, unit, help, COUNTED(split.member), .needs = "shadows=hybrid"}
@@ -463,6 +482,7 @@ static const struct counter counters[] = {
     SPLIT("switched", "lights", "hybrid: lights that went from maps to rays or back in this frame", switched),
     {"shadows.page-rays", "rays", "hybrid: how many take as long as drawing a page, given or measured", NOTED, .needs = "shadows=hybrid"},
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
+    {"shadows.rays-passed", "rays", "of them, those that find at least half of their light", .find = find_rays_passed, .needs = "count-lights"},
     {"shadows.instances", "items", "items in the device's acceleration structure, with ray queries", NOTED},
     {"shadows.structures-built", "structures", "acceleration structures built in this frame: of meshes, and one of the instances when any has moved", NOTED},
     {"shadows.structures-refitted", "structures", "of meshes that deform, adapted to this frame's vertices without being built anew", NOTED},

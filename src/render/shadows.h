@@ -30,6 +30,10 @@ void shadows_add_display(struct frame_state *views, uint32_t count);
 
 /** Whether lights leave the lists of tiles that lie in their shadow; where the frame has maps. */
 bool shadows_classify(const fnl_frame *frame);
+/** Whether what frames see of lights guides the next one's choice of them. The frame's check sees to it that its order does that. */
+bool shadows_guided(const fnl_frame *frame);
+/** What guides this frame, for shade_input.guide; before its surfaces are shaded. */
+struct shade_guide shadows_guide(struct frame_state *f);
 /** Whether the frame asks for denoised shadows. Its check sees to it that its order has them. */
 bool shadows_denoised(const fnl_frame *frame);
 /** Adds to f->radiance what the order kept apart, denoised. */

@@ -8,7 +8,7 @@
 #include "render/view.h"
 
 bool temporal_needs_motion(const fnl_frame *frame) {
-    return frame->aa == FNL_ANTIALIASING_TAA || shadows_denoised(frame) || frame->debug == FNL_DEBUG_MOTION || frame->outputs & FNL_OUTPUT_MOTION;
+    return frame->aa == FNL_ANTIALIASING_TAA || shadows_denoised(frame) || shadows_guided(frame) || frame->debug == FNL_DEBUG_MOTION || frame->outputs & FNL_OUTPUT_MOTION;
 }
 
 /* Is the last frame one of the same camera at the same scene? */
@@ -52,7 +52,7 @@ void temporal_begin(struct frame_state *f) {
     t->keeps = keeps(f, &t->view);
     t->still = t->keeps && is_still(f, &t->view);
     t->still_frames = t->still ? s->still + 1 : 0;
-    if (shadows_denoised(f->frame)) t->sequence = t->keeps ? s->sequence + 1 : 0;
+    if (shadows_denoised(f->frame) || shadows_guided(f->frame)) t->sequence = t->keeps ? s->sequence + 1 : 0;
     t->jitter = choose_jitter(f);
     t->same = t->still && t->jitter.x == s->jitter.x && t->jitter.y == s->jitter.y && !f->frame->hidden_areas && options_equal(f->frame, &s->frame);
 }

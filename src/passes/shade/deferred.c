@@ -8,15 +8,14 @@
 
 void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
                   const struct shade_classes *classes, graph_image radiance) {
-    const bool counts = input->counters.id, keeps_apart = input->apart.open.id;
+    const bool counts = input->counters.id, keeps_apart = input->apart.open.id, guided = input->guide.weights.id;
     const struct shade_classes none = {0}, *c = classes ? classes : &none;
     struct gpu_compute_params pipeline = {
         &shader_deferred_comp,
         BLOCK_SIZE_ID + 1,
-        {[LISTS_ID] = input->lights->kind | (keeps_apart ? GPU_LIST_DENOISED : 0), [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [BLOCK_SIZE_ID] = c->block_size}};
+        {[LISTS_ID] = input->lights->kind | (keeps_apart ? GPU_LIST_DENOISED : 0) | (guided ? GPU_LIST_GUIDED : 0), [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [BLOCK_SIZE_ID] = c->block_size}};
     gbuffer_specialise(gbuffer, pipeline.constants, &pipeline.constant_count);
-    struct gpu_deferred_push push = {.view = input->view,
-                                     .lights = input->lights->header,
+    struct gpu_deferred_push push = {.lights = input->lights->header,
                                      .gbuffer = gbuffer_block(gbuffer),
                                      .block_count = c->block_count};
     /* Systems reset a device that stays with one piece of work for seconds; here every pixel might visit every light. */
@@ -50,6 +49,8 @@ void deferred_add(struct graph *graph, const struct shade_input *input, const st
         graph_add_row(pass, graph_row_if(keeps_apart, graph_stores(&push.seen, input->apart.seen)));
         graph_add_row(pass, graph_row_if(keeps_apart, graph_stores(&push.drawn, input->apart.drawn)));
         graph_add_row(pass, graph_row_if(keeps_apart, graph_stores(&push.field, input->apart.field.current)));
+        graph_add_row(pass, graph_row_if(guided, graph_samples(&push.guide_weights, input->guide.weights)));
+        graph_add_row(pass, graph_row_if(guided, graph_image_row(&push.guide_seen, input->guide.seen, GRAPH_READ_WRITE_COMPUTE)));
         graph_add_row(pass, graph_row_if(counts, graph_changes(&push.counters, input->counters)));
         graph_add_row(pass, graph_row_if(classes, graph_reads(&push.sums, c->sums)));
         graph_add_row(pass, graph_row_if(classes, graph_reads(&push.blocks, c->blocks)));

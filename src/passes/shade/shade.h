@@ -14,6 +14,11 @@ struct shade_apart {
     struct graph_history field;
 };
 
+/** What guides the choice of lights (passes/shadow/guide.h): the images of shadows/guide_shared.h. weights.id 0: nothing does. */
+struct shade_guide {
+    graph_image weights, seen; /* shading adds its rays to `seen` */
+};
+
 struct shade_input {
     const struct geometry_scene *scene;
     const struct geometry_draws *draws;
@@ -28,7 +33,8 @@ struct shade_input {
     fnl_gbuffer layout; /* of the G-buffer, in orders that have one: see fnl_frame */
     fnl_normal_encoding normals;
     bool chroma;
-    struct shade_apart apart; /* of deferred_add() without classes */
+    struct shade_apart apart; /* of deferred_add() without classes, as the next */
+    struct shade_guide guide;
 };
 
 /**

@@ -8,8 +8,7 @@
    strip looks up is still in caches when the next row needs it. */
 #define DEFERRED_STRIP 4u
 
-struct gpu_deferred_push {
-    ADDRESS(view_block) view;
+struct gpu_deferred_push { /* the view is that of the G-buffer */
     ADDRESS(light_list_block) lights;
     ADDRESS(uint_array) counters;
     STRUCT(gpu_gbuffer) gbuffer;
@@ -23,6 +22,8 @@ struct gpu_deferred_push {
     uint seen;
     uint drawn;
     uint field;
+    uint guide_weights; /* sampled, and */
+    uint guide_seen;    /* storage: of shadows/guide_shared.h; with GPU_LIST_GUIDED */
 };
 
 #endif

@@ -20,8 +20,8 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
         return unsupported(call, "deferred.pass=fragment needs deferred.class-blocks=0 and 1 sample per pixel");
     if (frame->msaa > 1 && frame->deferred.class_blocks)
         return unsupported(call, "deferred.class-blocks needs 1 sample per pixel; use 0 with MSAA");
-    if (shadows_denoised(frame) && (frame->msaa > 1 || frame->deferred.class_blocks || frame->deferred.pass != FNL_DEFERRED_COMPUTE))
-        return unsupported(call, "shadow.denoise needs 1 sample per pixel, deferred.class-blocks=0 and deferred.pass=compute");
+    if ((shadows_denoised(frame) || shadows_guided(frame)) && (frame->msaa > 1 || frame->deferred.class_blocks || frame->deferred.pass != FNL_DEFERRED_COMPUTE))
+        return unsupported(call, "shadow.%s needs 1 sample per pixel, deferred.class-blocks=0 and deferred.pass=compute", shadows_denoised(frame) ? "denoise" : "guide");
     return FNL_OK;
 }
 
@@ -58,7 +58,8 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     const struct gbuffer *gbuffer = &f->gbuffer;
     decals_on_gbuffer_add(f, input, gbuffer);
     order_add_lists(f, f->depth, gbuffer);
-    const bool denoised = shadows_denoised(f->frame) && f->lights.kind & GPU_LIST_SAMPLED;
+    const bool sampled = f->lights.kind & GPU_LIST_SAMPLED, denoised = shadows_denoised(f->frame) && sampled;
+    if (shadows_guided(f->frame) && sampled) input->guide = shadows_guide(f);
     if (denoised) input->apart = denoise_begin(f->graph, f->radiance);
     struct shade_classes classes = {0};
     if (f->frame->deferred.class_blocks) {
