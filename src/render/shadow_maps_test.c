@@ -229,7 +229,7 @@ static struct rest open_rest(void) {
 }
 
 /* Frames that repeat the last one look up what that has made, and nothing more; whatever may change what they look up, they ask for pages again. */
-static void test_SH_61_still_frames_look_up_alone(void **state) {
+static void test_SH_70_still_frames_look_up_alone(void **state) {
     UNUSED(state);
     struct rest r = open_rest();
     struct stage *s = &r.stage;
@@ -272,7 +272,7 @@ static void test_SH_61_still_frames_look_up_alone(void **state) {
 }
 
 /* What changes in every frame, or counts by frames, never rests. */
-static void test_SH_61_what_never_rests(void **state) {
+static void test_SH_70_what_never_rests(void **state) {
     UNUSED(state);
     struct rest r = open_rest();
     fnl_frame *f = &r.stage.frame;
@@ -298,7 +298,7 @@ static struct shot shoot_color(struct stage *s) {
 }
 
 /* Pictures and numbers are those of frames that do all the work, and so are the ages of pages when they are shown. */
-static void test_SH_61_still_frames_tell_the_truth(void **state) {
+static void test_SH_70_still_frames_tell_the_truth(void **state) {
     UNUSED(state);
     struct rest still = open_rest(), busy = open_rest();
     busy.stage.frame.debug = FNL_DEBUG_SHADOW_AGE; /* which asks in all frames */
@@ -320,7 +320,7 @@ static void test_SH_61_still_frames_tell_the_truth(void **state) {
 }
 
 /* Pages that wait for room are drawn in the frames that follow, however still these are. */
-static void test_SH_61_pages_that_wait_are_not_forgotten(void **state) {
+static void test_SH_70_pages_that_wait_are_not_forgotten(void **state) {
     UNUSED(state);
     struct stage s = stage_open("builtin:hall?lights=16", 0);
     s.frame.width = 65, s.frame.height = 37;
@@ -339,7 +339,7 @@ static void test_SH_61_pages_that_wait_are_not_forgotten(void **state) {
 }
 
 /* Each view rests by itself, but eyes, which share their maps. */
-static void test_SH_61_views_rest_by_themselves(void **state) {
+static void test_SH_70_views_rest_by_themselves(void **state) {
     UNUSED(state);
     for (uint32_t eyes = 0; eyes <= 2; eyes += 2) {
         struct rest r = open_rest();
@@ -361,7 +361,7 @@ static void test_SH_61_views_rest_by_themselves(void **state) {
 }
 
 /* A pose is another picture, and an animation that stands still is not. */
-static void test_SH_61_what_is_animated_asks(void **state) {
+static void test_SH_70_what_is_animated_asks(void **state) {
     UNUSED(state);
     struct stage s = stage_open("Fox.glb", 8);
     s.frame.width = 64, s.frame.height = 36;
@@ -566,12 +566,12 @@ int main(void) {
         cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser_MP_6_ES_69, harness_check),
         cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
         cmocka_unit_test_teardown(test_changes_are_drawn, harness_check),
-        cmocka_unit_test_teardown(test_SH_61_still_frames_look_up_alone, harness_check),
-        cmocka_unit_test_teardown(test_SH_61_what_never_rests, harness_check),
-        cmocka_unit_test_teardown(test_SH_61_still_frames_tell_the_truth, harness_check),
-        cmocka_unit_test_teardown(test_SH_61_pages_that_wait_are_not_forgotten, harness_check),
-        cmocka_unit_test_teardown(test_SH_61_views_rest_by_themselves, harness_check),
-        cmocka_unit_test_teardown(test_SH_61_what_is_animated_asks, harness_check),
+        cmocka_unit_test_teardown(test_SH_70_still_frames_look_up_alone, harness_check),
+        cmocka_unit_test_teardown(test_SH_70_what_never_rests, harness_check),
+        cmocka_unit_test_teardown(test_SH_70_still_frames_tell_the_truth, harness_check),
+        cmocka_unit_test_teardown(test_SH_70_pages_that_wait_are_not_forgotten, harness_check),
+        cmocka_unit_test_teardown(test_SH_70_views_rest_by_themselves, harness_check),
+        cmocka_unit_test_teardown(test_SH_70_what_is_animated_asks, harness_check),
         cmocka_unit_test_teardown(test_maps_are_drawn_on_request, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_all_samples_ask_for_pages, harness_check),
