@@ -257,6 +257,8 @@ static void test_SH_70_still_frames_look_up_alone(void **state) {
     holes.alpha_mode = FNL_ALPHA_MASK;
     holes.base_color[3] = 0;
     EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_material(s->scene, r.material, &holes), FNL_OK));
+    holes.base_color[3] = 1; /* a number in a table */
+    EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_material(s->scene, r.material, &holes), FNL_OK));
     r.lamp.intensity = 3;
     EXPECT_ASKS(s, assert_int_equal(fnl_scene_set_light(s->scene, r.light, &r.lamp), FNL_OK));
     r.lamp.position.x += 0.1f;
