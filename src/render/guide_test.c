@@ -188,7 +188,7 @@ static void test_SH_63_noise_falls_where_lights_are_hidden_SH_66(void **state) {
     shot_free(&rays);
     stage_close(&s);
     assert_true(errors[0] < plain / 1.2);
-    assert_true(plain - errors[1] > 0.5 * (plain - errors[0]));
+    assert_true(plain - errors[1] > 0.8 * (plain - errors[0]));
 }
 
 /* Rays go to the two lights that are seen; and they count as they pass. */
@@ -218,12 +218,12 @@ static void test_SH_65_lights_are_found_again(void **state) {
     const mat4 away = screen_at(50);
     assert_int_equal(fnl_scene_set_instance_transform(w.stage.scene, w.screen, &away), FNL_OK);
     struct shot rays = shoot_alone(&w.stage, FNL_SHADOWS_RAYS, false, 0);
-    double errors[12];
+    double errors[8];
     for (uint32_t i = 0; i < COUNT_OF(errors); i++) errors[i] = mean_error(&w.stage, &rays, 1, 24 + i);
-    print_message("after the screen is gone: %.4f, %.4f, %.4f, %.4f, %.4f\n", errors[0], errors[1], errors[3], errors[7], errors[11]);
+    print_message("after the screen is gone: %.4f, %.4f, %.4f, %.4f\n", errors[0], errors[1], errors[3], errors[7]);
     assert_true(errors[0] > 0.02);
-    assert_true(errors[7] < errors[0] / 2);
-    assert_true(errors[11] < errors[0] / 3);
+    assert_true(errors[3] < errors[0] / 4);
+    assert_true(errors[7] < errors[0] / 10);
     shot_free(&seen);
     shot_free(&rays);
     stage_close(&w.stage);
@@ -242,13 +242,13 @@ static void test_SH_67_denoised_frames_are_better(void **state) {
             s.frame.reset_history = k == 0;
             struct shot first = run(&s, 1, 0);
             s.frame.reset_history = false;
-            struct shot seen = run(&s, k ? 16 : 3, 0);
+            struct shot seen = run(&s, k ? 4 : 3, 0);
             errors[guide][k] = error_of(&seen, &rays);
             shot_free(&first);
             shot_free(&seen);
         }
     }
-    print_message("denoised: error %.4f after 4 frames, %.4f after 21; guided %.4f, %.4f\n", errors[0][0], errors[0][1], errors[1][0], errors[1][1]);
+    print_message("denoised: error %.4f after 4 frames, %.4f after 9; guided %.4f, %.4f\n", errors[0][0], errors[0][1], errors[1][0], errors[1][1]);
     shot_free(&rays);
     stage_close(&s);
     assert_true(errors[1][0] < errors[0][0] && errors[1][1] < errors[0][1]);

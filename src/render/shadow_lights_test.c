@@ -362,7 +362,7 @@ static void test_points_turn_in_collected_frames(void **state) {
 static void test_mean_of_sampled_points_is_the_tracers_MP_8_SH_68(void **state) {
     UNUSED(state);
     static const fnl_light_kind kinds[] = {FNL_LIGHT_POINT, FNL_LIGHT_CAPSULE, FNL_LIGHT_RECTANGLE};
-    enum { FRAMES = 64, POINTS = 64 };
+    enum { FRAMES = 32, POINTS = 64 };
     static float parts[SIZE * SIZE], mean[SIZE * SIZE];
     for (uint32_t k = 0; k < COUNT_OF(kinds); k++) {
         const char *name = fnl_value_name(FNL_ENUM_LIGHT_KIND, kinds[k]);
@@ -387,7 +387,7 @@ static void test_mean_of_sampled_points_is_the_tracers_MP_8_SH_68(void **state) 
         }
         const struct error error = error_of(mean, &truth.visibility);
         print_message("%s: error %.4f of one ray, %.4f of %d; bias %.4f, of rays to all points %.4f, %.4f\n", name, one.rms, error.rms, FRAMES, error.bias, all.rms, all.bias);
-        if (error.rms > 0.03 || error.rms > one.rms / 6 || fabs(error.bias - all.bias) > 0.001) fail_msg("%s: an error of %g, %g on the whole", name, error.rms, error.bias);
+        if (error.rms > 0.035 || error.rms > one.rms / 5 || fabs(error.bias - all.bias) > 0.0015) fail_msg("%s: an error of %g, %g on the whole", name, error.rms, error.bias);
         fnl_trace_free(NULL, &truth);
         stage_close(&s);
     }
