@@ -29,7 +29,7 @@ static enum role role_of_part(const char *name) {
     static const char *const shading[] = {
         "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
         "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
-        "dais sha",    "dais spread", "dais gate", "dais rest",
+        "dais sha",    "dais spread", "dais gate", "dais rest", "denoise",
         "lit forward", "coarse", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
         "visible ",    "texturing sh", NULL};
     static const char *const shadows[] = {"shadow", "ray ", NULL};

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Every kind of shadows, as lights become more: what it costs over no shadows, while the camera stands still and while it moves; its memory and
- * pages; and how much light is on the wrong side of a shadow. */
+ * pages; and how much light is on the wrong side of a shadow. With many lights, what leaves shadows to chance in several ways too: which of them comes
+ * nearest to rays in the same time. */
 #include "bench_lane.h"
 #include "counters.h"
+#include "flip.h"
 #include "leak.h"
 #include "progress.h"
 
@@ -20,8 +22,23 @@ enum { GROWTH_MOST = 16, PICTURE_WIDTH = 360 };
 #define STEP 0.05f /* metres, to the right */
 #define TURN 0.0175f /* radians */
 
-/* One kind of shadows. */
+enum { EQUAL_LIGHTS = 256, EQUAL_FRAMES = 8 }; /* of scenes for the table of equal times; frames before the one whose error counts */
+
+/* What the table of equal times has besides the kinds of shadows. */
+static const struct {
+    const char *name, *options;
+} equal_ways[] = {{"sampled, 2 rays", "shadows=sampled,shadow.rays=2"},
+                  {"sampled, 4 rays", "shadows=sampled,shadow.rays=4"},
+                  {"guided, 1 ray", "shadows=sampled,shadow.guide=on"},
+                  {"guided, 2 rays", "shadows=sampled,shadow.rays=2,shadow.guide=on"},
+                  {"guided, 4 rays", "shadows=sampled,shadow.rays=4,shadow.guide=on"},
+                  {"denoised, 1 ray", "shadows=sampled,shadow.denoise=on"},
+                  {"denoised and guided, 1 ray", "shadows=sampled,shadow.denoise=on,shadow.guide=on"}};
+enum { EQUAL_WAYS = sizeof equal_ways / sizeof *equal_ways };
+
+/* One kind of shadows, or a way of the table of equal times. */
 struct subject {
+    const char *name;
     char options[64];
     struct bench_candidate candidate;
     struct lane lane;
@@ -30,7 +47,7 @@ struct subject {
     double *moving;        /* milliseconds of frames of the moving camera */
     uint32_t moved;
     double moved_drawn, moved_evicted; /* pages of all those frames */
-    fnl_image radiance;
+    fnl_image radiance, color;
 };
 
 /* A scene with a number of lights. */
@@ -70,12 +87,15 @@ static bool open_subject(struct subject *s) {
         if (!render(s, &frame, &stats)) return false;
         s->first_drawn += counters_value(&stats, "shadows.drawn");
     } while (counters_overflow(&stats) > 0 && ++turns < GROWTH_MOST);
+    for (uint32_t i = 0; i < EQUAL_FRAMES && (frame.shadow.guide || frame.shadow.denoise); i++) /* the seed counts up by itself */
+        if (!render(s, &frame, &stats)) return false;
     frame.count_lights = true;
     frame.outputs |= FNL_OUTPUT_RADIANCE;
     if (!render(s, &frame, &stats)) return false;
     lane_note_counts(&s->lane, &stats);
     s->paged = json_object_get(s->lane.counters, "shadows.drawn") != NULL;
-    return fnl_renderer_read(s->lane.renderer, FNL_OUTPUT_RADIANCE, &s->radiance) == FNL_OK;
+    return fnl_renderer_read(s->lane.renderer, FNL_OUTPUT_RADIANCE, &s->radiance) == FNL_OK &&
+           fnl_renderer_read(s->lane.renderer, FNL_OUTPUT_COLOR, &s->color) == FNL_OK;
 }
 
 static bool time_still(struct subject *s, bool timed) {
@@ -107,7 +127,7 @@ static bool measure(const struct bench_settings *settings, const struct shadow_p
     for (uint32_t i = 0; i < count; i++) {
         double done = part->index + (double)i / count / 2;
         progress_tell(done > 0 ? progress_seconds() * (part->count / done - 1) : -1, "part %d of %d: %s, %u lights, shadows %s", part->index + 1,
-                      part->count, part->name, part->lights, way_name(i));
+                      part->count, part->name, part->lights, subjects[i].name);
         if (!open_subject(&subjects[i])) return false;
     }
     for (uint32_t k = 0; k < rounds; k++) { /* in turn, so that what else the machine does falls on all */
@@ -196,13 +216,64 @@ static bool add_rows(const struct bench_settings *settings, const struct bench_c
     return true;
 }
 
+/* ---- equal times ---- */
+
+static double luminance_at(const fnl_image *image, size_t i) {
+    const float *p = (const float *)image->pixels + 4 * i;
+    return 0.2126 * (double)p[0] + 0.7152 * (double)p[1] + 0.0722 * (double)p[2];
+}
+
+/* Root mean square of the difference in x / (x + m) of luminances x, with m the mean of the truth: few bright pixels would decide otherwise. */
+static double error_of(const fnl_image *seen, const fnl_image *truth) {
+    const size_t count = (size_t)truth->width * truth->height;
+    double square = 0, mean = 0;
+    for (size_t i = 0; i < count; i++) mean += luminance_at(truth, i) / (double)count;
+    if (!(mean > 0)) return NAN;
+    for (size_t i = 0; i < count; i++) {
+        const double a = luminance_at(seen, i), b = luminance_at(truth, i), e = a / (a + mean) - b / (b + mean);
+        square += e * e / (double)count;
+    }
+    return sqrt(square);
+}
+
+static json_t *real_or_null(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+/* Rows for `rays`, `maps`, `sampled` and all that follow the kinds. Noise falls with the root of the time that is spent on it, so that time times the square of
+   the error says what a way is worth, whatever it takes. */
+static bool add_equal_rows(const struct bench_case *where, struct subject *subjects, uint32_t count, struct bench_data *data) {
+    json_t *rows = json_object_get(data->root, "equal_time");
+    const struct subject *rays = &subjects[FNL_SHADOWS_RAYS];
+    double off = NAN, first = NAN;
+    for (uint32_t i = 0; i < count; i++) {
+        struct subject *s = &subjects[i];
+        const uint32_t measured = s->lane.measured;
+        const double frame = bench_median_of(s->lane.times[LANE_FRAME], measured), error = error_of(&s->radiance, &rays->radiance);
+        const double passes = bench_median_of(s->lane.times[LANE_SHADING], measured) + bench_median_of(s->lane.times[LANE_SHADOWS], measured);
+        if (i == FNL_SHADOWS_OFF) off = passes;
+        if (i != FNL_SHADOWS_RAYS && i != FNL_SHADOWS_MAPS && i != FNL_SHADOWS_SAMPLED && way_name(i)) continue;
+        const double over = passes - off, cost = over > 0 ? over * error * error : NAN;
+        if (i == FNL_SHADOWS_SAMPLED) first = cost;
+        json_t *row = json_pack("{s:s,s:I,s:i,s:i,s:s,s:f,s:f}", "scene", where->scene, "lights", (json_int_t)where->lights, "width", (int)where->width, "height",
+                                (int)where->height, "way", i == FNL_SHADOWS_SAMPLED ? "sampled, 1 ray" : s->name, "frame_ms", frame, "over_off_ms", over);
+        if (!row) return false;
+        json_object_set_new(row, "rmse", real_or_null(error));
+        json_object_set_new(row, "flip", real_or_null(flip_compare(&s->color, &rays->color, FLIP_PIXELS_PER_DEGREE, NULL)));
+        json_object_set_new(row, "cost", real_or_null(cost));
+        json_object_set_new(row, "gain", cost > 0 ? real_or_null(first / cost) : json_null());
+        json_array_append_new(rows, row);
+    }
+    return true;
+}
+
 /* ---- a scene ---- */
 
 static bool open_lanes(fnl_device *device, fnl_scene *scene, const struct bench_settings *settings, const struct bench_case *where,
-                       const fnl_camera *camera, struct subject *subjects, uint32_t count) {
+                       const fnl_camera *camera, struct subject *subjects, uint32_t kinds, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         struct subject *s = &subjects[i];
-        if (i != FNL_SHADOWS_OFF) snprintf(s->options, sizeof s->options, "shadows=%s", way_name(i));
+        const char *kind = way_name(i);
+        s->name = kind ? kind : equal_ways[i - kinds].name;
+        if (i != FNL_SHADOWS_OFF) snprintf(s->options, sizeof s->options, "%s%s", kind ? "shadows=" : "", kind ? kind : equal_ways[i - kinds].options);
         s->candidate = (struct bench_candidate){FNL_SHADING_DEFERRED, FNL_LISTS_TILED, s->options};
         s->moving = calloc(settings->frames + 1, sizeof *s->moving);
         if (!lane_init(&s->lane, where, &s->candidate, settings->frames) || !s->moving ||
@@ -216,19 +287,23 @@ static bool open_lanes(fnl_device *device, fnl_scene *scene, const struct bench_
 
 static bool run_case(fnl_device *device, const struct bench_settings *settings, const struct bench_case *where, const struct shadow_part *part,
                      struct bench_data *data) {
-    uint32_t count = 0;
-    while (way_name(count)) count++;
+    uint32_t kinds = 0;
+    while (way_name(kinds)) kinds++;
+    const bool equal = where->lights >= EQUAL_LIGHTS && (settings->all || strcmp(where->scene, scenes[0]) == 0);
+    const uint32_t count = kinds + (equal ? EQUAL_WAYS : 0);
     struct subject *subjects = calloc(count, sizeof *subjects);
     const fnl_host host = fnl_host_default();
     struct bench_path path = {0};
     fnl_scene *scene = NULL;
     bool good = subjects && bench_scene_load(&host, settings, where->scene, where->lights, &scene) &&
                 bench_scene_path(scene, settings, NULL, (float)where->width / (float)where->height, &path) &&
-                open_lanes(device, scene, settings, where, &path.points[0].camera, subjects, count) &&
-                measure(settings, part, subjects, count) && add_rows(settings, where, scene, subjects, count, data);
-    if (good) add_pictures(settings, where, subjects, count, data->pictures);
+                open_lanes(device, scene, settings, where, &path.points[0].camera, subjects, kinds, count) &&
+                measure(settings, part, subjects, count) && add_rows(settings, where, scene, subjects, kinds, data) &&
+                (!equal || add_equal_rows(where, subjects, count, data));
+    if (good) add_pictures(settings, where, subjects, kinds, data->pictures);
     for (uint32_t i = 0; i < count && subjects; i++) {
         fnl_image_free(NULL, &subjects[i].radiance);
+        fnl_image_free(NULL, &subjects[i].color);
         free(subjects[i].moving);
         lane_finish(&subjects[i].lane);
     }
@@ -245,6 +320,7 @@ bool bench_shadows_measure(const struct bench_settings *settings, uint32_t width
     struct shadow_part part = {.count = SCENE_COUNT * numbers};
     bool good = bench_create_device(settings, NULL, &device) && fnl_device_query_info(device, &info) == FNL_OK, cpu = info.type == FNL_DEVICE_CPU;
     json_object_set_new(data->root, "shadows", json_array());
+    json_object_set_new(data->root, "equal_time", json_array());
     json_object_set_new(data->root, "results", json_array());
     progress_begin(settings->quiet, PROGRESS_SECONDS);
     for (; part.index < part.count && good; part.index++) {
@@ -263,7 +339,49 @@ bool bench_shadows_measure(const struct bench_settings *settings, uint32_t width
     return good;
 }
 
-/* ---- the table ---- */
+/* ---- the tables ---- */
+
+/* Of ways without bias in one scene the one that takes least time for an error. */
+static void add_best(const json_t *rows, size_t first, json_t *lines) {
+    const json_t *begin = json_array_get(rows, first), *best = NULL, *row;
+    for (size_t i = first; (row = json_array_get(rows, i)); i++) {
+        const char *way = json_string_value(json_object_get(row, "way"));
+        if (!json_equal(json_object_get(row, "scene"), json_object_get(begin, "scene")) || !json_equal(json_object_get(row, "lights"), json_object_get(begin, "lights"))) break;
+        if (strncmp(way, "sampled", 7) != 0 && strncmp(way, "guided", 6) != 0) continue;
+        if (bench_number(row, "gain", 0) > bench_number(best, "gain", 0)) best = row;
+    }
+    if (!best) return;
+    char text[320];
+    snprintf(text, sizeof text, "%s, %.0f lights: for the same noise \"%s\" takes %.2f of the time of one sampled ray.", json_string_value(json_object_get(best, "scene")),
+             bench_number(best, "lights", 0), json_string_value(json_object_get(best, "way")), 1 / bench_number(best, "gain", NAN));
+    json_array_append_new(lines, json_string(text));
+}
+
+static void tabulate_equal(const struct bench_data *data, json_t *tables) {
+    static const struct {
+        const char *name, *key; /* a key of a row */
+    } columns[] = {{"<scene", "scene"}, {"lights", "lights"}, {"<shadows", "way"}, {"frame, ms", "frame_ms"}, {"shadows, ms", "over_off_ms"},
+                   {"RMSE, %", "rmse"}, {"FLIP", "flip"},     {"time x MSE", "cost"}, {"gain", "gain"}};
+    const json_t *rows = json_object_get(data->root, "equal_time"), *row, *before = NULL;
+    if (json_array_size(rows) == 0) return;
+    json_t *names = json_array(), *cells = json_array(), *lines = json_array();
+    size_t i;
+    for (size_t c = 0; c < sizeof columns / sizeof *columns; c++) json_array_append_new(names, json_string(columns[c].name));
+    json_array_foreach(rows, i, row) {
+        json_t *line = json_array();
+        for (size_t c = 0; c < sizeof columns / sizeof *columns; c++) {
+            json_t *value = json_object_get(row, columns[c].key);
+            json_array_append_new(line, strcmp(columns[c].key, "rmse") == 0 && json_is_real(value) ? json_real(100 * json_real_value(value)) : json_incref(value));
+        }
+        json_array_append_new(cells, line);
+        if (!before || !json_equal(json_object_get(row, "scene"), json_object_get(before, "scene")) || !json_equal(json_object_get(row, "lights"), json_object_get(before, "lights")))
+            add_best(rows, i, lines);
+        before = row;
+    }
+    json_array_append_new(tables, json_pack("{s:s,s:s,s:o,s:o,s:o}", "name", "equal time", "title",
+                                            "How near to rays in the same time: error of a frame, guided and denoised after eight others; time of its shading and shadow passes over that without shadows", "columns", names,
+                                            "rows", cells, "lines", lines));
+}
 
 void bench_table_shadows(const struct bench_data *data, json_t *tables) {
     static const struct {
@@ -313,4 +431,5 @@ void bench_table_shadows(const struct bench_data *data, json_t *tables) {
                                             "Shadows of more and more lights: medians; pages of shadow maps in the first frames, in a still one, and "
                                             "in each frame of a moving camera",
                                             "columns", names, "rows", cells, "lines", lines));
+    tabulate_equal(data, tables);
 }

@@ -765,6 +765,7 @@ static void test_roles_of_passes(void **state) {
         {"tonemap", "rest"},        {"view 1/tonemap", "rest"},           {"view 1/read counts", "read"},
         {"shadows/shadow fill", "shadows"}, {"shadows/fallback/clustered fill", "shadows"}, {"view 1/shadows/shadow rows", "shadows"},
         {"ray items", "shadows"},   {"raster fill", "lists"},
+        {"denoise collect", "shading"}, {"shadow guide", "shadows"},
         {"decals/bvh keys", "shading"}, {"view 1/decals/bvh keys", "shading"}, {"view 1/unheard of/tiled count", "lists"}};
     for (size_t i = 0; i < sizeof roles / sizeof *roles; i++) assert_string_equal(lane_pass_role(roles[i][0]), roles[i][1]);
 }

@@ -164,6 +164,14 @@ rays_take_longer="$of"'[of("rays") | select(.lights == 256).shading_ms] as $rays
 jq -e "$rays_take_longer" "$results" >/dev/null || suite shadows --sizes 64x36 --frames 12 --warm-up 0
 holds "$results" 'shadows: rays take longer' "$rays_take_longer" '[.shadows[] | [.scene, .lights, .shadows, .shading_ms]]'
 head -n 1 "$work/shadows/results.csv" | grep -q 'shadows_ms_median.*shadows\.wanted' || fail 'shadows: the columns of the CSV'
+# Near to rays in the same time, in the hall: rays without an error, more rays with less of it, and guides with less than without.
+holds "$results" 'shadows: rows of equal times' '[.equal_time | group_by(.scene)[] | map(.way)] | length == 1 and all(length == 10 and (.[0] == "rays" and .[1] == "maps"))' \
+    '[.equal_time[] | [.scene, .lights, .way]]'
+holds "$results" 'shadows: errors in equal times' '[.equal_time | group_by(.scene)[] | map({key: .way, value: .}) | from_entries |
+    .rays.rmse == 0 and .rays.flip == 0 and .rays.gain == null and .["sampled, 4 rays"].rmse < .["sampled, 1 ray"].rmse and .["guided, 4 rays"].rmse < .["guided, 1 ray"].rmse and
+    .["guided, 1 ray"].rmse < .["sampled, 1 ray"].rmse and .["denoised, 1 ray"].rmse < .["sampled, 1 ray"].rmse and all(.[]; .rmse < 2 and .flip >= 0 and .flip < 1)] | all' \
+    '[.equal_time[] | [.scene, .way, .rmse, .flip]]'
+grep -qE 'shadows +frame, ms +shadows, ms +RMSE, % +FLIP +time x MSE +gain' "$work/out" || fail "shadows: the table of equal times: $(tail -c 600 "$work/out")"
 grep -qE 'Of 672 lights with shadow maps 0 found no room' "$work/out" || fail "shadows: the table: $(tail -c 600 "$work/out")"
 
 [ $failures = 0 ] && echo 'all suites point where they should'
