@@ -11,7 +11,6 @@
 const uint RADIX_LIMIT = 32768u; // items between radix_clear() and radix_sum(): their numbers fit into halves
 const uint RADIX_RUN = RADIX_DIGITS / 2u, RADIX_RUNS = RADIX_THREADS / RADIX_RUN; // words of a row that a thread sums, and how many in a row
 shared uint radix_counts[RADIX_DIGITS / 2u * RADIX_THREADS];
-shared uint radix_runs[RADIX_THREADS];
 
 uint radix_digit(uint key, uint shift) { return key >> shift & (RADIX_DIGITS - 1u); }
 uint radix_half(uint word, uint digit) { return word >> (digit & 1u) * 16u & 0xffffu; }
@@ -29,30 +28,33 @@ uint radix_take(uint digit) {
 
 void radix_count(uint digit) { radix_take(digit); }
 
-// Sums the runs; after it, radix_total() of any digit is known. For all threads of the group.
+// Sums the runs; after it, and before radix_spread(), radix_total() of any digit is known. For all threads of the group. The sum of a run stands in
+// its first word, before which there is nothing.
 void radix_sum() {
     barrier();
-    uint thread = gl_LocalInvocationIndex, first = thread * RADIX_RUN, sum = 0u;
-    for (uint i = 0u; i < RADIX_RUN; i++) {
+    uint first = gl_LocalInvocationIndex * RADIX_RUN, sum = radix_counts[first];
+    for (uint i = 1u; i < RADIX_RUN; i++) {
         uint count = radix_counts[first + i];
         radix_counts[first + i] = sum;
         sum += count;
     }
-    radix_runs[thread] = sum;
+    radix_counts[first] = sum;
     barrier();
 }
 
 uint radix_total(uint digit) {
     uint sum = 0u;
-    for (uint i = 0u; i < RADIX_RUNS; i++) sum += radix_runs[digit / 2u * RADIX_RUNS + i];
+    for (uint i = 0u; i < RADIX_RUNS; i++) sum += radix_counts[(digit / 2u * RADIX_RUNS + i) * RADIX_RUN];
     return radix_half(sum, digit);
 }
 
 // Makes radix_take() right. For all threads of the group, after radix_sum().
 void radix_spread() {
     uint thread = gl_LocalInvocationIndex, before = 0u;
-    for (uint q = thread / RADIX_RUNS * RADIX_RUNS; q < thread; q++) before += radix_runs[q];
-    for (uint i = 0u; i < RADIX_RUN; i++) radix_counts[thread * RADIX_RUN + i] += before;
+    for (uint q = thread / RADIX_RUNS * RADIX_RUNS; q < thread; q++) before += radix_counts[q * RADIX_RUN];
+    barrier();
+    radix_counts[thread * RADIX_RUN] = before;
+    for (uint i = 1u; i < RADIX_RUN; i++) radix_counts[thread * RADIX_RUN + i] += before;
     barrier();
 }
 

@@ -33,6 +33,7 @@ void move_digits(coherent_uint_array from, coherent_uint_array to, uint first, u
         for (uint i = part + thread; i < min(part + RADIX_LIMIT, count); i += RADIX_THREADS) radix_count(radix_digit(from.at[first + i], shift));
         radix_sum();
         if (thread < RADIX_DIGITS) total += radix_total(thread);
+        barrier();
     }
     if (thread < RADIX_DIGITS) bases[thread] = total;
     barrier();
@@ -45,13 +46,14 @@ void move_digits(coherent_uint_array from, coherent_uint_array to, uint first, u
         radix_clear();
         for (uint i = begin; i < end; i++) radix_count(radix_digit(from.at[first + i], shift));
         radix_sum();
+        if (thread < RADIX_DIGITS) total = radix_total(thread);
         radix_spread();
         for (uint i = begin; i < end; i++) {
             uint id = from.at[first + i], digit = radix_digit(id, shift);
             to.at[first + bases[digit] + radix_take(digit)] = id;
         }
         barrier();
-        if (thread < RADIX_DIGITS) bases[thread] += radix_total(thread);
+        if (thread < RADIX_DIGITS) bases[thread] += total;
         barrier();
     }
 }
