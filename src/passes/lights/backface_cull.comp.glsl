@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 #include "passes/lights/cells_takes.glsl"
 #include "passes/lights/cells_marks.glsl"
 
-const uint PROBES = 4u, LISTED = 1024u;
+const uint PROBES = 4u, LISTED = 448u; // with more than 2048 bytes of shared memory fewer groups run at a time
 
 shared uint taken_count, candidate_count, dropped_count, lowest;
 shared uint taken[LISTED]; // numbers of lights in view, in any order: they are counted only
@@ -21,6 +21,13 @@ shared vec3 sample_positions[PROBES], sample_normals[PROBES];
 
 vec3 normal_at(uvec2 pixel) {
     return gbuffer_normal(BACKFACE.gbuffer, ivec2(pixel));
+}
+
+const bool KEPT = (FLAGS & CELLS_KEPT) != 0u;
+
+// The lights of 32 in view that the tile takes; or those that cell_takes() has to be asked for.
+uint tile_word(uint cell, uint w, uint visible) {
+    return KEPT ? push.marks.at[cells_kept_at(cell, w)] : cells_marked(cells_marks_of(cell), w, visible);
 }
 
 // The light with this number of those in view.
@@ -81,25 +88,26 @@ void main() {
     barrier();
 
     gpu_cell_bounds bounds = push.cells.at[cell];
-    uint marks = cells_marks_of(cell);
-    for (uint w = thread; w < cells_end_word(visible); w += 64u)
-        for (uint bits = cells_marked(marks, w, visible); bits != 0u; bits &= bits - 1u) {
+    uint end_word = cell_is_empty(bounds) ? 0u : cells_end_word(visible);
+    for (uint w = thread; w < end_word; w += 64u)
+        for (uint bits = tile_word(cell, w, visible); bits != 0u; bits &= bits - 1u) {
             uint i = w * 32u + uint(findLSB(bits));
-            if (!cell_takes(bounds, i)) continue;
+            if (!KEPT && !cell_takes(bounds, i)) continue;
             uint slot = atomicAdd(taken_count, 1u);
             if (slot < LISTED) taken[slot] = i;
         }
     barrier();
     bool listed = taken_count <= LISTED;
-    uint count = listed ? taken_count : visible; // of those that are looked at again
+    uint past = listed ? taken_count : end_word; // the end of what is looked at again: lights, or words of them
     uint candidates = 0u;
-    for (uint n = thread; n < count; n += 64u) {
-        uint i = listed ? taken[n] : n;
-        if ((listed || cell_takes(bounds, i)) && is_candidate(i)) candidates++;
-    }
+    for (uint n = thread; n < past; n += 64u)
+        for (uint bits = listed ? 1u : tile_word(cell, n, visible); bits != 0u; bits &= bits - 1u) {
+            uint i = listed ? taken[n] : n * 32u + uint(findLSB(bits));
+            if ((listed || KEPT || cell_takes(bounds, i)) && is_candidate(i)) candidates++;
+        }
     if (candidates != 0u) atomicAdd(candidate_count, candidates);
     barrier();
-    bool drops = count >= BACKFACE.least && 3u * candidate_count >= BACKFACE.least;
+    bool drops = taken_count >= BACKFACE.least && 3u * candidate_count >= BACKFACE.least;
     if (!drops && BACKFACE.every_tile == 0u) return;
 
     gpu_cone cone = gpu_cone(vec3(0.0), BACKFACE_WIDE, 0u, drops ? 0u : 1u);
@@ -123,15 +131,14 @@ void main() {
 
     if (cone.sine < 1.0) {
         backface_tile tile = backface_tile_at(push.view, push.list, bounds, cell, cone.axis, cone.sine);
-        for (uint n = thread; n < count; n += 64u) {
-            uint i = listed ? taken[n] : n;
-            if (!listed && !cell_takes(bounds, i)) continue;
-            if (!light_is_behind(tile, source_of(i))) continue;
-            if (drops) {
+        for (uint n = thread; n < past; n += 64u)
+            for (uint bits = listed ? 1u : tile_word(cell, n, visible); bits != 0u; bits &= bits - 1u) {
+                uint i = listed ? taken[n] : n * 32u + uint(findLSB(bits));
+                if (!listed && !KEPT && !cell_takes(bounds, i)) continue;
+                if (!light_is_behind(tile, source_of(i)) || !drops) continue;
                 atomicAdd(push.sums.at[first_sum + i / push.chunk_size], 0xffffffffu); // one less
                 atomicAdd(dropped_count, 1u);
             }
-        }
         barrier();
         cone.dropped = dropped_count;
     }

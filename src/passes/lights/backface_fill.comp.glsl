@@ -30,11 +30,13 @@ void main() {
     backface_tile tile;
     if (culls) tile = backface_tile_at(push.view, push.list, bounds, cell, cone.axis, cone.sine);
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.list.list.local_count]);
+    if (cell_is_empty(bounds)) end = 0u; // nothing is kept of it
+    const bool kept = (FLAGS & CELLS_KEPT) != 0u;
     uint marks = cells_marks_of(cell);
     for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++)
-        for (uint bits = cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u) {
+        for (uint bits = kept ? push.marks.at[cells_kept_at(cell, w)] : cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u) {
             uint i = w * 32u + uint(findLSB(bits));
-            if (!cell_takes(bounds, i)) continue;
+            if (!kept && !cell_takes(bounds, i)) continue;
             uint id = push.visible_ids.at[i];
             bool behind = culls && light_is_behind(tile, light_source_of(push.list, id));
             if (marking) atomicOr(BACKFACE.marks.at[i], behind ? 1u : 2u);

@@ -58,7 +58,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     /* Chunks keep a big device busy; there need not be more than a few million of them. */
     const uint32_t side = block_side(build, input->local_count);
     const uint64_t kept_bytes = cell_count * (uint64_t)DIVIDE_UP(MAX(input->local_count, 1u), 32u) * 4;
-    const bool keeps = !build->refine.add && kept_bytes <= KEPT_BYTES;
+    const bool keeps = kept_bytes <= KEPT_BYTES;
     const struct gpu_compute_params tests = {.constant_count = 3,
                                              .constants = {GPU_LIST_ALL, build->flags | (keeps ? CELLS_KEPT : 0), side}};
     struct gpu_compute_params pipeline = tests;
@@ -151,7 +151,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                                    .build = build,
                                                    .bounds = bounds,
                                                    .sums = sums,
-                                                   .marks = marks,
+                                                   .marks = keeps ? kept : marks,
                                                    .cell_count = cell_count,
                                                    .chunk_size = chunk_size,
                                                    .chunk_count = chunk_count,

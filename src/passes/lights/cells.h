@@ -11,7 +11,7 @@ struct cells_counted {
     const struct light_input *input;
     const struct lights_in_view *in_view;
     const struct cells_build *build;
-    graph_buffer bounds, sums, marks; /* marks: id 0 where lights are not marked */
+    graph_buffer bounds, sums, marks; /* marks: what the count kept, where flags of `tests` have CELLS_KEPT; else id 0 where lights are not marked */
     uint32_t cell_count, chunk_size, chunk_count;
     struct gpu_compute_params tests; /* the constants of count and fill, without a shader */
 };
