@@ -120,22 +120,24 @@ struct polygon {
     uint count;
 };
 
-// Cuts off what is outside of dot(plane.xyz, p) + plane.w >= 0.
+// Cuts off what is outside of dot(plane.xyz, p) + plane.w >= 0. In place: of a convex polygon, what is kept is never more than what was read and the corner
+// that is read ahead. Rounding may make a polygon another one that lies along the plane; then corners on the plane are left out, beside which others are kept.
 void cut(inout polygon p, vec4 plane) {
-    polygon result;
-    result.count = 0u;
-    vec3 last = p.at[max(p.count, 1u) - 1u];
+    uint kept = 0u;
+    vec3 last = p.at[max(p.count, 1u) - 1u], next = p.at[0];
     float last_side = dot(plane.xyz, last) + plane.w;
     for (uint i = 0u; i < p.count; i++) {
-        vec3 next = p.at[i];
-        float side = dot(plane.xyz, next) + plane.w;
-        if ((side < 0.0) != (last_side < 0.0) && result.count < 8u)
-            result.at[result.count++] = mix(last, next, clamp(last_side / (last_side - side), 0.0, 1.0));
-        if (side >= 0.0 && result.count < 8u) result.at[result.count++] = next;
-        last = next;
+        vec3 at = next;
+        next = p.at[min(i + 1u, 7u)];
+        float side = dot(plane.xyz, at) + plane.w;
+        bool has_room = i + 2u >= p.count || side < 0.0 || kept <= i;
+        if ((side < 0.0) != (last_side < 0.0) && kept < 8u && has_room)
+            p.at[kept++] = mix(last, at, clamp(last_side / (last_side - side), 0.0, 1.0));
+        if (side >= 0.0 && kept < 8u) p.at[kept++] = at;
+        last = at;
         last_side = side;
     }
-    p = result;
+    p.count = kept;
 }
 
 // Inside of the slope on its greater (direction 1) or smaller side (-1), `margin` metres wider.

@@ -136,7 +136,7 @@ void draw(shell s, vec3 a, vec3 b, vec3 c, bool front, uvec2 first, uvec2 last) 
     float wider = s.slack + s.margin / (RASTER.view.view.orthographic > 0.5 ? 1.0 : all_depths.x);
     ivec2 rows = tiles_of(s, slope_range(p, 1, s.margin), 1, first.y, last.y);
     for (int row = rows.x; row <= rows.y; row++) {
-        polygon part = row_part(s, p, uint(row));
+        polygon part = row_part(s, visible_part(a, b, c), uint(row)); // anew: it does not take registers between rows
         if (part.count == 0u) continue;
         ivec2 columns = tiles_of(s, slope_range(part, 0, s.margin), 0, first.x, last.x);
         for (int column = columns.x; column <= columns.y; column++) {
