@@ -59,29 +59,32 @@ void extend_by_sphere(gpu_bound bound) {
 
 // ---- the proxy ----
 
-vec4 planes[5]; // of the view, in view space; inside is dot(plane, (p, 1)) >= 0
+shared vec4 planes[5]; // of the view, in view space; inside is dot(plane, (p, 1)) >= 0
 vec3 corners[8];
+bool proxy_known = true;
 
-// A side of the proxy, clipped (Sutherland & Hodgman 1974).
+// A side of the proxy, clipped (Sutherland & Hodgman 1974) in place: of a convex polygon no more is kept than was read, and the corner that is
+// read ahead. Where rounding makes it another one, the proxy says nothing.
 void extend_by_side(uint side, float slack) {
     vec3 polygon[9];
     uint count = 4u;
     for (uint i = 0u; i < 4u; i++) polygon[i] = corners[SIDES[side * 4u + i]];
     for (uint k = 0u; k < 5u && count > 0u; k++) {
-        vec3 clipped[9];
+        vec4 plane = planes[k] + vec4(0.0, 0.0, 0.0, slack);
         uint kept = 0u;
-        vec3 before = polygon[count - 1u];
-        float inside_before = dot(planes[k].xyz, before) + planes[k].w;
+        vec3 before = polygon[count - 1u], next = polygon[0];
+        float inside_before = dot(plane.xyz, before) + plane.w;
         for (uint i = 0u; i < count; i++) {
-            vec3 at = polygon[i];
-            float inside = dot(planes[k].xyz, at) + planes[k].w;
+            vec3 at = next;
+            next = polygon[min(i + 1u, 8u)];
+            float inside = dot(plane.xyz, at) + plane.w;
             if ((inside >= 0.0) != (inside_before >= 0.0) && kept < 9u)
-                clipped[kept++] = mix(before, at, inside_before / (inside_before - inside));
-            if (inside >= 0.0 && kept < 9u) clipped[kept++] = at;
+                polygon[kept++] = mix(before, at, inside_before / (inside_before - inside));
+            if (inside >= 0.0 && kept < 9u) polygon[kept++] = at;
+            if (kept > i + 2u && i + 2u < count) proxy_known = false;
             before = at;
             inside_before = inside;
         }
-        polygon = clipped;
         count = kept;
     }
     for (uint i = 0u; i < count; i++) extend(polygon[i], slack);
@@ -113,13 +116,9 @@ void extend_by_proxy(gpu_shape shape, gpu_entity_bounds entity) {
     float slack = 1e-6 * extent + 4e-7 * length(push.view.view.eye);
 
     float near = push.view.view.near_distance;
-    gpu_cell_bounds view = cell_bounds(push.view, vec2(-1.0), vec2(1.0), near, near * 2.0);
-    for (uint k = 0u; k < 4u; k++) planes[k] = view.planes[k] + vec4(0.0, 0.0, 0.0, slack);
-    planes[4] = vec4(0.0, 0.0, -1.0, slack - near);
-
     bool all_inside = true;
     for (uint k = 0u; k < 5u; k++)
-        for (uint i = 0u; i < 8u; i++) all_inside = all_inside && dot(planes[k].xyz, corners[i]) + planes[k].w >= 0.0;
+        for (uint i = 0u; i < 8u; i++) all_inside = all_inside && dot(planes[k].xyz, corners[i]) + (planes[k].w + slack) >= 0.0;
     if (all_inside) {
         for (uint i = 0u; i < 8u; i++) extend(corners[i], slack);
         return;
@@ -151,6 +150,13 @@ void store_volume(uint index, gpu_entity_bounds entity, gpu_shape shape) {
 }
 
 void main() {
+    if (gl_LocalInvocationIndex == 0u) {
+    float near = push.view.view.near_distance;
+    gpu_cell_bounds view = cell_bounds(push.view, vec2(-1.0), vec2(1.0), near, near * 2.0);
+    for (uint k = 0u; k < 4u; k++) planes[k] = view.planes[k];
+    planes[4] = vec4(0.0, 0.0, -1.0, -near);
+    }
+    barrier();
     uint index = LINEAR_INVOCATION, light_count = push.list.list.local_count;
     if (index >= push.visible_sums.at[light_count]) return;
     gpu_entity_bounds entity = push.list.list.entities.at[push.visible_ids.at[index]];
@@ -162,7 +168,7 @@ void main() {
     if (shape.kind != GPU_SHAPE_SPHERE) extend_by_proxy(shape, entity);
     vec3 proxy_low = low, proxy_high = high;
     extend_by_sphere(bound);
-    if (shape.kind != GPU_SHAPE_SPHERE) {
+    if (shape.kind != GPU_SHAPE_SPHERE && proxy_known) {
         low = max(low, proxy_low);
         high = min(high, proxy_high);
     }
