@@ -13,13 +13,13 @@ layout(constant_id = 2) const uint PACKING = INDEXED_IDS;
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_indexed_list_push push; };
 
-uint lights[INDEXED_LAYERS * INDEXED_LAYER_LIGHTS];
+uint first; // of the pixel's entries, which are sorted where they stand: so many do not fit into registers
 uint count = 0u;
 
 void add(uint rank) {
-    uint light = push.ids.at[rank], i = count++;
-    for (; i > 0u && lights[i - 1u] > light; i--) lights[i] = lights[i - 1u];
-    lights[i] = light;
+    uint light = push.ids.at[rank], i = first + count++;
+    for (uint before; i > first && (before = push.list.at[i - 1u]) > light; i--) push.list.at[i] = before;
+    push.list.at[i] = light;
 }
 
 void main() {
@@ -28,6 +28,7 @@ void main() {
     uint at = pixel.y * size.x + pixel.x;
     if (at == 0u) push.cells.at[size.x * size.y] = gpu_cell(0u, GPU_CELL_ALL); // of points that are on no pixel's surfaces
     uint capacity = push.layers * INDEXED_LAYER_LIGHTS;
+    first = at * capacity;
     bool full = false;
     if (PACKING == INDEXED_IDS) {
         uint here = push.counts.at[at], words = (capacity + 1u) / 2u;
@@ -50,11 +51,10 @@ void main() {
             }
         }
     }
-    push.cells.at[at] = gpu_cell(at * capacity, full ? GPU_CELL_ALL : count);
+    push.cells.at[at] = gpu_cell(first, full ? GPU_CELL_ALL : count);
     if (full) {
         atomicAdd(push.totals.at[2], 1u);
         return;
     }
-    for (uint i = 0u; i < count; i++) push.list.at[at * capacity + i] = lights[i];
     atomicAdd(push.totals.at[1], count);
 }
