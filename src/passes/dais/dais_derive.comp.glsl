@@ -40,6 +40,18 @@ void derive3(derivation d, vec3 a, vec3 b, vec3 c, inout uint at) {
     at += 6u;
 }
 
+void derive2(derivation d, vec2 vertices[3], inout uint at) {
+    for (uint k = 0u; k < 2u; k++) derive(d, vec3(vertices[0][k], vertices[1][k], vertices[2][k]), at, 2u);
+    at += 4u;
+}
+
+void derive4(derivation d, vec4 vertices[3], inout uint at) {
+    for (uint k = 0u; k < 4u; k++) derive(d, vec3(vertices[0][k], vertices[1][k], vertices[2][k]), at, 4u);
+    at += 8u;
+}
+
+#define ATTRIBUTES(i) push.scene.scene.attributes.at[t.vertices[i]]
+
 void main() {
     uint index = LINEAR_INVOCATION;
     if (index >= push.counts.at[DAIS_STORED]) return;
@@ -50,22 +62,8 @@ void main() {
     uint corners = t.primitive.corners;
     bool orthographic = push.view.view.orthographic > 0.5;
 
-    vec3 seen[3] = t.seen, normals[3], binds[3];
-    vec4 uv[3], tangents[3], colors[3];
-    float mirror = 1.0;
-    for (uint i = 0u; i < 3u; i++) {
-        gpu_attributes a = push.scene.scene.attributes.at[t.vertices[i]];
-        normals[i] = unit(transform_normal(t.instance, unpack_normal(a.normal), mirror));
-        vec4 tangent = unpack_tangent(a.tangent);
-        tangents[i] = vec4(unit(transform_direction(t.instance, tangent.xyz)), tangent.w * mirror);
-        uv[i] = vec4(a.uv0, a.uv1);
-        colors[i] = vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y));
-        binds[i] = vec3(0.0);
-        if ((bits & DAIS_BIND) != 0u) binds[i] = push.scene.scene.positions.at[int(t.vertices[i]) + t.primitive.bind_offset];
-    }
+    vec3 seen[3] = t.seen;
     if (triangle_front_facing(t, push.view)) bits |= DAIS_FRONT;
-    if (mirror < 0.0 && corners == 3u) bits |= DAIS_MIRROR;
-    push.pool.at[base + 3u] = bits;
 
     // The part in front of the near plane, or with two vertices there a triangle in it: derivatives are the same on every part. A vertex
     // behind the plane slides along an edge to one before it. Other planes need no such thing, as w is positive there, and shrinking against
@@ -124,22 +122,37 @@ void main() {
     else
         derive(d, vec3(1.0), at, 1u);
     at += 2u;
-    derive3(d, normals[0], normals[1], normals[2], at);
+
+    // Attributes are fetched when their turn comes: all at once they would take 36 registers.
+    float mirror = 1.0;
+    vec3 vectors[3];
+    vec4 values[3];
+    for (uint i = 0u; i < 3u; i++) vectors[i] = unit(transform_normal(t.instance, unpack_normal(ATTRIBUTES(i).normal), mirror));
+    if (mirror < 0.0 && corners == 3u) bits |= DAIS_MIRROR;
+    push.pool.at[base + 3u] = bits;
+    derive3(d, vectors[0], vectors[1], vectors[2], at);
+    vec2 uv[3];
     if ((bits & DAIS_UV0) != 0u) {
-        for (uint k = 0u; k < 2u; k++) derive(d, vec3(uv[0][k], uv[1][k], uv[2][k]), at, 2u);
-        at += 4u;
+        for (uint i = 0u; i < 3u; i++) uv[i] = ATTRIBUTES(i).uv0;
+        derive2(d, uv, at);
     }
     if ((bits & DAIS_UV1) != 0u) {
-        for (uint k = 0u; k < 2u; k++) derive(d, vec3(uv[0][k + 2u], uv[1][k + 2u], uv[2][k + 2u]), at, 2u);
-        at += 4u;
+        for (uint i = 0u; i < 3u; i++) uv[i] = ATTRIBUTES(i).uv1;
+        derive2(d, uv, at);
     }
     if ((bits & DAIS_TANGENT) != 0u) {
-        for (uint k = 0u; k < 4u; k++) derive(d, vec3(tangents[0][k], tangents[1][k], tangents[2][k]), at, 4u);
-        at += 8u;
+        for (uint i = 0u; i < 3u; i++) {
+            vec4 tangent = unpack_tangent(ATTRIBUTES(i).tangent);
+            values[i] = vec4(unit(transform_direction(t.instance, tangent.xyz)), tangent.w * mirror);
+        }
+        derive4(d, values, at);
     }
     if ((bits & DAIS_COLOR) != 0u) {
-        for (uint k = 0u; k < 4u; k++) derive(d, vec3(colors[0][k], colors[1][k], colors[2][k]), at, 4u);
-        at += 8u;
+        for (uint i = 0u; i < 3u; i++) values[i] = vec4(unpackUnorm2x16(ATTRIBUTES(i).color.x), unpackUnorm2x16(ATTRIBUTES(i).color.y));
+        derive4(d, values, at);
     }
-    if ((bits & DAIS_BIND) != 0u) derive3(d, binds[0], binds[1], binds[2], at);
+    if ((bits & DAIS_BIND) != 0u) {
+        for (uint i = 0u; i < 3u; i++) vectors[i] = push.scene.scene.positions.at[int(t.vertices[i]) + t.primitive.bind_offset];
+        derive3(d, vectors[0], vectors[1], vectors[2], at);
+    }
 }
