@@ -159,7 +159,26 @@ The 19 456 bytes of scratch memory are no array of ours: fragment shaders that t
 each of 64 threads. In compute shaders it uses 4096 bytes of shared memory instead.
 
 No result depends on the size of subgroups. The only subgroup operations are those of `dais` on quads, which are four pixels on every device; and bounds of tiles take as
-many rows of threads as a subgroup has, with the same lists (a test builds them for subgroups of 4 to 128).
+many rows of threads as a subgroup has, with the same lists (a test builds them for subgroups of 4 to 128). There are no rows for sizes: radv lets programs ask for one
+in compute and mesh shaders, and `dais` uses quads in fragment shaders.
+
+Shaders that build lists are to have 24 of 32 waves (navi31), which is 60 registers and 2048 bytes of shared memory for 64 threads. The compiler takes as many registers as the waves that
+shared memory allows: `backface_cull` went from 108 to 48 when it took 2 KB instead of 4.5. These have fewer waves, without tracing rays or shading:
+
+| shader | waves | why |
+|---|---|---|
+| `fine_bounds` | 16 | A thread clips the six sides of a light's solid against the view: eight corners and a polygon of nine points are 51 registers. One thread a light: 65 536 lights are 1024 waves, five for each SIMD of navi31. |
+| `raster_shell` | 16 | Triangles cut by the near plane ([raster](techniques/raster.md)) |
+| `fill_count`, `fill_list`, `fill_mark` | 14 to 16 | A page's volume, its six planes and eight corners, is 52 registers. Computed from half as many numbers they get 18 to 20 waves and 4 % more instructions. Not done: one thread a page, and a few thousand pages are less than a wave for each SIMD. |
+| `bvh_sort` | 22 | It needs 2112 bytes of shared memory, and gets 3072: 64 bytes too many, which hold where each digit begins |
+| `requests` | 22 | With one sample; with several 32. It keeps the pixels' positions beside the pairs that it found. With 12 instead of 16 bytes a position and pairs of one byte instead of four it gets 32 waves, but takes 1.3 to 1.4 times as long on the CPU driver (hall, 400 lights, 320x180). |
+| `dais_derive` | 18 | 9 registers for a triangle's weights, 8 for their derivatives, 12 for three tangents, 9 to turn them; 16 of 16 waves on navi21 |
+| `edges_find` | 18 | Where materials have layers: it compares two whole surfaces; 24 without layers |
+| `bc6h_quality` | 6 | 16 texels of three numbers are in registers throughout, beside the best block and the one that is tried. It runs once for an environment. |
+| `bc6h`, `cubemap_bake` | 20, 18 | They run once for an environment or a probe. |
+| `clusters_slots`, `dais_arguments`, `exposure`, `pages_fit`, `split_drawn`, `visible_ranges` | 16 | Groups of 32 threads or fewer: a wave of 32 is half of one of 64, and 16 of those are all that fit |
+
+The estimated latency of `bvh_query` (65 000) is three loops in one another, over words of leaves, leaves and their lights, each counted with the same number of turns; it has 24 waves.
 END
         fi
         printf '\n### %s\n\n| shader | programs | waves | registers | scratch | shared | instructions | latency |\n|---|---|---|---|---|---|---|---|\n' "$(sed -n 's/^# \([^;]*\);.*/\1/p' "$file")"
