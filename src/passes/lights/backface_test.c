@@ -5,7 +5,7 @@
 #include "tests/list_bench.h"
 #include "tests/vulkan_spy.h"
 
-enum { LIGHTS = 400, WIDTH = 157, HEIGHT = 93 };
+enum { LIGHTS = 400, MANY = 1500, WIDTH = 157, HEIGHT = 93 };
 
 static fnl_light_params params[2048];
 static struct list_light lights[2048];
@@ -426,6 +426,20 @@ static void test_sizes_overflow_and_broken_lights_TD_11(void **state) {
     list_free(&plain);
     list_free(&full);
     list_free(&over);
+    free_surfaces(&s);
+    view = list_random_view(0, &random, 21, 13); /* tiles with more lights than are listed while they are looked at */
+    list_random_shapes(&view, &random, MANY, params, lights);
+    for (uint32_t i = 0; i < MANY; i++) lights[i].bounds.radius = 1000;
+    s = make_surfaces(&view, SURFACE_FLAT, &random);
+    tiles = tiled_params_default();
+    plain = build(&view, &s, MANY, &tiles, NULL);
+    full = build(&view, &s, MANY, &tiles, &p);
+    assert_true(plain.cells[0].count > 600);
+    list_check_form(&full, MANY);
+    check_sets(&view, &s, &plain, &full, false, &(struct counts){0});
+    assert_true(list_entries(&full) * 100 < list_entries(&plain) * 95);
+    list_free(&plain);
+    list_free(&full);
     free_surfaces(&s);
 }
 
