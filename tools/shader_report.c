@@ -134,16 +134,16 @@ static bool is_wanted(const VkPipelineShaderStageCreateInfo *stages, uint32_t co
 /*
  * Shaders that light come in kinds, which have a row each: for lights of all shapes or for spheres and cones alone (GPU_LIST_SIMPLE, a bit beside
  * the kind of list in constant 0), without shadows or with (GPU_LIST_RAYS, GPU_LIST_MAPS, GPU_LIST_SOFT, GPU_LIST_FILTERED,
- * GPU_LIST_SAMPLED, GPU_LIST_RAY_QUERY). The worst of all would hide what the others gain.
+ * GPU_LIST_SAMPLED, GPU_LIST_RAY_QUERY, GPU_LIST_GUIDED). The worst of all would hide what the others gain.
  */
 static void name_kind(struct row *row) {
-    enum { KINDS = 0xff, LAST_KIND = 12, LAST_BIT = 0x8000 };
+    enum { KINDS = 0xff, LAST_KIND = 12, LAST_BIT = 0x8000, GUIDED = 0x1000000 };
     static const struct {
         unsigned bit;
         const char *name;
-    } bits[] = {{0x200, " simple"}, {0x800, " maps"}, {0x2000, " filtered"}, {0x400, " rays"}, {0x1000, " soft"}, {0x4000, " sampled"}, {LAST_BIT, " query"}};
+    } bits[] = {{0x200, " simple"}, {0x800, " maps"}, {0x2000, " filtered"}, {0x400, " rays"}, {0x1000, " soft"}, {0x4000, " sampled"}, {LAST_BIT, " query"}, {GUIDED, " guided"}};
     unsigned value = 0;
-    if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || value >= 2 * LAST_BIT) return;
+    if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || (value & ~(unsigned)GUIDED) >= 2 * LAST_BIT) return;
     for (size_t i = 0; i < COUNT_OF(bits); i++)
         if (value & bits[i].bit) {
             size_t length = strlen(row->shader);
@@ -576,7 +576,8 @@ static void warm_all(fnl_renderer *renderer, const fnl_scene *scene, bool everyt
     static const uint32_t samples[] = {1, 4, 8};
     static const char *const with[][5] = {{"culling", "clusters", "geometry", "mesh"}, {"culling", "triangles", "geometry", "mesh"},
                                           {"culling", "clusters", "occlusion", "on"},  {"decals", "gbuffer"}, {"aa", "taa"},
-                                          {"shadows", "rays", "shadow.ray-backend", "ray-query"}};
+                                          {"shadows", "rays", "shadow.ray-backend", "ray-query"},
+                                          {"shadows", "sampled", "shadow.guide", "on"}};
     fnl_frame frame = fnl_frame_default();
     frame.width = 320;
     frame.height = 180;

@@ -3,7 +3,7 @@
 #include "render/renderer_internal.h"
 
 enum { CLUSTER_POOL_START = 1 << 14, TRIANGLE_POOL_START = 1 << 18 };
-enum { POOL_START = 1 << 18, POOL_LIMIT = 1 << 28, PAIR_START = 1 << 18 };
+enum { POOL_START = 1 << 18, POOL_LIMIT = 1 << 28, PAIR_START = 1 << 19 };
 
 void pools_init(fnl_renderer *r) {
     r->pool_capacity = POOL_START;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Draws pages of shadow maps (shadows/maps_shared.h) into the atlas: those with SHADOW_PAGE_DRAW, whose flag is cleared. Each
- * walks the tree over items for what it shows; items whose meshes are in clusters are drawn as a whole if it shows all clusters, else cluster by
+ * walks the tree over items for what it shows; items whose meshes are in clusters are drawn as a whole if it shows most clusters, else cluster by
  * cluster. Pairs of item and page become the instances of one indirect draw for each primitive of a group or cluster of it, so that the CPU makes
  * three draw calls whatever there is to draw. Opaque and cutout triangles cast shadows, from
  * both sides. Cost: two walks for each page that is drawn, and drawing its items; where none is drawn, a look at each page and

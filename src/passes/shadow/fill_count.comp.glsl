@@ -13,8 +13,9 @@ layout(push_constant, scalar) uniform push_block { gpu_fill_push push; };
 void list(uint at, uint item, uint unit) { push.entries.at[at] = gpu_fill_entry(item, unit, atomicAdd(push.unit_sums.at[unit], 1u)); }
 #endif
 
-// Of an item that the page shows as a whole or in part: how many units. Clusters are worth it where some are elsewhere, and as long as one pair for
-// each item after this one would still fit, so that there is room for the pairs of any one page. `shown`: units before, `first`: where they go.
+// Of an item that the page shows as a whole or in part: how many units. Clusters are worth it where half of them are elsewhere, since each takes a pair;
+// and as long as one pair for each item after this one would still fit, so that there is room for the pairs of any one page. `shown`: units before,
+// `first`: where they go.
 uint show(page_volume volume, uint item, uint shown, uint first) {
     scene_block s = push.rays.rays.scene;
     uint group = group_of(s, push.group_count, item, false), unit = s.scene.groups.at[group].first_unit;
@@ -27,7 +28,7 @@ uint show(page_volume volume, uint item, uint shown, uint first) {
         gpu_cluster cluster = s.scene.clusters.at[primitive.first_cluster + k];
         if (volume_meets_sphere(volume, transform_point(instance, cluster.center) - volume.origin, cluster.radius * scale)) count++;
     }
-    bool whole = count == clusters || shown + count + push.caster_count > push.pair_capacity;
+    bool whole = clusters == 0u || 2u * count > clusters || shown + count + push.caster_count > push.pair_capacity;
 #ifdef LIST
     uint at = first + shown;
     if (whole) list(at, item, unit);
