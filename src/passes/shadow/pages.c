@@ -248,6 +248,21 @@ static void add_places(const struct build *b, uint32_t sum_count) {
                    GRAPH_READ_COMPUTE);
 }
 
+/* What `state` keeps, as a frame uses it. */
+static struct shadow_pages kept_pages(struct graph *graph, struct shadow_state *state, uint32_t turn, uint32_t row_count) {
+    const uint32_t side = state->atlas.params.width / SHADOW_PAGE;
+    return (struct shadow_pages){.held = graph_import_buffer(graph, "shadow held", &state->held[turn]),
+                                 .before = graph_import_buffer(graph, "shadow before", &state->before[turn]),
+                                 .pages = graph_import_buffer(graph, "shadow pages", &state->pages[turn]),
+                                 .biases = graph_import_buffer(graph, "shadow biases", &state->biases),
+                                 .shapes = graph_import_buffer(graph, "shadow shapes", &state->shapes),
+                                 .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
+                                 .least = graph_import_buffer(graph, "shadow least", &state->least),
+                                 .atlas = add_atlas(graph, state),
+                                 .row_count = row_count,
+                                 .page_limit = side * side * CELL_PAGES};
+}
+
 struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
                                      const struct shadow_pages_input *input) {
     const uint32_t last = state->turn, now = 1 - last, sun_rows = input->suns.id ? input->lights->directional_count * SHADOW_SUN_ROWS : 0,
@@ -260,16 +275,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
     }
     struct build b = {.graph = graph,
                       .input = input,
-                      .out = {.held = graph_import_buffer(graph, "shadow held", &state->held[now]),
-                              .before = graph_import_buffer(graph, "shadow before", &state->before[now]),
-                              .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
-                              .biases = graph_import_buffer(graph, "shadow biases", &state->biases),
-                              .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
-                              .least = graph_import_buffer(graph, "shadow least", &state->least),
-                              .shapes = graph_import_buffer(graph, "shadow shapes", &state->shapes),
-                              .atlas = add_atlas(graph, state),
-                              .row_count = row_count,
-                              .page_limit = page_limit},
+                      .out = kept_pages(graph, state, now, row_count),
                       .rows = graph_create_buffer(graph, "shadow rows", row_count * 4ull),
                       .tallies = graph_create_buffer(graph, "shadow tallies", SHADOW_TALLIES * 4ull),
                       .choice = graph_create_buffer(graph, "shadow choice", sizeof(struct gpu_shadow_choice)),
@@ -309,16 +315,6 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
 }
 
 struct shadow_pages shadow_pages_again(struct graph *graph, struct shadow_state *state) {
-    const uint32_t side = state->atlas.params.width / SHADOW_PAGE, now = state->turn;
     state->kept++;
-    return (struct shadow_pages){.held = graph_import_buffer(graph, "shadow held", &state->held[now]),
-                                 .before = graph_import_buffer(graph, "shadow before", &state->before[now]),
-                                 .pages = graph_import_buffer(graph, "shadow pages", &state->pages[now]),
-                                 .biases = graph_import_buffer(graph, "shadow biases", &state->biases),
-                                 .shapes = graph_import_buffer(graph, "shadow shapes", &state->shapes),
-                                 .counts = graph_import_buffer(graph, "shadow counts", &state->counts),
-                                 .least = graph_import_buffer(graph, "shadow least", &state->least),
-                                 .atlas = add_atlas(graph, state),
-                                 .row_count = state->row_count,
-                                 .page_limit = side * side * CELL_PAGES};
+    return kept_pages(graph, state, state->turn, state->row_count);
 }
