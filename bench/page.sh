@@ -79,10 +79,11 @@ tables() {
 peers() {
     cat <<'END'
 
-### And other renderers?
+### How do other renderers compare?
 
-The same hall, written as glTF and loaded by each, without shadows, on the same driver; [how](../bench/peers/README.md). Others filter textures once where we take eight samples along, so ours
-were measured with both. Where a renderer has a limit of lights in a cell it is as high as the scene needs: with their own defaults lights are missing from the pictures, and frames are faster.
+The same hall, written as glTF and loaded by each, without shadows, on the same driver ([how to repeat it](../bench/peers/README.md)). The others filter textures without anisotropy unless told
+otherwise, while Fanal's default is 8, so Fanal was measured with both. Limits on the lights in a cell were raised to what the scene needs: with the defaults of the others lights are missing,
+and their frames are faster.
 
 END
     awk '
@@ -169,7 +170,7 @@ shared memory allows: `backface_cull` went from 108 to 48 when it took 2 KB inst
 |---|---|---|
 | `fine_bounds` | 16 | A thread clips the six sides of a light's solid against the view: eight corners and a polygon of nine points are 51 registers. One thread a light: 65 536 lights are 1024 waves, five for each SIMD of navi31. |
 | `raster_shell` | 16 | Triangles cut by the near plane ([raster](techniques/raster.md)) |
-| `fill_count`, `fill_list`, `fill_mark` | 14 to 16 | A page's volume, its six planes and eight corners, is 52 registers. Computed from half as many numbers they get 18 to 20 waves and 4 % more instructions. Not done: one thread a page, and a few thousand pages are less than a wave for each SIMD. |
+| `fill_count`, `fill_list`, `fill_mark` | 12 to 16 | A page's volume, its six planes and eight corners, is 52 registers; the first two look at clusters too. Computed from half as many numbers they get 18 to 20 waves and 4 % more instructions. Not done: one thread a page, and a few thousand pages are less than a wave for each SIMD. |
 | `bvh_sort` | 22 | It needs 2112 bytes of shared memory, and gets 3072: 64 bytes too many, which hold where each digit begins |
 | `requests` | 22 | With one sample; with several 32. It keeps the pixels' positions beside the pairs that it found. With 12 instead of 16 bytes a position and pairs of one byte instead of four it gets 32 waves, but takes 1.3 to 1.4 times as long on the CPU driver (hall, 400 lights, 320x180). |
 | `dais_derive` | 18 | 9 registers for a triangle's weights, 8 for their derivatives, 12 for three tangents, 9 to turn them; 16 of 16 waves on navi21 |

@@ -24,7 +24,7 @@ uint show(page_volume volume, uint item, uint shown, uint first) {
     uint clusters = units_of(s, push.group_count, push.unit_count, group) - 1u, count = 0u;
     if (clusters != primitive.cluster_count) clusters = 0u;
     float scale = clusters > 0u ? stretch(instance) : 0.0;
-    for (uint k = 0u; k < clusters; k++) {
+    for (uint k = 0u; k < clusters && 2u * count <= clusters; k++) {
         gpu_cluster cluster = s.scene.clusters.at[primitive.first_cluster + k];
         if (volume_meets_sphere(volume, transform_point(instance, cluster.center) - volume.origin, cluster.radius * scale)) count++;
     }
