@@ -203,7 +203,6 @@ static void test_children_follow_their_parents(void **state) {
     fnl_scene_destroy(&scene);
 }
 
-/** All corners of the bounds project into the picture, and some comes near its edge. */
 /* Squares of such lengths overflow. */
 static void test_framing_camera_of_the_largest_scene(void **state) {
     UNUSED(state);
@@ -224,34 +223,85 @@ static void test_framing_camera_of_the_largest_scene(void **state) {
     }
 }
 
-static void test_framing_camera_shows_everything(void **state) {
+/* How far points reach from the middle of a picture of this camera, as parts of half its width and height; each must be in front of the near plane. */
+static void expect_framed(const fnl_camera *camera, float aspect, const vec3 *points, uint32_t count) {
+    const mat4 view = mat4_look_at(camera->position, camera->target, camera->up);
+    const double tan_y = tan((double)camera->vertical_fov / 2);
+    double low[2] = {2, 2}, high[2] = {-2, -2};
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3 p = mat4_point(&view, points[i]);
+        assert_true(-p.z > camera->near_distance);
+        const double at[2] = {(double)p.x / ((double)-p.z * tan_y * (double)aspect), (double)p.y / ((double)-p.z * tan_y)};
+        for (int axis = 0; axis < 2; axis++) low[axis] = fmin(low[axis], at[axis]), high[axis] = fmax(high[axis], at[axis]);
+    }
+    /* One axis is filled, and on it both edges are equally far away; nothing reaches farther on the other. */
+    const bool by_width = high[0] - low[0] > high[1] - low[1];
+    const double fill = (high[!by_width] - low[!by_width]) / 2, least = fmin(low[0], low[1]), most = fmax(high[0], high[1]);
+    if (fill < 0.795 || fill > 0.805 || least < -0.81 || most > 0.81)
+        fail_msg("aspect %g, %u points, from %g %g %g: it fills %g x %g of the picture, from %g to %g", (double)aspect, count, (double)points[0].x, (double)points[2].y, (double)points[2].z, (high[0] - low[0]) / 2, (high[1] - low[1]) / 2, least, most);
+}
+
+/* What is in no triangle, of no size, or a light does not count; nor does how large things are, or how far from the origin. */
+static void test_framing_camera_fills_the_picture(void **state) {
     UNUSED(state);
-    static const float scales[] = {1e-3f, 1, 1e4f}, aspects[] = {0.3f, 1, 3};
+    static const float scales[] = {4e-5f, 1, 1e4f, 4e9f}, aspects[] = {0.3f, 1, 16 / 9.0f, 3};
+    static const vec3 sides[] = {{1, 1, 1}, {0.1f, 7, 0.1f}, {0.1f, 0.2f, 9}, {8, 0.5f, 0.3f}, {5, 0, 5}};
     for (uint32_t s = 0; s < COUNT_OF(scales); s++)
-        for (uint32_t a = 0; a < COUNT_OF(aspects); a++) {
-            fnl_scene *scene = make_scene();
-            fnl_mesh_params shape = triangle();
-            fnl_mesh_id mesh;
-            fnl_instance_id instance;
-            fnl_mat4 transform = mat4_from_trs(vec3_make(scales[s] * 3, 0, 0), quat_axis_angle(vec3_make(1, 0, 0), 1),
-                                               vec3_make(scales[s], scales[s] * 7, 1));
-            assert_int_equal(fnl_scene_add_mesh(scene, &shape, &mesh), FNL_OK);
-            assert_int_equal(fnl_scene_add_instance(scene, mesh, &transform, &instance), FNL_OK);
-            fnl_camera camera;
-            assert_int_equal(fnl_scene_query_framing_camera(scene, aspects[a], &camera), FNL_OK);
-            mat4 view = mat4_look_at(camera.position, camera.target, camera.up);
-            struct box bounds = scene_bounds(scene);
-            float tan_y = tanf(camera.vertical_fov / 2), widest = 0;
-            for (int corner = 0; corner < 8; corner++) {
-                vec3 p = mat4_point(&view, vec3_make(corner & 1 ? bounds.high.x : bounds.low.x,
-                                                     corner & 2 ? bounds.high.y : bounds.low.y,
-                                                     corner & 4 ? bounds.high.z : bounds.low.z));
-                assert_true(-p.z > camera.near_distance);
-                widest = fmaxf(widest, fmaxf(fabsf(p.x) / (-p.z * tan_y * aspects[a]), fabsf(p.y) / (-p.z * tan_y)));
+        for (uint32_t a = 0; a < COUNT_OF(aspects); a++)
+            for (uint32_t k = 0; k < COUNT_OF(sides); k++) {
+                fnl_scene *scene = make_scene();
+                const float x = sides[k].x * scales[s], y = sides[k].y * scales[s], z = sides[k].z * scales[s], far = 1000 * scales[s];
+                const vec3 points[] = {{x, 0, 0}, {-x, 0, 0}, {0, y, z}, {0, 0, -z}, {far, far, far}};
+                static const uint32_t indices[] = {0, 1, 2, 0, 3, 1, 4, 4, 4, 0, 4, 4}, at[] = {0, 0, 0};
+                fnl_mesh_params shape = {.vertex_count = 5, .index_count = 12, .positions = &points[0].x, .indices = indices};
+                const fnl_mesh_params dot = {.vertex_count = 1, .index_count = 3, .positions = &points[0].x, .indices = at};
+                const fnl_mat4 moved = mat4_translation(vec3_make(2 * scales[s], -scales[s], 0)), gone = mat4_translation(vec3_make(0, far, 0));
+                fnl_light_params light = fnl_light_params_default();
+                light.position = vec3_make(0, far, far);
+                fnl_light_id id;
+                fnl_mesh_id mesh, small;
+                fnl_instance_id instance;
+                fnl_camera camera;
+                assert_int_equal(fnl_scene_add_mesh(scene, &shape, &mesh), FNL_OK);
+                assert_int_equal(fnl_scene_add_mesh(scene, &dot, &small), FNL_OK);
+                assert_int_equal(fnl_scene_add_instance(scene, mesh, &moved, &instance), FNL_OK);
+                assert_int_equal(fnl_scene_add_instance(scene, small, &gone, &instance), FNL_OK);
+                assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+                assert_int_equal(fnl_scene_query_framing_camera(scene, aspects[a], &camera), FNL_OK);
+                vec3 shown[4];
+                for (uint32_t i = 0; i < 4; i++) shown[i] = mat4_point(&moved, points[i]);
+                expect_framed(&camera, aspects[a], shown, 4);
+                fnl_scene_destroy(&scene);
             }
-            assert_true(widest < 1 && widest > 0.9f);
-            fnl_scene_destroy(&scene);
-        }
+}
+
+/* A box a thousand times as large as its triangle, which a skin and a morph target move. */
+static void test_framing_camera_follows_poses(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = make_scene();
+    fnl_mesh_params shape = triangle();
+    fnl_mesh_id mesh;
+    fnl_instance_id instance;
+    const fnl_mat4 identity = mat4_identity();
+    assert_int_equal(fnl_scene_add_mesh(scene, &shape, &mesh), FNL_OK);
+    assert_int_equal(fnl_scene_add_instance(scene, mesh, &identity, &instance), FNL_OK);
+    struct scene_primitive *p = &scene->primitives.data[0];
+    static const vec3 up[] = {{0, 1000, 0}, {0, 1000, 0}, {0, 1000, 0}};
+    static const struct scene_morph_target target = {.positions = up};
+    float weight = 0.002f;
+    p->morph_targets = &target;
+    p->morph_target_count = 1;
+    scene->meshes.data[0].morph_weights = &weight;
+    box_add_point(&p->bounds, vec3_make(0, 1000, 0));
+    fnl_camera camera;
+    assert_int_equal(fnl_scene_query_framing_camera(scene, 1.5f, &camera), FNL_OK);
+    const vec3 shown[] = {{0, 2, 0}, {1, 2, 0}, {0, 3, 0}};
+    expect_framed(&camera, 1.5f, shown, 3);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_framing_camera_of_nothing(void **state) {
+    UNUSED(state);
     fnl_scene *empty = make_scene();
     fnl_camera camera;
     assert_int_equal(fnl_scene_query_framing_camera(empty, 1, &camera), FNL_OK);
@@ -297,7 +347,9 @@ int main(void) {
         cmocka_unit_test(test_ids_of_removed_things_are_recognised),
         cmocka_unit_test(test_moves_can_be_followed),
         cmocka_unit_test(test_children_follow_their_parents),
-        cmocka_unit_test(test_framing_camera_shows_everything),
+        cmocka_unit_test(test_framing_camera_fills_the_picture),
+        cmocka_unit_test(test_framing_camera_follows_poses),
+        cmocka_unit_test(test_framing_camera_of_nothing),
         cmocka_unit_test(test_framing_camera_of_the_largest_scene),
         cmocka_unit_test(test_added_things_are_counted),
     };
