@@ -84,7 +84,7 @@ typedef enum fnl_tonemap {
 } fnl_tonemap;
 
 typedef enum fnl_exposure {
-    FNL_EXPOSURE_AUTO = 0, /**< metered from the frame itself */
+    FNL_EXPOSURE_AUTO = 0, /**< metered from the frame itself: mostly surfaces, mostly in the middle, with highlights kept */
     FNL_EXPOSURE_EV,       /**< from fnl_frame.ev: radiance is scaled by 1 / (1.2 * 2^ev) */
     FNL_EXPOSURE_NONE      /**< radiance is shown as it is */
 } fnl_exposure;

@@ -158,17 +158,37 @@ static void test_brdf_is_reciprocal(void **state) {
 
 static void test_meter_reads_grey(void **state) {
     UNUSED(state);
-    enum { COUNT = 1000 };
+    enum { SIDE = 40, COUNT = SIDE * SIDE };
     static float pixels[COUNT * 4];
-    for (int i = 0; i < COUNT * 4; i++) pixels[i] = 0.125f * 64; /* EV100 of L is log2(8 L) */
-    assert_true(fabs(ray_meter(pixels, COUNT) - 6) < 0.2);
+    static uint8_t surfaces[COUNT];
+    const double key = -log2(1.2 * 0.18), spare = -log2(1.2 * 3); /* of a luminance of 1 */
+    memset(surfaces, 1, sizeof surfaces);
+    for (int i = 0; i < COUNT * 4; i++) pixels[i] = 64;
+    assert_true(fabs(ray_meter(pixels, surfaces, SIDE, SIDE) - (6 + key)) < 0.1);
     for (int i = 0; i < COUNT * 2; i++) pixels[i] = 0; /* black says nothing about brightness */
-    assert_true(fabs(ray_meter(pixels, COUNT) - 6) < 0.2);
-    for (int i = 0; i < COUNT; i++) /* ten steps up: the mean is that of the steps 5 to 9.8 */
-        for (int c = 0; c < 4; c++) pixels[i * 4 + c] = exp2f(10 * ((float)i + 0.5f) / COUNT);
-    assert_true(fabs(ray_meter(pixels, COUNT) - 3 - 7.4) < 0.1);
+    assert_true(fabs(ray_meter(pixels, surfaces, SIDE, SIDE) - (6 + key)) < 0.1);
+    /* A background 32 times as bright counts 1/32 of what surfaces count; the other way round it is all that there is. */
+    for (int i = 0; i < COUNT * 4; i++) pixels[i] = i < COUNT * 2 ? 64 : 2048;
+    memset(surfaces + COUNT / 2, 0, COUNT / 2);
+    assert_true(fabs(ray_meter(pixels, surfaces, SIDE, SIDE) - fmax(6 + key, 11 + spare)) < 0.2);
+    memset(surfaces, 0, sizeof surfaces);
+    const double all = ray_meter(pixels, surfaces, SIDE, SIDE);
+    assert_true(all > 8.4 + key && all < 8.6 + key);
+    /* Six steps up: their mean; ten: highlights are kept. From left to right, as the middle counts more. */
+    memset(surfaces, 1, sizeof surfaces);
+    for (int steps = 6; steps <= 10; steps += 4) {
+        for (int i = 0; i < COUNT * 4; i++) pixels[i] = exp2f((float)steps * ((float)(i / 4 % SIDE) + 0.5f) / SIDE);
+        const double ev = ray_meter(pixels, surfaces, SIDE, SIDE);
+        assert_true(fabs(ev - (steps == 6 ? 3 + key : 9.8 + spare)) < 0.15);
+    }
+    /* What stands in the middle counts more than what surrounds it. */
+    for (int i = 0; i < COUNT; i++) {
+        const bool inside = abs(i % SIDE - SIDE / 2) < SIDE / 4 && abs(i / SIDE - SIDE / 2) < SIDE / 4;
+        for (int c = 0; c < 4; c++) pixels[4 * i + c] = inside ? 1 : 4;
+    }
+    assert_true(ray_meter(pixels, surfaces, SIDE, SIDE) < 1.3 + key); /* a quarter of the picture: evenly it would be 1.5 */
     for (int i = 0; i < COUNT * 4; i++) pixels[i] = 0;
-    assert_true(ray_meter(pixels, COUNT) == 0);
+    assert_true(ray_meter(pixels, surfaces, SIDE, SIDE) == 0);
 }
 
 int main(void) {

@@ -229,6 +229,7 @@ void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params
         radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, i == 0 ? sum : NULL, 0), rest * s.alpha);
         rest *= 1 - s.alpha;
     }
+    sum->surfaces += found;
     if (found) {
         struct ray_surface s = ray_surface_at(scene, &hit, origin, direction, &neighbours);
         radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, layer_count ? NULL : sum, 0), rest);

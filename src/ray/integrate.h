@@ -10,6 +10,7 @@
 struct ray_sum {
     dvec3 radiance;
     double direct, unshadowed; /* luminance of the lights' direct light at the nearest surface */
+    uint32_t surfaces;         /* samples that met one that is not blended */
 };
 
 /** Adds a sample of a pixel, through a point in pixels. `camera` is that of the parameters. */

@@ -63,25 +63,30 @@ double ray_srgb(double linear) {
     return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
 }
 
-/* The mean log luminance between the 50th and the 98th percentile of what is not black is the reflected-light reading, EV100 = log2(L * 100 / 12.5)
-   (Lagarde & de Rousiers, "Moving Frostbite to Physically Based Rendering", 2014), by the bins of the frames' meter. */
-double ray_meter(const float *pixels, size_t pixel_count) {
-    uint64_t bins[METER_BINS] = {0}, total = 0;
-    for (size_t i = 0; i < pixel_count; i++) {
-        const float *p = pixels + i * 4;
-        double luminance = dvec3_luminance(dvec3_make((double)p[0], (double)p[1], (double)p[2]));
-        double level = (log2(fmax(luminance, 1e-12)) - METER_LOW) / (METER_HIGH - METER_LOW) * METER_BINS;
-        bins[(uint32_t)CLAMP(level, 0, METER_BINS - 1.0)]++;
-    }
-    for (uint32_t i = 1; i < METER_BINS; i++) total += bins[i]; /* bin 0 holds black */
-    double low = 0.5 * (double)total, high = 0.98 * (double)total, before = 0, sum = 0, weight = 0;
+static double level_of(double bin) { return bin / METER_BINS * (METER_HIGH - METER_LOW) + METER_LOW; }
+
+double ray_meter(const float *pixels, const uint8_t *surfaces, uint32_t width, uint32_t height) {
+    double counts[METER_BINS] = {0}, total = 0;
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            const size_t i = (size_t)y * width + x;
+            const double luminance = dvec3_luminance(dvec3_make((double)pixels[4 * i], (double)pixels[4 * i + 1], (double)pixels[4 * i + 2]));
+            const double level = (log2(fmax(luminance, 1e-12)) - METER_LOW) / (METER_HIGH - METER_LOW) * METER_BINS;
+            const double across = (2.0 * x + 1) / width - 1, down = (2.0 * y + 1) / height - 1;
+            const double weight = floor(METER_WEIGHT(fmax(METER_NEARNESS(across, down), 0)));
+            counts[(uint32_t)CLAMP(level, 0, METER_BINS - 1.0)] += surfaces[i] ? weight : METER_BACKGROUND * weight;
+        }
+    for (uint32_t i = 1; i < METER_BINS; i++) total += counts[i];
+    const double low = METER_TRIM * total, high = (1 - METER_TRIM) * total, bright = METER_BRIGHT * total;
+    double before = 0, sum = 0, weight = 0, brightest = METER_LOW;
     for (uint32_t i = 1; i < METER_BINS; i++) {
-        double count = (double)bins[i], inside = fmax(fmin(before + count, high) - fmax(before, low), 0);
-        sum += inside * ((i + 0.5) / METER_BINS * (METER_HIGH - METER_LOW) + METER_LOW);
+        const double inside = fmax(fmin(before + counts[i], high) - fmax(before, low), 0);
+        sum += inside * level_of(i + 0.5);
         weight += inside;
-        before += count;
+        if (before < bright && before + counts[i] >= bright) brightest = level_of(i + (bright - before) / counts[i]);
+        before += counts[i];
     }
-    return weight > 0 ? sum / weight + 3 : 0;
+    return weight > 0 ? fmax(sum / weight - log2(1.2 * METER_KEY), brightest - log2(1.2 * METER_SPARE)) : 0;
 }
 
 double ray_exposure(double ev) { return 1 / (1.2 * exp2(ev)); }

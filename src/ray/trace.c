@@ -127,6 +127,22 @@ static bool create_image(const fnl_host *host, const fnl_trace_params *p, fnl_pi
     return out->pixels;
 }
 
+/* A pixel shows a surface if half of its samples do. */
+static bool meter(const struct trace *t, const fnl_host *host, const float *radiance, double *ev) {
+    const fnl_trace_params *p = t->params;
+    const size_t count = (size_t)p->width * p->height;
+    uint8_t *surfaces = host_allocate(host, count);
+    if (!surfaces) return false;
+    for (uint32_t y = 0; y < p->height; y++)
+        for (uint32_t x = 0; x < p->width; x++) {
+            const size_t pixel = (size_t)y * p->width + x;
+            surfaces[pixel] = 2 * (uint64_t)t->sums[pixel].surfaces > t->counts[y / TILE * t->tiles_x + x / TILE];
+        }
+    *ev = ray_meter(radiance, surfaces, p->width, p->height);
+    host_free(host, surfaces, count);
+    return true;
+}
+
 static fnl_result make_pictures(struct trace *t, const fnl_host *host, fnl_trace *out) {
     const fnl_trace_params *p = t->params;
     if (!create_image(host, p, FNL_PIXEL_FORMAT_RGBA32F, &out->radiance) ||
@@ -135,7 +151,7 @@ static fnl_result make_pictures(struct trace *t, const fnl_host *host, fnl_trace
     if (p->visibility && !create_image(host, p, FNL_PIXEL_FORMAT_RGBA32F, &out->visibility)) return FNL_ERROR_MEMORY;
     fill_radiance(t, out->radiance.pixels, out->visibility.pixels);
     double ev = (double)p->ev;
-    if (p->exposure == FNL_EXPOSURE_AUTO) ev = ray_meter(out->radiance.pixels, (size_t)p->width * p->height);
+    if (p->exposure == FNL_EXPOSURE_AUTO && !meter(t, host, out->radiance.pixels, &ev)) return FNL_ERROR_MEMORY;
     out->ev = p->exposure == FNL_EXPOSURE_NONE ? 0 : (float)ev;
     fill_color(t, out->radiance.pixels, p->exposure == FNL_EXPOSURE_NONE ? 1 : ray_exposure(ev), out->color.pixels);
     return FNL_OK;

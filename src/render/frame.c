@@ -38,11 +38,11 @@ static bool wants_color(const struct frame_state *f) { return f->target || (f->f
 
 /* One for all. */
 static void expose(struct frame_state *views, uint32_t count) {
-    graph_image images[MULTIVIEW_MOST] = {{0}};
+    graph_image radiance[MULTIVIEW_MOST] = {{0}}, depth[MULTIVIEW_MOST] = {{0}};
     const fnl_frame *frame = views->frame;
     if (frame->exposure != FNL_EXPOSURE_AUTO || !(wants_color(views) || frame->aa == FNL_ANTIALIASING_TAA)) return;
-    for (uint32_t i = 0; i < count; i++) images[i] = views[i].radiance;
-    views->exposure = exposure_add(views->graph, images, count);
+    for (uint32_t i = 0; i < count; i++) radiance[i] = views[i].radiance, depth[i] = views[i].depth;
+    views->exposure = exposure_add(views->graph, radiance, depth, count);
     for (uint32_t i = 1; i < count; i++) views[i].exposure = views->exposure;
 }
 

@@ -141,7 +141,7 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
     shade.lights = &c.blend_lights;
     forward_add(graph, &shade, GEOMETRY_BLEND, false, radiance, depth);
 
-    struct tonemap_params tonemap = {.tonemap = GPU_TONEMAP_KHRONOS_NEUTRAL, .exposure = exposure_add(graph, &radiance, 1)};
+    struct tonemap_params tonemap = {.tonemap = GPU_TONEMAP_KHRONOS_NEUTRAL, .exposure = exposure_add(graph, &radiance, &depth, 1)};
     struct motion_input motion = {.view = slice.address,
                                   .current = &eye->view,
                                   .previous = eye->drawn ? &previous : NULL,

@@ -1,8 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// From the histogram to an exposure: the mean log luminance between the 50th and the 98th percentile becomes the reflected-light
-// reading, EV100 = log2(L * 100 / 12.5), and the picture is scaled by 1 / (1.2 * 2^EV100) (Lagarde & de Rousiers 2014).
+// From the histograms to an exposure (exposure_shared.h); radiance is multiplied by 1 / (1.2 * 2^EV100) (Lagarde & de Rousiers 2014).
 #include "common.glsl"
 
 layout(buffer_reference) buffer float_array;
@@ -12,19 +11,23 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer float_array 
 layout(local_size_x = 1) in;
 layout(push_constant, scalar) uniform push_block { gpu_exposure_push push; };
 
+float count_of(uint bin) { return float(push.histogram.at[bin]) + METER_BACKGROUND * float(push.histogram.at[METER_BINS + bin]); }
+
+float level_of(float bin) { return bin / float(METER_BINS) * (METER_HIGH - METER_LOW) + METER_LOW; }
+
 void main() {
     float total = 0.0;
-    // Bin 0 holds black: it says nothing about brightness.
-    for (uint i = 1u; i < METER_BINS; i++) total += float(push.histogram.at[i]);
-    float low = total * 0.5, high = total * 0.98, before = 0.0, sum = 0.0, weight = 0.0;
+    for (uint i = 1u; i < METER_BINS; i++) total += count_of(i);
+    float low = total * METER_TRIM, high = total * (1.0 - METER_TRIM), bright = total * METER_BRIGHT;
+    float before = 0.0, sum = 0.0, weight = 0.0, brightest = METER_LOW;
     for (uint i = 1u; i < METER_BINS; i++) {
-        float count = float(push.histogram.at[i]);
-        float inside = max(min(before + count, high) - max(before, low), 0.0);
-        sum += inside * ((float(i) + 0.5) / float(METER_BINS) * (METER_HIGH - METER_LOW) + METER_LOW);
+        float count = count_of(i), inside = max(min(before + count, high) - max(before, low), 0.0);
+        sum += inside * level_of(float(i) + 0.5);
         weight += inside;
+        if (before < bright && before + count >= bright) brightest = level_of(float(i) + (bright - before) / count);
         before += count;
     }
-    float ev = weight > 0.0 ? sum / weight + 3.0 : 0.0;
+    float ev = weight > 0.0 ? max(sum / weight - log2(1.2 * METER_KEY), brightest - log2(1.2 * METER_SPARE)) : 0.0;
     push.exposure.at[0] = 1.0 / (1.2 * exp2(ev));
     push.exposure.at[1] = ev;
 }

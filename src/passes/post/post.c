@@ -15,8 +15,8 @@ static uint32_t sample_count(const struct graph *graph, graph_image image) {
 
 /* ---- metering ---- */
 
-graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, uint32_t count) {
-    graph_buffer histogram = graph_create_buffer(graph, "luminance histogram", METER_BINS * 4);
+graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, const graph_image *depth, uint32_t count) {
+    graph_buffer histogram = graph_create_buffer(graph, "luminance histogram", 2 * METER_BINS * 4);
     graph_buffer exposure = graph_create_buffer(graph, "exposure", 8);
     graph_add_clear(graph, "meter clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {histogram}});
     for (uint32_t i = 0; i < count; i++) {
@@ -26,7 +26,7 @@ graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, uint
                                                        .pipeline = {&shader_meter_comp, 1, {sample_count(graph, radiance[i])}},
                                                        .groups = {DIVIDE_UP(image.width, 32u), DIVIDE_UP(image.height, 32u)},
                                                        GRAPH_PUSH(meter),
-                                                       GRAPH_ROWS(graph_samples(&meter.radiance, radiance[i]),
+                                                       GRAPH_ROWS(graph_samples(&meter.radiance, radiance[i]), graph_samples(&meter.depth, depth[i]),
                                                                   graph_changes(&meter.histogram, histogram))});
     }
     struct gpu_exposure_push push = {0};

@@ -5,8 +5,11 @@
 
 #include "graph/graph.h"
 
-/** Meters `count` images together and returns a buffer of two floats: the exposure factor and its EV100. */
-graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, uint32_t count);
+/**
+ * Meters `count` pictures together, by radiance and depth (0: background), and returns a buffer of two floats: the exposure factor and its EV100.
+ * exposure_shared.h says how.
+ */
+graph_buffer exposure_add(struct graph *graph, const graph_image *radiance, const graph_image *depth, uint32_t count);
 
 struct tonemap_params {
     uint32_t tonemap;      /* GPU_TONEMAP_… */

@@ -6,8 +6,9 @@
 #include "shared.h"
 
 struct gpu_meter_push {
-    ADDRESS(uint_array) histogram; /* METER_BINS */
-    uint radiance;                 /* bindless: sampled */
+    ADDRESS(uint_array) histogram; /* METER_BINS of surfaces, then as many of the background */
+    uint radiance;                 /* bindless: sampled, SAMPLES a pixel */
+    uint depth;                    /* the same; 0: background */
     uint width;
     uint height;
 };
