@@ -34,8 +34,7 @@ bool bench_scene_load(const fnl_host *host, const struct bench_settings *setting
     if (result == FNL_OK && lights > 0 && !loading_is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
     fnl_environment_params environment = fnl_environment_params_default();
     environment.source = settings->environment;
-    if (result == FNL_OK)
-        result = settings->environment ? fnl_scene_set_environment(*out, &environment) : loading_add_default_light(name, *out, NULL, NULL);
+    if (result == FNL_OK && settings->environment) result = fnl_scene_set_environment(*out, &environment);
     if (result != FNL_OK) fnl_scene_destroy(out);
     return result == FNL_OK;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of `fanal bench` that need no device: comparing pictures, paths, conclusions, files. */
 #include "bench_lane.h"
+#include "tests/frame_plain.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -343,7 +344,7 @@ static void test_files_round_trip(void **state) {
 
 static void test_candidate_options(void **state) {
     (void)state;
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     char text[1024], ways[1024];
     bench_ways_print(&frame, true, text, sizeof text);
     assert_string_equal(text, "");
@@ -359,7 +360,7 @@ static void test_candidate_options(void **state) {
     bench_ways_print(&frame, true, text, sizeof text);
     assert_string_equal(text, "transparency=linked,occlusion=on,clusters.slices=16,clusters.far=50,gbuffer.layout=siege,"
                               "deferred.msaa-method=all,coarse.tolerance=0.1");
-    fnl_frame again = fnl_frame_default();
+    fnl_frame again = frame_plain();
     assert_true(bench_ways_apply("set", text, &again));
     again.width = frame.width;
     again.shading = frame.shading;

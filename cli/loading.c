@@ -60,15 +60,3 @@ bool loading_select_variant(fnl_scene *scene, const char *variant, uint32_t *out
 }
 
 bool loading_is_builtin(const char *source) { return strncmp(source, "builtin:", 8) == 0; }
-
-fnl_result loading_add_default_light(const char *source, fnl_scene *scene, const fnl_environment_params *params, bool *added) {
-    fnl_scene_info info;
-    fnl_environment_params studio = params ? *params : fnl_environment_params_default();
-    if (added) *added = false;
-    fnl_result result = fnl_scene_query_info(scene, &info);
-    if (result != FNL_OK || info.light_count > 0 || info.has_environment || loading_is_builtin(source)) return result;
-    studio.source = "builtin:studio";
-    result = fnl_scene_set_environment(scene, &studio);
-    if (added) *added = result == FNL_OK;
-    return result;
-}

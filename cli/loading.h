@@ -32,7 +32,5 @@ bool loading_is_builtin(const char *source);
 /** Shows the variant of materials with this name or number; NULL: none. False with a message that lists what there is. `out` (or NULL)
  * gets its number, FNL_NO_VARIANT for none. */
 bool loading_select_variant(fnl_scene *scene, const char *variant, uint32_t *out);
-/** A file without any light would be black: it gets the environment builtin:studio, with what else `params` (or NULL) says. `added` (or NULL) says whether it did. */
-fnl_result loading_add_default_light(const char *source, fnl_scene *scene, const fnl_environment_params *params, bool *added);
 
 #endif

@@ -76,7 +76,7 @@ static void print_help(void) {
     puts("\n"
          "Scene\n"
          WORLD_SCENE_HELP "\n"
-         "Method (with --msaa and without --shading: forward-prepass)");
+         "Method");
     print_named();
     puts("  --set KEY=VALUE            any option of a frame; can be given several times. 'fanal render --options' prints\n"
          "                             all of them, with their ranges and what uses them; with --json for programs.\n"
@@ -497,7 +497,9 @@ int command_render(int argc, char **argv) {
     }
     o.world.scene = argv[optind];
     if (!check_options(&o) || !check_files(&o)) return 2;
-    if (!render_was_given(&o, "shading") && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    if (o.supersample > 1 && !render_was_given(&o, "msaa")) o.frame.msaa = 1; /* the mean smooths edges */
+    if (o.supersample > 1 && !render_was_given(&o, "aa")) o.frame.aa = FNL_ANTIALIASING_NONE;
+    world_set_frame(&o.world, &o.frame);
     o.lit_casts = !render_was_given(&o, "shadows");
     warn_of_unused(&o);
     return render_run(&o);

@@ -236,6 +236,7 @@ static int run(struct trace_options *o) {
     progress_begin(o->quiet, PROGRESS_SECONDS);
     progress_show("loading the scene", 0, 0);
     bool good = world_load(&o->world, &host, o->params.width, o->params.height, o->quiet, &scene, &o->params.camera);
+    world_set_trace(&o->world, &o->params);
     o->params.progress = show_progress;
     interrupt_catch(true);
     progress_show("preparing the scene", 0, 0);

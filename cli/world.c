@@ -28,9 +28,33 @@ static bool parse_probe(const char *value, struct world_options *o) {
     return true;
 }
 
+static const char *ground_name(int value) { return fnl_value_name(FNL_ENUM_GROUND, (uint32_t)value); }
+static const char *switch_name(int value) { return value == 0 ? "off" : value == 1 ? "on" : NULL; }
+
+static bool parse_background(const char *value, struct world_options *o) {
+    double degrees;
+    o->backdrop = FNL_BACKGROUND_SCENE;
+    if (strcmp(value, "scene") == 0) return true;
+    if (strcmp(value, "gradient") == 0) {
+        o->backdrop = FNL_BACKGROUND_GRADIENT;
+        return true;
+    }
+    if (strncmp(value, "blur:", 5) == 0) {
+        if (!argument_number("background", value + 5, &degrees)) return false;
+        if (!(degrees >= 0 && degrees <= 180)) return argument_bad("background", value, "blur: with an angle from 0 to 180 degrees");
+        o->backdrop = FNL_BACKGROUND_BLUR;
+        o->blur = (float)(degrees * 3.14159265358979323846 / 180);
+        return true;
+    }
+    if (*value >= 'a' && *value <= 'z') return argument_bad("background", value, "scene, gradient, blur:DEGREES or R,G,B");
+    o->has_background = true;
+    return argument_vector("background", value, &o->background);
+}
+
 bool world_parse(int option, const char *value, struct world_options *o) {
     long long integer;
     double number;
+    int index;
     if (loading_has(option)) return loading_parse(option, value, &o->loading);
     switch (option) {
     case WORLD_CAMERA:
@@ -94,8 +118,17 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         o->anisotropy = (float)number;
         return true;
     case WORLD_BACKGROUND:
-        o->has_background = true;
-        return argument_vector("background", value, &o->background);
+        return parse_background(value, o);
+    case WORLD_GROUND:
+        if (!argument_name("ground", value, ground_name, &index)) return false;
+        o->has_ground = true;
+        o->ground = (fnl_ground)index;
+        return true;
+    case WORLD_STUDIO:
+        if (!argument_name("studio", value, switch_name, &index)) return false;
+        o->has_studio = true;
+        o->no_studio = index == 0;
+        return true;
     case WORLD_AMBIENT:
         o->has_ambient = true;
         return argument_vector("ambient", value, &o->ambient);
@@ -261,6 +294,36 @@ static bool set_environment(const fnl_environment_params *params, fnl_scene *sce
     return fnl_scene_set_environment(scene, params) == FNL_OK;
 }
 
+/* Whether frames show the studio. */
+static bool is_dark(const fnl_scene *scene) {
+    fnl_scene_info info;
+    return fnl_scene_query_info(scene, &info) == FNL_OK && info.light_count == 0 && !info.has_environment && !info.has_ambient;
+}
+
+/* Whether options of the environment are meant for the studio, which then becomes the scene's. */
+static bool lights_studio(const struct world_options *o, const fnl_scene *scene) {
+    const fnl_environment_params usual = fnl_environment_params_default(), *params = &o->environment_params;
+    const bool changes = params->rotation != usual.rotation || params->intensity != usual.intensity || params->background != usual.background ||
+                         params->compressed != usual.compressed;
+    return changes && !o->no_studio && !o->has_ambient && is_dark(scene);
+}
+
+void world_set_frame(const struct world_options *o, fnl_frame *frame) {
+    if (o->has_studio) frame->studio = !o->no_studio;
+    if (o->has_ground) frame->ground = o->ground;
+    if (o->backdrop != FNL_BACKGROUND_AUTO) frame->background = o->backdrop;
+    if (o->backdrop == FNL_BACKGROUND_BLUR) frame->background_blur = o->blur;
+}
+
+void world_set_trace(const struct world_options *o, fnl_trace_params *params) {
+    fnl_frame frame = fnl_frame_default();
+    world_set_frame(o, &frame);
+    params->studio = frame.studio;
+    params->ground = frame.ground;
+    params->background = frame.background;
+    params->background_blur = frame.background_blur;
+}
+
 bool world_load(const struct world_options *o, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
                 fnl_camera *camera) {
     fnl_load_params loading = o->loading;
@@ -273,24 +336,22 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->ies && !give_profile(*scene, o->ies)) return false;
     fnl_environment_params environment = o->environment_params;
     environment.source = o->environment;
+    if (!environment.source && lights_studio(o, *scene)) environment.source = "builtin:studio"; /* turned, or as bright, as the options say */
     environment.background &= !o->has_background || o->environment;
     if (!set_environment(&environment, *scene)) return false;
     if (!add_probes(o, *scene)) return false;
-    bool added = false;
-    if (!o->has_ambient && !o->environment && loading_add_default_light(o->scene, *scene, &environment, &added) != FNL_OK) return false;
-    if (added && !quiet) puts("The scene has no light: it stands in builtin:studio (--environment, --lights, --ambient).");
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
+    if (!quiet && !o->no_studio && is_dark(*scene)) puts("The scene has no light: it stands in builtin:studio (--environment, --lights, --ambient, --studio off).");
     return choose_camera(o, *scene, (float)width / (float)height, camera);
 }
 
 fnl_shadows world_usual_shadows(const fnl_scene_info *scene, const fnl_device_info *device, bool quiet) {
     enum { MOST_MAPS = 65536, MAPS_OF_SUN = 192 }; /* fanal/shadows.h */
     const uint32_t count = scene->light_count, suns = scene->directional_count;
-    if (count == 0) return FNL_SHADOWS_OFF;
     if (device->clip_distances && count - suns + (uint64_t)MAPS_OF_SUN * suns <= MOST_MAPS) return FNL_SHADOWS_MAPS;
-    if (!quiet)
+    if (!quiet && count > 0)
         fprintf(stderr, "fanal: warning: no shadows: %s; --shadows rays finds them all, slowly\n",
                 device->clip_distances ? "the scene has more than the 65536 lights that may have shadow maps, of which a sun counts as 192"
                                        : "this device cannot draw shadow maps");

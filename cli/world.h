@@ -25,6 +25,10 @@ struct world_options {
     fnl_probe_params probes[WORLD_PROBES];
     uint32_t probe_count;
     bool probe_auto, probe_reflections;
+    bool has_ground, has_studio, no_studio;
+    fnl_ground ground;
+    fnl_background backdrop; /* auto: nobody said */
+    float blur; /* radians */
 };
 
 /* Behind those of loading, below the commands' own. */
@@ -36,6 +40,8 @@ enum {
     WORLD_NEAR,
     WORLD_UP,
     WORLD_BACKGROUND,
+    WORLD_GROUND,
+    WORLD_STUDIO,
     WORLD_AMBIENT,
     WORLD_ENVIRONMENT,
     WORLD_ENVIRONMENT_ROTATION,
@@ -63,7 +69,7 @@ enum {
     {"camera", required_argument, NULL, WORLD_CAMERA}, {"eye", required_argument, NULL, WORLD_EYE},                         \
         {"look-at", required_argument, NULL, WORLD_LOOK_AT}, {"fov", required_argument, NULL, WORLD_FOV},                   \
         {"near", required_argument, NULL, WORLD_NEAR}, {"up", required_argument, NULL, WORLD_UP},                           \
-        {"background", required_argument, NULL, WORLD_BACKGROUND}, {"ambient", required_argument, NULL, WORLD_AMBIENT},     \
+        {"background", required_argument, NULL, WORLD_BACKGROUND}, {"ground", required_argument, NULL, WORLD_GROUND}, {"studio", required_argument, NULL, WORLD_STUDIO}, {"ambient", required_argument, NULL, WORLD_AMBIENT},     \
         {"environment", required_argument, NULL, WORLD_ENVIRONMENT},                                                        \
         {"environment-rotation", required_argument, NULL, WORLD_ENVIRONMENT_ROTATION},                                      \
         {"environment-intensity", required_argument, NULL, WORLD_ENVIRONMENT_INTENSITY},                                    \
@@ -86,8 +92,11 @@ enum {
     "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"                                                 \
     "  --up X,Y,Z --near METRES   what is up in its picture (0,1,0), and from where on it sees (0.05)\n"
 #define WORLD_SURROUNDINGS_HELP                                                                                             \
-    "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"                                              \
-    "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light stands in builtin:studio)\n"        \
+    "  --background KIND          what is seen behind the scene: scene (its environment), gradient, blur:DEGREES (the\n"    \
+    "                             environment, blurred), or R,G,B in cd/m^2 (gradient in the studio, otherwise scene)\n"    \
+    "  --ground on|off|auto       a floor that catches shadows (auto: in the studio, under models without a floor)\n"      \
+    "  --studio on|off            lights scenes without any light by builtin:studio (on)\n"                                 \
+    "  --ambient R,G,B            constant ambient light, cd/m^2\n"                                                         \
     "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:sky, builtin:overcast\n" \
     "  --environment-rotation D   turns it, or the file's, about the vertical axis, degrees (0)\n"                      \
     "  --environment-intensity X  multiplies its light, or the file's (1)\n"                                    \
@@ -124,8 +133,12 @@ bool world_set_time(const struct world_options *options, fnl_scene *scene, doubl
 bool world_load(const struct world_options *options, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
                 fnl_camera *camera);
 
+/** Sets what of the options belongs to the frame, or to what is traced: studio, ground and background. */
+void world_set_frame(const struct world_options *options, fnl_frame *frame);
+void world_set_trace(const struct world_options *options, fnl_trace_params *params);
+
 /**
- * What --shadows is where nobody says it. Maps where there are lights. Where maps cannot be: none (unless `quiet`, with a warning), as rays would find all
+ * What --shadows is where nobody says it: maps. Where maps cannot be: none (unless `quiet`, with a warning), as rays would find all
  * shadows, but take far longer than anybody expects who did not ask for them.
  */
 fnl_shadows world_usual_shadows(const fnl_scene_info *scene, const fnl_device_info *device, bool quiet);

@@ -7,6 +7,7 @@
 #include "base/maths.h"
 #include "fanal/fanal.h"
 #include "fanal/vulkan.h"
+#include "frame_plain.h"
 
 #include <glob.h>
 #include <math.h>
@@ -667,7 +668,7 @@ static void test_other_arguments(void **state) {
     } while (0)
 
 static fnl_frame small_frame(void) {
-    fnl_frame small = fnl_frame_default();
+    fnl_frame small = frame_plain();
     small.width = 16;
     small.height = 9;
     small.lists = FNL_LISTS_ALL;
@@ -772,7 +773,7 @@ static void test_fields_of_traces(void **state) {
     UNUSED(state);
 #define TRACE(field, value, words)                                                                                          \
     do {                                                                                                                    \
-        fnl_trace_params p = fnl_trace_params_default();                                                                    \
+        fnl_trace_params p = trace_plain();                                                                    \
         p.field = value;                                                                                                    \
         SAYS("fnl_scene_trace", words, fnl_scene_trace(w.scene, &p, &traced));                                              \
     } while (0)

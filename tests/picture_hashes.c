@@ -5,6 +5,7 @@
  *   picture_hashes > before.txt; …; picture_hashes | diff before.txt -
  * The hashes belong to one driver and are not kept.
  */
+#include "frame_plain.h"
 #include <fanal/fanal.h>
 
 #include <inttypes.h>
@@ -92,7 +93,7 @@ static void print_ways(struct stage *s) {
 }
 
 static fnl_result print_scene(fnl_device *device, const char *source, bool ways) {
-    struct stage s = {.source = source, .device = device, .frame = fnl_frame_default()};
+    struct stage s = {.source = source, .device = device, .frame = frame_plain()};
     s.frame.width = 71;
     s.frame.height = 41;
     s.frame.exposure = FNL_EXPOSURE_EV;

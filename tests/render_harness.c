@@ -230,7 +230,7 @@ fnl_camera test_front_camera(void) {
 }
 
 fnl_frame test_frame(uint32_t outputs) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     frame.width = frame.height = 64;
     frame.camera = test_front_camera();
     frame.shading = FNL_SHADING_FORWARD;
@@ -340,7 +340,7 @@ bool test_equal(const fnl_image *a, const fnl_image *b) { return count_differing
 /* ---- stages ---- */
 
 struct stage stage_open_scene(fnl_scene *scene) {
-    struct stage stage = {.scene = scene, .frame = fnl_frame_default()};
+    struct stage stage = {.scene = scene, .frame = frame_plain()};
     stage.frame.lists = FNL_LISTS_CLUSTERED;
     uint32_t place = 0;
     while (place < COUNT_OF(open_stages) && open_stages[place].scene) place++;

@@ -18,6 +18,7 @@
 #define FNL_TESTS_RENDER_HARNESS_H
 
 #include "render/renderer_internal.h"
+#include "tests/frame_plain.h"
 
 #include <setjmp.h>
 

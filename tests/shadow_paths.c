@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/shadow_paths.h"
+#include "frame_plain.h"
 
 static const char *const source = "builtin:interior?lights=40&sun=5"; /* all shapes of lights, and a sun */
 
 const fnl_shading shadow_path_kinds[SHADOW_PATH_KINDS] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED, FNL_SHADING_LIGHT_PREPASS, FNL_SHADING_VISIBILITY};
 
 void expect_lists_alike(fnl_shadows shadows) {
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = frame_plain();
     expect_lists_alike_with(shadows, &usual.shadow);
 }
 
@@ -61,7 +62,7 @@ static void expect_alike(fnl_shadows shadows, const fnl_shadow_options *settings
 }
 
 void expect_paths_alike(fnl_shadows shadows, uint32_t msaa) {
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = frame_plain();
     static const fnl_shading several[] = {FNL_SHADING_DEFERRED, FNL_SHADING_VISIBILITY};
     fnl_shading all[FNL_SHADING_AUTO];
     for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) all[i] = (fnl_shading)i;

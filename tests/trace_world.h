@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "base/maths.h"
 #include "fanal/trace.h"
+#include "tests/frame_plain.h"
 
 #include <setjmp.h>
 
@@ -65,7 +66,7 @@ static inline void add_point_light(fnl_scene *scene, vec3 at, float candela) {
 
 /** A picture that looks down on the square of `extent` metres around a point, from `height` above it. */
 static inline fnl_trace_params look_down(vec3 at, float extent, float height, uint32_t size) {
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = p.height = size;
     p.camera.orthographic = true;
     p.camera.vertical_extent = extent;

@@ -5,6 +5,7 @@
  * FOLDER has what the test runtime saved (xr_runtime/README.md). Colour must be equal to the bit, depth what the frame's view depth says.
  */
 #include "fanal/fanal.h"
+#include "frame_plain.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -107,7 +108,7 @@ int main(int argc, char **argv) {
         return fail("no scene or device");
     for (uint32_t first = 0, together; first < count; first += together) { /* views of one size */
         const json_t *size = json_object_get(json_array_get(views, first), "size");
-        fnl_frame frame = fnl_frame_default();
+        fnl_frame frame = frame_plain();
         fnl_renderer *renderer = NULL;
         fnl_image color, normal = {0};
         frame.width = (uint32_t)json_integer_value(json_array_get(size, 0));

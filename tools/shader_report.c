@@ -9,6 +9,7 @@
  * among them. With --all, each program has a row. With --only TEXT, only shaders whose names hold the text are compiled. The first line ends in a number
  * that stands for all that goes into the pipelines; with --inputs it is all that is printed, and nothing is compiled.
  */
+#include "../tests/frame_plain.h"
 #include <fanal/fanal.h>
 #include <fanal/vulkan.h>
 
@@ -578,7 +579,7 @@ static void warm_all(fnl_renderer *renderer, const fnl_scene *scene, bool everyt
                                           {"culling", "clusters", "occlusion", "on"},  {"decals", "gbuffer"}, {"aa", "taa"},
                                           {"shadows", "rays", "shadow.ray-backend", "ray-query"},
                                           {"shadows", "sampled", "shadow.guide", "on"}};
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     frame.width = 320;
     frame.height = 180;
     frame.shadow.ray_backend = FNL_RAY_BACKEND_BVH;
@@ -629,7 +630,7 @@ static void warm_layers(fnl_device *device) {
     static const fnl_shadows shadows[] = {FNL_SHADOWS_OFF, FNL_SHADOWS_RAYS, FNL_SHADOWS_MAPS};
     fnl_scene *scene = NULL;
     fnl_renderer *renderer = NULL;
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     if (fnl_scene_load(NULL, "builtin:glass?lights=10", NULL, &scene) != FNL_OK) fail("glass");
     for (uint32_t i = 0; i < 3; i++) { /* one that a G-buffer holds, glass, and one that is lit forward after it */
         fnl_entity_info entity;

@@ -37,8 +37,8 @@ static void print_help(void) {
          "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion,object\n"
          "  --exposure EV|auto|none    EV100 of all walls; auto measures once, all around the head (auto)");
     puts(WORLD_SURROUNDINGS_HELP "\n"
-         "Scene\n" WORLD_SCENE_HELP "\n"
-         "Method\n"
+         "Scene\n" WORLD_SCENE_HELP);
+    puts("Method\n"
          "  --shading, --lists, --shadows and all others of 'fanal render'\n"
          "  --set KEY=VALUE            any option of a frame; 'fanal render --options' prints all\n"
          "\n"
@@ -257,8 +257,8 @@ int command_cave(int argc, char **argv) {
         return 2;
     }
     c.render.world.scene = argv[optind];
+    world_set_frame(&c.render.world, &c.render.frame);
     c.places_by_camera = c.render.world.camera || c.render.world.has_eye;
-    if (c.render.frame.msaa > 1 && c.render.given_count == 0) c.render.frame.shading = FNL_SHADING_FORWARD_PREPASS;
     struct cave_displays displays;
     int status = 2;
     if (cave_displays_load(c.displays, &displays)) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Walls and eyes: files of displays, frusta through corners, pictures that meet at the edges of walls, and several devices. */
 #include "cave/cave.h"
+#include "tests/frame_plain.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -31,7 +32,7 @@ static const char *write_file(const char *name, const char *text) {
 }
 
 static struct cave_options options_for(const char *scene) {
-    struct cave_options o = {.render = {.frame = fnl_frame_default(), .world = world_options_default(), .frame_count = 1, .frame_time = 0.25, .quiet = true, .validate = true}};
+    struct cave_options o = {.render = {.frame = frame_plain(), .world = world_options_default(), .frame_count = 1, .frame_time = 0.25, .quiet = true, .validate = true}};
     o.render.world.scene = scene;
     o.render.no_cache = true;
     o.render.outputs[0] = "x.png";

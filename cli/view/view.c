@@ -320,6 +320,7 @@ int command_view(int argc, char **argv) {
         fprintf(stderr, "fanal: error: %s; see 'fanal view --help'\n", problem);
         return 2;
     }
+    world_set_frame(&o.world, &o.frame);
     o.world.scene = optind < argc ? argv[optind] : NULL;
     struct view *v = calloc(1, sizeof *v);
     if (!v) return 2;

@@ -235,8 +235,8 @@ int command_xr(int argc, char **argv) {
         return 2;
     }
     o.world.scene = argv[optind];
+    world_set_frame(&o.world, &o.frame);
     o.own_shadows = given.shadows;
-    if (!given.shading && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
     struct xr *x = calloc(1, sizeof *x);
     if (!x) return 2;
     x->options = &o;

@@ -28,6 +28,7 @@
 #include "fanal/shading.h"
 #include "fanal/shading_options.h"
 #include "fanal/shadows.h"
+#include "fanal/stage.h"
 #include "fanal/stats.h"
 #include "fanal/stereo.h"
 #include "fanal/trace.h"

@@ -38,6 +38,10 @@ typedef struct fnl_trace_params {
     bool russian_roulette;
     uint64_t seed;     /**< of all chances; default 1 */
     bool visibility;   /**< wants fnl_trace.visibility; default false */
+    bool studio;       /**< as in fnl_frame, so are the next three; default true */
+    fnl_ground ground; /**< default auto */
+    fnl_background background; /**< default auto */
+    float background_blur;     /**< radians; default 0.35 */
     fnl_tonemap tonemap;   /**< of fnl_trace.color; default Khronos neutral */
     fnl_exposure exposure; /**< default auto */
     float ev;              /**< EV100 for FNL_EXPOSURE_EV, -64 .. 64; default 0 */
@@ -51,7 +55,7 @@ typedef struct fnl_trace_params {
 
 static inline fnl_trace_params fnl_trace_params_default(void) {
     const fnl_trace_params params = {1280,  720, fnl_camera_default(),        1,                 0, true, INFINITY, INFINITY, false, 1,
-                                     false, FNL_TONEMAP_KHRONOS_NEUTRAL, FNL_EXPOSURE_AUTO, 0, NULL, NULL};
+                                     false, true, FNL_GROUND_AUTO, FNL_BACKGROUND_AUTO, 0.35f, FNL_TONEMAP_KHRONOS_NEUTRAL, FNL_EXPOSURE_AUTO, 0, NULL, NULL};
     return params;
 }
 

@@ -22,6 +22,21 @@ dvec3 ray_environment_from(const struct ray_environment *e, dvec3 d) {
     return out;
 }
 
+double ray_environment_mean(const struct ray_environment *e) {
+    const struct panorama *p = &e->scene->panorama;
+    double sum = 0;
+    for (uint32_t y = 0; y < p->height; y++) {
+        const double share = (cos(DPI * y / p->height) - cos(DPI * (y + 1) / p->height)) / 2 / p->width;
+        double row = 0;
+        for (uint32_t x = 0; x < p->width; x++) {
+            const float *texel = p->texels + 3 * ((size_t)y * p->width + x);
+            row += dvec3_luminance(dvec3_make((double)texel[0], (double)texel[1], (double)texel[2]));
+        }
+        sum += row * share;
+    }
+    return sum * (double)scene_environment_scale(e->scene);
+}
+
 static dvec3 again_of(dvec3 f0, dvec3 f90, const double albedo[2]) {
     const double rest = 1 - albedo[0] - albedo[1];
     const dvec3 once = dvec3_add_scaled(dvec3_scale(f0, albedo[0]), f90, albedo[1]), mean = dvec3_lerp(f0, f90, 1.0 / 21);

@@ -2,6 +2,7 @@
 #include "ray/integrate.h"
 
 #include "ray/environment.h"
+#include "background_shared.h"
 #include "scene/scene.h"
 
 struct context {
@@ -19,6 +20,40 @@ static dvec3 surroundings(const struct context *c, dvec3 direction) {
 }
 
 static double chance(const struct context *c) { return (double)(random_bits(c->random) >> 11) * 0x1p-53; }
+
+/* The environment about a direction, as wide as the blur says: from a lobe of GGX, each direction weighed by its cosine. */
+static dvec3 blurred(const struct context *c, dvec3 direction) {
+    enum { SAMPLES = 16 };
+    const double alpha = fmin(BLUR_ALPHA(fmin((double)c->params->background_blur, BLUR_MOST) / 4), 1), alpha2 = alpha * alpha;
+    dvec3 side, up, sum = {0, 0, 0};
+    double weights = 0;
+    dvec3_basis(direction, &side, &up);
+    for (int i = 0; i < SAMPLES; i++) {
+        const double u = (i + chance(c)) / SAMPLES, cosine = 2 * (1 - u) / (1 + (alpha2 - 1) * u) - 1, sine = sqrt(fmax(1 - cosine * cosine, 0)), angle = 2 * DPI * chance(c);
+        if (!(cosine > 0)) continue;
+        const dvec3 none = {0, 0, 0};
+        const dvec3 to = dvec3_combine(side, up, none, dvec3_make(sine * cos(angle), sine * sin(angle), 1));
+        sum = dvec3_add_scaled(sum, ray_environment_from(c->environment, dvec3_add_scaled(to, direction, cosine)), cosine);
+        weights += cosine;
+    }
+    return dvec3_scale(sum, weights > 0 ? 1 / weights : 0);
+}
+
+static double smooth(double x) { return x * x * (3 - 2 * x); }
+
+/* What the camera sees where no surface is, as frames show it (fnl_background). */
+static dvec3 background(const struct context *c, dvec3 direction) {
+    const bool has = ray_environment_is(c->environment);
+    fnl_background kind = c->params->background;
+    if (kind == FNL_BACKGROUND_AUTO) kind = has && c->environment->scene->staged ? FNL_BACKGROUND_GRADIENT : FNL_BACKGROUND_SCENE;
+    if (kind == FNL_BACKGROUND_GRADIENT) {
+        const double y = dvec3_normalize(direction).y, end = y > 0 ? GRADIENT_ZENITH : GRADIENT_NADIR;
+        const double light = (has ? c->environment->mean : 1) * (GRADIENT_HORIZON + (end - GRADIENT_HORIZON) * smooth(fmin(fabs(y), 1)));
+        return dvec3_make(light, light, light);
+    }
+    if (kind == FNL_BACKGROUND_BLUR && has) return blurred(c, direction);
+    return has && c->environment->scene->background ? ray_environment_from(c->environment, direction) : c->background;
+}
 
 /* ---- direct light ---- */
 
@@ -91,7 +126,7 @@ static dvec3 seen_from(const struct context *c, dvec3 origin, dvec3 direction, u
     struct ray_hit hit;
     c->walk->key = random_bits(c->random);
     if (!ray_find(c->scene, RAY_THROUGH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
-        return ray_environment_is(c->environment) && c->environment->scene->background ? ray_environment_from(c->environment, direction) : c->background;
+        return background(c, direction);
     struct ray_surface s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
     return outgoing(c, &s, dvec3_scale(direction, -1), NULL, depth + 1);
 }
@@ -234,9 +269,7 @@ void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params
         struct ray_surface s = ray_surface_at(scene, &hit, origin, direction, &neighbours);
         radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, layer_count ? NULL : sum, 0), rest);
     } else {
-        dvec3 seen = c.background;
-        if (ray_environment_is(c.environment) && c.environment->scene->background) seen = ray_environment_from(c.environment, direction);
-        radiance = dvec3_add_scaled(radiance, seen, rest);
+        radiance = dvec3_add_scaled(radiance, background(&c, direction), rest);
     }
     sum->radiance = dvec3_add(sum->radiance, radiance);
 }

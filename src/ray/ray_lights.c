@@ -40,7 +40,7 @@ fnl_result ray_lights_create(struct ray_scene *s) {
     for (int suns = 1; suns >= 0; suns--) {
         for (uint32_t i = 0; i < scene->lights.count; i++) {
             const struct scene_light *light = &scene->lights.data[i];
-            if (light->removed || (light->node != SCENE_NONE && !scene->nodes.data[light->node].active)) continue;
+            if (!scene_light_shines(light) || (light->node != SCENE_NONE && !scene->nodes.data[light->node].active)) continue;
             if ((light->params.kind == FNL_LIGHT_DIRECTIONAL) != suns) continue;
             double range = (double)fnl_light_range(&light->params, scene->cutoff_roughness, scene->cutoff_illuminance);
             struct ray_light made = ray_light_make(&light->params, range, light->hull);

@@ -93,7 +93,8 @@ fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ra
     if (!s) return FNL_ERROR_MEMORY;
     s->scene = scene;
     s->standard = scene_material_default();
-    s->environment = (struct ray_environment){&scene->environment, &s->albedos};
+    s->environment = (struct ray_environment){&scene->environment, &s->albedos, 0};
+    if (ray_environment_is(&s->environment)) s->environment.mean = ray_environment_mean(&s->environment);
     bool wants_albedos = ray_environment_is(&s->environment);
     for (uint32_t i = 0; i < scene->materials.count; i++) wants_albedos |= scene_material_layered(&scene->materials.data[i]);
     if (wants_albedos) ray_albedos_fill(&s->albedos);

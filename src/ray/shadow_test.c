@@ -3,6 +3,7 @@
 #include "tests/shadow_cases.h"
 
 #include "scene/scene.h"
+#include "tests/frame_plain.h"
 
 enum { SIZE = SHADOW_SIZE };
 static const vec3 LIGHT = {0.3f, 3, -0.2f};
@@ -203,7 +204,7 @@ static void test_sun_casts_a_penumbra(void **state) {
         sun.source_angle = own ? p.sun_angle : 0.1f;
         assert_int_equal(fnl_scene_set_light(scene, id, &sun), FNL_OK);
         fnl_trace_params q = p;
-        if (own) q.sun_angle = fnl_trace_params_default().sun_angle;
+        if (own) q.sun_angle = trace_plain().sun_angle;
         fnl_trace same = trace_scene(scene, &q);
         assert_memory_equal(same.visibility.pixels, trace.visibility.pixels, 20 * 20 * 16);
         fnl_trace_free(NULL, &same);
@@ -269,7 +270,7 @@ static void test_capsule_is_hidden_in_part(void **state) {
     assert_float_equal(mean_of(&trace.visibility, 0), 1, 0); /* the nearest point of the tube */
     fnl_trace_free(NULL, &trace);
     for (int own = 0; own < 2; own++) { /* as the trace says, or the light itself */
-        p.light_radius = own ? fnl_trace_params_default().light_radius : 1e-3f;
+        p.light_radius = own ? trace_plain().light_radius : 1e-3f;
         tube.source_radius = own ? 1e-3f : 0;
         assert_int_equal(fnl_scene_set_light(scene, id, &tube), FNL_OK);
         trace = trace_scene(scene, &p);

@@ -32,6 +32,9 @@ static fnl_result check(const struct call *call, const fnl_trace_params *p) {
     TRY(check_count(call, "bounces", p->bounces, 0, 1024));
     if (!(p->light_radius == INFINITY)) TRY(check_range(call, "light_radius", (double)p->light_radius, 0, infinite, " metres"));
     if (!(p->sun_angle == INFINITY)) TRY(check_range(call, "sun_angle", (double)p->sun_angle, 0, 1, " radians"));
+    TRY(check_enum(call, "ground", (int)p->ground, FNL_GROUND_COUNT, "fnl_ground"));
+    TRY(check_enum(call, "background", (int)p->background, FNL_BACKGROUND_COUNT, "fnl_background"));
+    TRY(check_range(call, "background_blur", (double)p->background_blur, 0, (double)PI, " radians"));
     TRY(check_enum(call, "tonemap", (int)p->tonemap, FNL_TONEMAP_COUNT, "fnl_tonemap"));
     TRY(check_enum(call, "exposure", (int)p->exposure, FNL_EXPOSURE_NONE + 1, "fnl_exposure"));
     return check_range(call, "ev", (double)p->ev, -64, 64, " EV100");
@@ -189,8 +192,10 @@ fnl_result fnl_scene_trace(const fnl_scene *scene, const fnl_trace_params *param
     TRY(check(call, trace.params));
     struct jobs *jobs;
     TRY(jobs_create(&scene->host, &jobs));
-    scene_choose_levels((fnl_scene *)scene, &trace.params->camera); /* no property of the scene: each picture chooses its own */
-    fnl_result result = run(&trace, scene, jobs, out);
+    /* Neither is a property of the scene: each picture chooses its own. */
+    scene_choose_levels((fnl_scene *)scene, &trace.params->camera);
+    fnl_result result = scene_set_stage((fnl_scene *)scene, trace.params->studio, trace.params->ground);
+    if (result == FNL_OK) result = run(&trace, scene, jobs, out);
     jobs_destroy(&jobs);
     if (result != FNL_OK) {
         fnl_trace_free(&scene->host, out);

@@ -4,6 +4,7 @@
 
 #include "ray/ray_scene.h"
 #include "tests/test_memory.h"
+#include "tests/frame_plain.h"
 
 /* ---- furnaces: what is seen does not depend on chance ---- */
 
@@ -35,7 +36,7 @@ static void test_white_furnace(void **state) {
                vec3_make(0, -1, 0)); /* the box stands on it: corners that reflect one another */
     assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){3, 3, 3}, (fnl_vec3){3, 3, 3}), FNL_OK);
     assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){3, 3, 3}), FNL_OK);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = 32, p.height = 24, p.bounces = 60;
     p.camera.position = (vec3){2, 2.2f, 2.6f};
     fnl_trace trace = trace_scene(scene, &p);
@@ -54,7 +55,7 @@ static void test_energy_in_a_closed_box(void **state) {
     fnl_material_params wall = matt(0.5f);
     for (int i = 0; i < 3; i++) wall.emissive[i] = 2;
     add_box(scene, &wall, true);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = p.height = 16;
     p.camera.position = (vec3){0.3f, 0.2f, 0.9f};
     for (p.bounces = 1; p.bounces < 6; p.bounces++) {
@@ -153,7 +154,7 @@ static fnl_trace trace_hall(uint32_t threads, uint64_t seed) {
     host.thread_count = threads;
     fnl_scene *scene = NULL;
     assert_int_equal(fnl_scene_load(&host, "builtin:glass?lights=12", NULL, &scene), FNL_OK);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = 67, p.height = 35, p.samples = 2, p.bounces = 2, p.visibility = true, p.light_radius = 0.1f, p.seed = seed;
     assert_int_equal(fnl_scene_query_framing_camera(scene, 67 / 35.0f, &p.camera), FNL_OK);
     fnl_trace trace = trace_scene(scene, &p);
@@ -188,7 +189,7 @@ static void test_ended_early(void **state) {
     host.thread_count = 1;
     fnl_scene *scene = world_create(&host);
     assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){5, 6, 7}), FNL_OK);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     uint64_t limit = 4;
     p.width = 64, p.height = 48, p.samples = 2, p.progress = stop_after, p.user = &limit;
     fnl_trace trace = trace_scene(scene, &p);
@@ -260,7 +261,7 @@ static void test_empty_scene_is_background(void **state) {
     UNUSED(state);
     fnl_scene *scene = world_create(NULL);
     assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){1, 2, 3}), FNL_OK);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = 5, p.height = 3, p.samples = 3, p.visibility = true;
     fnl_trace trace = trace_scene(scene, &p);
     assert_float_equal(pixel_at(&trace.radiance, 4, 2)[1], 2, 0);

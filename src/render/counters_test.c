@@ -50,7 +50,7 @@ static void test_rows_are_complete(void **state) {
         if (strlen(c.help) < 8 || !c.unit || !c.shadings || c.kind > FNL_COUNTER_SWITCH || c.value != 0)
             fail_msg("the row of %s is wrong", c.key);
         for (uint32_t i = 0; i < count; i++) assert_true(fnl_counter_query(i, &other) && strcmp(other.key, c.key) != 0);
-        fnl_frame frame = fnl_frame_default(); /* what it needs is an option, and a value that this takes */
+        fnl_frame frame = frame_plain(); /* what it needs is an option, and a value that this takes */
         meet(&frame, &c);
         assert_true(meets(&frame, &c));
     }

@@ -90,7 +90,7 @@ enum made { THERE, FILTERED, CACHED };
 
 /* Renders, says what the frame did for its environment, and checks that by its passes. */
 static enum made render(struct run *run, fnl_image *out) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     fnl_frame_stats stats;
     bool filters = false, copies = false;
     frame.width = 24, frame.height = 16;

@@ -7,6 +7,7 @@
 #include "fanal/fanal.h"
 #include "fanal/vulkan.h"
 #include "gpu/gpu.h"
+#include "tests/frame_plain.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -310,7 +311,7 @@ static void fetch(struct picture *p, VkImageLayout layout, VkSemaphore wait, uin
 /* ---- frames ---- */
 
 static fnl_frame small_frame(void) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     frame.width = WIDTH;
     frame.height = HEIGHT;
     frame.camera = w.camera;

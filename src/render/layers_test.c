@@ -110,7 +110,7 @@ static void test_layers_are_those_of_rays_MA_1(void **state) {
     struct stage s = open_balls(scene);
     s.frame.shading = FNL_SHADING_FORWARD;
     struct shot shot = stage_shoot(&s, &s.frame);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = s.frame.width, p.height = s.frame.height, p.camera = s.frame.camera;
     p.shadows = false;
     fnl_trace trace;
@@ -429,7 +429,7 @@ static void test_a_gbuffer_holds_coats_and_anisotropy_MA_22(void **state) {
         }
         s.frame.msaa = 1;
         s.frame.shading = FNL_SHADING_DEFERRED;
-        s.frame.deferred = fnl_frame_default().deferred;
+        s.frame.deferred = frame_plain().deferred;
         struct shot automatic = stage_shoot(&s, &s.frame);
         s.frame.gbuffer.layout = FNL_GBUFFER_LAYERS;
         struct shot asked = stage_shoot(&s, &s.frame);
@@ -437,7 +437,7 @@ static void test_a_gbuffer_holds_coats_and_anisotropy_MA_22(void **state) {
         assert_int_equal(counter(&asked.stats, "gbuffer.bytes"), (uint64_t)(scenes[k].forward ? 29 : 28) * 96 * 54);
         s.frame.gbuffer.normals = FNL_NORMALS_FLOAT;
         assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_ERROR_UNSUPPORTED);
-        s.frame.gbuffer = fnl_frame_default().gbuffer;
+        s.frame.gbuffer = frame_plain().gbuffer;
         s.frame.gbuffer.chroma = true; /* another default: they are lit forward, as in each published layout */
         struct shot chroma = stage_shoot(&s, &s.frame);
         assert_int_equal(has_pass(&s, "lit forward"), scenes[k].kinds != cores);

@@ -47,7 +47,7 @@ static void test_frames_show_levels_MA_12(void **state) {
     struct shot shot = stage_shoot(&s, &s.frame);
     assert_int_equal(shot.stats.triangles_total, 0);
     shot_free(&shot);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = p.height = 33;
     for (uint32_t i = 0; i < COUNT_OF(steps); i++) {
         p.camera = levels_camera(sqrtf(2 / (steps[i].coverage * steps[i].coverage) + 2));

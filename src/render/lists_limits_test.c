@@ -2,6 +2,7 @@
 /** The limits of light lists: numbers of lights, pools that overflow, runs that must be equal. */
 #include "fanal/options.h"
 #include "tests/list_pairs.h"
+#include "tests/frame_plain.h"
 
 /* ---- numbers of lights ---- */
 
@@ -44,7 +45,7 @@ static void test_reaches_for_those_who_use_them(void **state) {
         frame.lists = (fnl_light_lists)l;
         if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
         for (uint32_t v = 0; v < 3; v++) {
-            frame.list = fnl_frame_default().list;
+            frame.list = frame_plain().list;
             frame.list.cone_tests = v == 0;
             frame.list.normal_cones = v == 0;
             frame.tiles.bounds = v == 2 ? FNL_TILE_BOUNDS_PROJECTED : FNL_TILE_BOUNDS_BOX;

@@ -2,6 +2,7 @@
 /** Which light lists use an option: what the table of options says, compared with what frames do. */
 #include "fanal/options.h"
 #include "tests/list_pairs.h"
+#include "tests/frame_plain.h"
 
 #include <inttypes.h>
 
@@ -33,7 +34,7 @@ static bool differ(const struct work *a, const struct work *b) {
 /* Value `index` of two or three that an option takes; false beyond the last. A later row of the table gets a greater number, so that what
    is set together goes together. */
 static bool option_value(const fnl_option *o, uint32_t row, uint32_t index, char *text, size_t capacity) {
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = frame_plain();
     const char *name = o->kind == FNL_OPTION_NAME ? fnl_value_name(o->names, index) : index == 0 ? "off" : index == 1 ? "on" : NULL;
     if (o->kind == FNL_OPTION_NAME || o->kind == FNL_OPTION_SWITCH) {
         if (name) snprintf(text, capacity, "%s", name);

@@ -77,12 +77,16 @@ static const struct row rows[] = {
     SWITCH("shadow.cubemap-tint", shadow.cubemap_tint, EVERY, EVERY, "shadows=cubemap: coloured glass colours the light"),
     SWITCH("shadow.cubemap-correct", shadow.cubemap_correct, EVERY, EVERY,
            "shadows=cubemap: looks up where light enters the box; off: in the direction of the light, which is wrong"),
-    COUNT("msaa", msaa, 1, 8, "samples", EVERY, EVERY, "samples per pixel", ONLY(1, 2, 4, 8)),
+    COUNT("msaa", msaa, 1, 8, "samples", EVERY, EVERY, "samples per pixel; auto: 4 if the path and the device can, otherwise 1", ONLY(1, 2, 4, 8), .has_auto = true),
+    SWITCH("studio", studio, EVERY, EVERY, "lights scenes without any light by builtin:studio"),
+    NAME("ground", ground, FNL_ENUM_GROUND, EVERY, EVERY, "a floor under the scene that catches its shadows"),
+    NAME("background", background, FNL_ENUM_BACKGROUND, EVERY, EVERY, "what is seen where no surface is"),
+    NUMBER("background-blur", background_blur, 0, 3.14159265358979, "radians", EVERY, EVERY, "background=blur: the angle over which the environment is blurred"),
     NAME("transparency", transparency, FNL_ENUM_TRANSPARENCY, ~PATH(INFERRED), EVERY,
          "how blended surfaces that overlap are composited"),
     COUNT("transmission-layers", transmission_layers, 1, 8, "layers", EVERY, EVERY,
           "most surfaces in a pixel that show what is behind them (glTF's transmission)"),
-    NAME("aa", aa, FNL_ENUM_ANTIALIASING, EVERY, EVERY, "antialiasing besides MSAA"),
+    NAME("aa", aa, FNL_ENUM_ANTIALIASING, EVERY, EVERY, "antialiasing in addition to MSAA; auto: smaa with 1 sample per pixel"),
     NUMBER("jitter.x", jitter.x, -8, 8, "pixels", EVERY, EVERY, "moves the sample of each pixel to the right"),
     NUMBER("jitter.y", jitter.y, -8, 8, "pixels", EVERY, EVERY, "moves the sample of each pixel down"),
     SWITCH("reset-history", reset_history, EVERY, EVERY, "forgets earlier frames, as after a camera cut"),
@@ -248,6 +252,7 @@ static fnl_result check_row(const struct call *call, const struct row *row, cons
         return FNL_OK;
     case FNL_OPTION_COUNT:
         memcpy(&count, field, sizeof count);
+        if (o->has_auto && count == 0) return FNL_OK;
         if (o->choice_count) return check_choice(call, name, count, o->choices, o->choice_count);
         TRY(check_count(call, name, count, (uint64_t)o->low, (uint64_t)o->high));
         if (o->multiple && count % o->multiple) return misuse(call, "%s is %u, must be a multiple of %u", name, count, o->multiple);
@@ -310,8 +315,13 @@ static fnl_result parse(const struct call *call, const struct row *row, const ch
     }
     if (o->kind == FNL_OPTION_COUNT) {
         errno = 0;
+        if (o->has_auto && strcmp(text, "auto") == 0) {
+            memset(out, 0, *out_size = sizeof(uint32_t));
+            return FNL_OK;
+        }
         unsigned long long count = strtoull(text, &end, 10);
-        if (*text < '0' || *text > '9' || *end) return misuse(call, "%s is '%.80s', must be a whole number", o->key, text);
+        if (*text < '0' || *text > '9' || *end) return misuse(call, "%s is '%.80s', must be a whole number%s", o->key, text, o->has_auto ? " or auto" : "");
+        if (o->has_auto && count == 0) return check_choice(call, o->key, 0, o->choices, o->choice_count);
         uint32_t narrow = errno || count > UINT32_MAX ? UINT32_MAX : (uint32_t)count;
         memcpy(out, &narrow, *out_size = sizeof narrow);
         return check_row(call, row, o->key, out);
@@ -357,7 +367,8 @@ size_t fnl_frame_get(const fnl_frame *frame, const char *key, char *text, size_t
         break;
     case FNL_OPTION_COUNT:
         memcpy(&count, field, sizeof count);
-        length = snprintf(text, capacity, "%u", count);
+        if (row->option.has_auto && count == 0) length = snprintf(text, capacity, "auto");
+        else length = snprintf(text, capacity, "%u", count);
         break;
     case FNL_OPTION_NUMBER:
         memcpy(&number, field, sizeof number);
@@ -380,7 +391,12 @@ fnl_frame fnl_frame_default(void) {
                        .shading = FNL_SHADING_DEFERRED,
                        .lists = FNL_LISTS_AUTO,
                        .shadow = {.memory = 64, .samples = 1, .rays = 1, .cubemap_tint = true, .cubemap_correct = true},
-                       .msaa = 1,
+                       .shadows = FNL_SHADOWS_MAPS,
+                       .msaa = FNL_MSAA_AUTO,
+                       .aa = FNL_ANTIALIASING_AUTO,
+                       .studio = true,
+                       .ground = FNL_GROUND_AUTO,
+                       .background_blur = 0.35f,
                        .transmission_layers = 4,
                        .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
                        .exposure = FNL_EXPOSURE_AUTO,

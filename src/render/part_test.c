@@ -3,6 +3,7 @@
 #include "base/base.h"
 #include "fanal/fanal.h"
 #include "fanal/vulkan.h"
+#include "tests/frame_plain.h"
 
 #include <setjmp.h>
 #include <vulkan/vulkan.h>
@@ -147,7 +148,7 @@ static void render_over(const fnl_frame *frame, const fnl_vulkan_target *target)
 }
 
 static fnl_frame small_frame(uint32_t width, uint32_t height) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     FNL(fnl_scene_query_camera(w.scene, 0, &frame.camera));
     frame.width = width;
     frame.height = height;

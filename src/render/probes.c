@@ -82,7 +82,7 @@ static bool is_lit_from_outside(const fnl_scene *scene, struct box room) {
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         const struct scene_light *light = &scene->lights.data[i];
         const vec3 at = light->params.position;
-        if (light->removed || !light->params.casts_shadows) continue;
+        if (!scene_light_shines(light) || !light->params.casts_shadows) continue;
         if (light->params.kind == FNL_LIGHT_DIRECTIONAL || at.x < room.low.x || at.y < room.low.y || at.z < room.low.z || at.x > room.high.x ||
             at.y > room.high.y || at.z > room.high.z)
             return true;
@@ -257,7 +257,7 @@ static uint64_t lights_inside(const fnl_renderer *r) {
     uint64_t inside = 0;
     for (uint32_t i = 0; i < r->scene->lights.count; i++) {
         const struct scene_light *light = &r->scene->lights.data[i];
-        if (light->removed || !light->params.casts_shadows || light->params.kind == FNL_LIGHT_DIRECTIONAL) continue;
+        if (!scene_light_shines(light) || !light->params.casts_shadows || light->params.kind == FNL_LIGHT_DIRECTIONAL) continue;
         uint32_t k = 0;
         while (k < r->probes.list.count && !holds(&r->probes.list.data[k], light->params.position)) k++;
         inside += k < r->probes.list.count;

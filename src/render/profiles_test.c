@@ -5,6 +5,7 @@
 
 #include "fanal/trace.h"
 #include "tests/coarse_cases.h"
+#include "tests/frame_plain.h"
 
 /* Nothing alike anywhere: 45 degrees across, 30 down, values of their own. */
 static const char lamp[] = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 7 9 1 2 0 0 0\n1 1 0\n0 30 60 90 120 150 180\n0 45 90 135 180 225 270 315 360\n"
@@ -40,7 +41,7 @@ static struct stage open_small(const char *source) {
 }
 
 static fnl_trace trace_of(const struct stage *s) {
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = s->frame.width, p.height = s->frame.height, p.camera = s->frame.camera;
     p.shadows = false;
     p.exposure = s->frame.exposure, p.ev = s->frame.ev, p.tonemap = s->frame.tonemap;

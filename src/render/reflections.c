@@ -139,6 +139,10 @@ static fnl_frame capture_frame(const fnl_frame *shown, const fnl_camera *cameras
     frame.view_count = FACES;
     frame.shading = FNL_SHADING_FORWARD;
     frame.lists = FNL_LISTS_CLUSTERED;
+    frame.studio = shown->studio;
+    frame.ground = shown->ground;
+    frame.msaa = 1;
+    frame.aa = FNL_ANTIALIASING_NONE;
     frame.shadows = shown->shadows == FNL_SHADOWS_SAMPLED  ? FNL_SHADOWS_RAYS /* noise would last */
                     : shown->shadows == FNL_SHADOWS_HYBRID ? FNL_SHADOWS_MAPS
                                                            : shown->shadows;

@@ -348,12 +348,34 @@ void renderer_settle_views(fnl_frame *frame) {
     if (frame->lists == FNL_LISTS_AUTO) frame->lists = FNL_LISTS_CLUSTERED;
 }
 
+static void say_nothing(void *user, fnl_log_level level, const char *line) { UNUSED(user), UNUSED(level), UNUSED(line); }
+
+/* 4 samples where nothing refuses them, or would be done in another way with them. */
+static void settle_samples(fnl_renderer *r, fnl_frame *frame) {
+    if (frame->msaa == FNL_MSAA_AUTO) {
+        fnl_host silent = r->host;
+        silent.log = say_nothing;
+        fnl_frame tried = *frame;
+        tried.msaa = 4;
+        if (tried.aa == FNL_ANTIALIASING_AUTO) tried.aa = FNL_ANTIALIASING_NONE;
+        frame->msaa = frame->decals != FNL_DECALS_GBUFFER && frame_check(CALL(&silent), r, &tried) == FNL_OK ? 4 : 1;
+    }
+    if (frame->aa == FNL_ANTIALIASING_AUTO) frame->aa = frame->msaa > 1 ? FNL_ANTIALIASING_NONE : FNL_ANTIALIASING_SMAA;
+}
+
+fnl_result renderer_settle(fnl_renderer *r, fnl_frame *frame) {
+    TRY(scene_set_stage(r->scene, frame->studio, frame->ground));
+    renderer_settle_views(frame);
+    shadows_settle(r, frame);
+    settle_samples(r, frame);
+    return FNL_OK;
+}
+
 static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_frame *given, const struct frame_target *target,
                          const struct gpu_external_semaphores *external) {
     const double begun = time_now();
     fnl_frame frame = given ? *given : fnl_frame_default();
-    renderer_settle_views(&frame);
-    shadows_settle(r, &frame);
+    TRY(renderer_settle(r, &frame));
     TRY(frame_check(call, r, &frame));
     fnl_result result = overlay_prepare(r, &frame);
     if (result == FNL_OK) result = reflections_capture(r, &frame);

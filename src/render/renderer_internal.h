@@ -238,6 +238,11 @@ void renderer_forget(fnl_renderer *r);
  * is checked.
  */
 void renderer_settle_views(fnl_frame *frame);
+/**
+ * Sets the stage (fanal/stage.h), and replaces what a frame leaves open by what it uses: views, shadows, samples. Before the frame is checked. The choice of `auto` paths and lists
+ * comes later (renderer_choose()).
+ */
+fnl_result renderer_settle(fnl_renderer *r, fnl_frame *frame);
 /** FNL_ERROR_UNSUPPORTED, with a log line, unless frames can go into images of this format. */
 fnl_result renderer_check_target(const struct call *call, VkFormat format);
 /**

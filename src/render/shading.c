@@ -199,7 +199,31 @@ bool shading_shows_volumes(const fnl_frame *frame) {
 }
 
 bool shading_shows_sky(const struct frame_state *f) {
-    return f->scene->lights.environment.cube.id && (f->r->scene->environment.background || f->r->captures_for);
+    const struct scene_environment *e = &f->r->scene->environment;
+    const bool has_cube = f->scene->lights.environment.cube.id;
+    switch (shading_background(f)) {
+    case FNL_BACKGROUND_GRADIENT:
+        return true;
+    case FNL_BACKGROUND_BLUR:
+        return has_cube;
+    default:
+        return has_cube && (e->background || f->r->captures_for);
+    }
+}
+
+fnl_background shading_background(const struct frame_state *f) {
+    const struct scene_environment *e = &f->r->scene->environment;
+    if (f->r->captures_for) return FNL_BACKGROUND_SCENE;
+    if (f->frame->background == FNL_BACKGROUND_AUTO) return e->staged ? FNL_BACKGROUND_GRADIENT : FNL_BACKGROUND_SCENE;
+    if (f->frame->background == FNL_BACKGROUND_BLUR && !f->scene->lights.environment.cube.id) return FNL_BACKGROUND_SCENE;
+    return f->frame->background;
+}
+
+static void add_sky(struct frame_state *f) {
+    const fnl_background background = shading_background(f);
+    const struct sky_params params = {.gradient = background == FNL_BACKGROUND_GRADIENT,
+                                      .blur = background == FNL_BACKGROUND_BLUR ? f->frame->background_blur : 0};
+    sky_add(f->graph, &f->scene->lights.environment, &params, f->view_address, f->radiance, f->depth);
 }
 
 VkFormat shading_format(const struct frame_state *f) {
@@ -382,7 +406,7 @@ void shading_add(struct frame_state *f) {
     add_layered(f, &input);
     decals_redraw(f, &input);
     if (f->eyes) return; /* which see the sky, and what is transparent, by themselves */
-    if (shading_shows_sky(f)) sky_add(f->graph, &f->scene->lights.environment, f->view_address, f->radiance, f->depth);
+    if (shading_shows_sky(f)) add_sky(f);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     add_over(f, &input);
 }

@@ -242,7 +242,7 @@ static void test_scenes_are_closer_to_soft_rays(void **state) {
 
 static void test_paths_and_lists_filter_alike(void **state) {
     UNUSED(state);
-    fnl_frame soft = fnl_frame_default();
+    fnl_frame soft = frame_plain();
     soft.shadow.light_radius = 0.05f;
     for (fnl_shadow_filter filter = FNL_SHADOW_FILTER_PCF; filter <= FNL_SHADOW_FILTER_PCSS; filter++) {
         soft.shadow.filter = filter;

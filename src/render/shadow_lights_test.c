@@ -412,7 +412,7 @@ static void test_sampled_points_are_as_they_were(void **state) {
 
 static void test_paths_and_lists_give_the_same_soft_shadows(void **state) {
     UNUSED(state);
-    fnl_frame soft = fnl_frame_default();
+    fnl_frame soft = frame_plain();
     soft.shadow.samples = 4;
     soft.shadow.light_radius = 0.1f;
     soft.shadow.sun_degrees = 2;

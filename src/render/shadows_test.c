@@ -61,7 +61,7 @@ static void expect_traced(const char *source, double seconds, uint32_t scattered
         assert_int_equal(fnl_scene_set_time(s.scene, 0, seconds), FNL_OK);
     }
     struct shot shot = stage_shoot(&s, &s.frame);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = s.frame.width, p.height = s.frame.height, p.camera = s.frame.camera;
     p.exposure = s.frame.exposure, p.ev = s.frame.ev, p.tonemap = s.frame.tonemap;
     fnl_trace trace;

@@ -202,7 +202,7 @@ static struct stage open_stage(const char *source, uint32_t scattered) {
 static void check_alone(struct stage *stage, fnl_renderer *other, const fnl_frame *frame, const char *what) {
     const fnl_output outputs[] = {FNL_OUTPUT_RADIANCE, FNL_OUTPUT_COLOR};
     fnl_frame alone = *frame;
-    alone.stereo = fnl_frame_default().stereo;
+    alone.stereo = frame_plain().stereo;
     alone.multiview = FNL_MULTIVIEW_OFF;
     test_render_frame(stage->renderer, frame);
     test_render_frame(other, &alone);
@@ -289,7 +289,7 @@ static void test_ways_to_draw_equal_each_alone_VR_1(void **state) {
         if (i == 3) frame.gbuffer.normals = FNL_NORMALS_VIEW; /* fragment shaders take the eye's camera */
         if (i == 3) assert_int_equal(fnl_scene_set_time(stage.scene, 0, 0.7), FNL_OK);
         alone = frame;
-        alone.stereo = fnl_frame_default().stereo;
+        alone.stereo = frame_plain().stereo;
         alone.multiview = FNL_MULTIVIEW_OFF;
         test_render_frame(other, &alone);
         fnl_image expected = test_read(other, FNL_OUTPUT_RADIANCE);
@@ -352,7 +352,7 @@ static void check_same_pages(struct stage *stage, const fnl_frame *both) {
     const fnl_frame_stats shared = harness_stats(stage->renderer);
     assert_int_equal(counter(&shared.views[0], "shadows.coarsened"), 0);
     fnl_frame alone = *both;
-    alone.stereo = fnl_frame_default().stereo;
+    alone.stereo = frame_plain().stereo;
     alone.view_count = 1;
     for (uint32_t i = 0; i < 2; i++) {
         fnl_image eye = a;
@@ -550,7 +550,7 @@ static void test_eyes_draw_what_either_sees_VR_1_VR_2(void **state) {
         if (n < 2) assert_int_equal(stats.views[0].draws, draws);
         assert_int_equal(stats.views[1].draws, 0);
         fnl_image a = test_read(stage.renderer, FNL_OUTPUT_RADIANCE);
-        plain.stereo = fnl_frame_default().stereo;
+        plain.stereo = frame_plain().stereo;
         plain.multiview = FNL_MULTIVIEW_OFF;
         test_render_frame(other, &plain);
         fnl_image b = test_read(other, FNL_OUTPUT_RADIANCE);

@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "fanal/fanal.h"
 #include "fanal/vulkan.h"
+#include "tests/frame_plain.h"
 
 #include <setjmp.h>
 #include <vulkan/vulkan.h>
@@ -71,7 +72,7 @@ static fnl_swapchain *make_swapchain(const fnl_swapchain_params *params) {
 }
 
 static fnl_frame small_frame(void) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     frame.width = 40;
     frame.height = 24;
     frame.lists = FNL_LISTS_ALL;

@@ -3,6 +3,7 @@
 #include "base/base.h"
 #include "fanal/fanal.h"
 #include "fanal/vulkan.h"
+#include "tests/frame_plain.h"
 
 #include <setjmp.h>
 #include <vulkan/vulkan.h>
@@ -119,7 +120,7 @@ static void read_depth(void) {
 }
 
 static fnl_frame small_frame(uint32_t views) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     frame.camera = w.cameras[0];
     frame.views = w.cameras;
     frame.view_count = views;

@@ -33,7 +33,7 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
            s->decal_version == f->r->scene->decal_version &&
            memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
            memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&
-           a->transparency == b->transparency && a->transmission_layers == b->transmission_layers && a->decals == b->decals && a->light_lod == b->light_lod;
+           a->background == b->background && a->background_blur == b->background_blur && a->transparency == b->transparency && a->transmission_layers == b->transmission_layers && a->decals == b->decals && a->light_lod == b->light_lod;
 }
 
 /* The jitter of the frame, with that of its place in the sequence of temporal antialiasing. */

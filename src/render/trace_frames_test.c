@@ -15,7 +15,7 @@ struct view {
 };
 
 static fnl_trace trace_of(const struct stage *s) {
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = s->frame.width, p.height = s->frame.height, p.camera = s->frame.camera;
     p.shadows = false;
     p.exposure = s->frame.exposure, p.ev = s->frame.ev, p.tonemap = s->frame.tonemap;
@@ -122,7 +122,7 @@ static double ball_in_the_sky(const char *source, float metallic, float roughnes
     s.frame.camera.target = (fnl_vec3){0, 0, 0};
     s.frame.camera.vertical_fov = 1;
     struct shot shot = stage_shoot(&s, &s.frame);
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = s.frame.width, p.height = s.frame.height, p.camera = s.frame.camera;
     p.exposure = s.frame.exposure, p.ev = s.frame.ev, p.tonemap = s.frame.tonemap;
     p.samples = 700;

@@ -83,8 +83,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
         TRY(renderer_check_target(call, target->format));
         frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR;
     }
-    renderer_settle_views(&frame);
-    shadows_settle(r, &frame);
+    TRY(renderer_settle(r, &frame));
     TRY(frame_check(call, r, &frame));
     fnl_frame whole = frame;
     if (frame.view_count) frame.camera = frame.views[0];

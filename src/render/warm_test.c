@@ -36,7 +36,7 @@ static void test_the_first_frame_makes_no_pipeline(void **state) {
             assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
             assert_int_equal(fnl_scene_load(&params.host, "builtin:spheres?lights=20", NULL, &scene), FNL_OK);
             assert_int_equal(fnl_renderer_create(device, scene, &renderer), FNL_OK);
-            fnl_frame frame = fnl_frame_default();
+            fnl_frame frame = frame_plain();
             frame.width = 48;
             frame.height = 27;
             frame.shading = cases[i].shading;
@@ -148,7 +148,7 @@ static void test_the_last_frame_stays(void **state) {
     struct stage s = stage_open("builtin:spheres?lights=20", 0), t = stage_open("builtin:spheres?lights=20", 0);
     s.frame.aa = t.frame.aa = FNL_ANTIALIASING_TAA;
     s.frame.count_lights = t.frame.count_lights = true;
-    fnl_frame other = fnl_frame_default();
+    fnl_frame other = frame_plain();
     other.width = 3 * s.frame.width;
     other.height = 2 * s.frame.height;
     other.shading = FNL_SHADING_DEFERRED;

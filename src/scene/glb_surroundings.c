@@ -47,7 +47,7 @@ static bool same_environment(const struct scene_environment *a, const struct sce
 
 static void save_environment(struct glb *g) {
     static const struct scene_environment nothing = {0};
-    const struct scene_environment *e = &g->scene->environment, *before = g->file ? &g->file->environment : &nothing;
+    const struct scene_environment *e = g->scene->environment.staged ? &nothing : &g->scene->environment, *before = g->file ? &g->file->environment : &nothing;
     if (same_environment(e, before) || (e->panorama.width == 0 && before->panorama.width == 0)) return;
     glb_remove_extension(shown_scene(g), "EXT_lights_image_based");
     json_t *old = json_object_get(json_object_get(shown_scene(g), "extensions"), NAME);

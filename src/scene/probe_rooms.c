@@ -77,7 +77,7 @@ static void visit_primitive(struct rooms *r, const struct scene_primitive *p, co
 static void visit_all(struct rooms *r, visit *what) {
     for (uint32_t n = 0; n < r->scene->nodes.count; n++) {
         const struct scene_node *node = &r->scene->nodes.data[n];
-        if (!scene_node_draws(node) || node->skin != SCENE_NONE) continue;
+        if (!scene_node_draws(node) || node->staged || node->skin != SCENE_NONE) continue;
         const struct scene_mesh *mesh = &r->scene->meshes.data[node->mesh];
         for (uint32_t k = 0; k < node->instance_count; k++) {
             const mat4 world = node->instances ? mat4_mul(node->world, node->instances[k]) : node->world, matrix = mat4_mul(r->into, world);

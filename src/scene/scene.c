@@ -21,6 +21,7 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->cutoff_roughness = LIGHT_CUTOFF_ROUGHNESS;
     scene->cutoff_illuminance = LIGHT_CUTOFF_ILLUMINANCE;
     scene->anisotropy = 8;
+    scene->stage = (struct scene_stage){SCENE_NONE, SCENE_NONE, SCENE_NONE, FNL_GROUND_OFF, UINT64_MAX};
     struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
                                     .min = SCENE_FILTER_LINEAR,
                                     .mip = SCENE_FILTER_LINEAR,
@@ -431,7 +432,7 @@ struct box scene_bounds(const fnl_scene *scene) {
     struct box bounds = box_empty();
     for (uint32_t i = 0; i < scene->nodes.count; i++) {
         const struct scene_node *node = &scene->nodes.data[i];
-        if (scene_node_draws(node)) add_node_bounds(scene, node, &bounds);
+        if (scene_node_draws(node) && !node->staged) add_node_bounds(scene, node, &bounds);
     }
     return bounds;
 }

@@ -12,6 +12,7 @@
 #include "base/jobs.h"
 #include "base/maths.h"
 #include "fanal/scene.h"
+#include "fanal/stage.h"
 #include "scene/ies.h"
 #include "scene/scene_environment.h"
 
@@ -171,6 +172,7 @@ struct scene_node {
     bool mesh_off; /* the same of its mesh alone */
     bool active; /* neither it nor a node above is hidden or unchosen */
     bool removed;
+    bool staged; /* `removed` for all public calls, but drawn: a part of the stage */
     bool moves;   /* within scene_move_nodes: it has a new local transform */
     bool linked; /* a file's: skins, animations, cameras and lights may refer to it, so its place is not used again */
     vec3 translation;
@@ -274,6 +276,7 @@ struct scene_light {
     uint32_t slot;           /* of a local light, from when it is added until it is removed; else SCENE_NONE */
     uint32_t shadow_request; /* fnl_shadow_update: another number is another request */
     bool removed;
+    bool staged;   /* `removed` for all public calls, but it shines: a part of the stage */
     bool animated; /* within animation_apply: it has new values */
 };
 
@@ -347,6 +350,13 @@ struct scene_document {
     uint32_t buffer_count;
 };
 
+/** What scene_set_stage() has added. Its mesh and material are holes in the scene's arrays. */
+struct scene_stage {
+    uint32_t node, mesh, material; /* of the floor; SCENE_NONE: it was never shown */
+    fnl_ground ground;
+    uint64_t placed_version; /* structure_version for which the floor has its place; UINT64_MAX: none */
+};
+
 struct fnl_scene {
     fnl_host host;
     struct arena arena;
@@ -376,6 +386,7 @@ struct fnl_scene {
 
     vec3 ambient_sky, ambient_ground, background;
     struct scene_environment environment;
+    struct scene_stage stage;
     float anisotropy;                           /* of mipmapped textures, 1 .. 16 */
     float cutoff_roughness, cutoff_illuminance; /* of lights without a range */
     uint32_t next_generation;
@@ -501,8 +512,20 @@ float scene_levels_coverage(const fnl_scene *scene, const struct scene_levels *l
 void scene_choose_levels(fnl_scene *scene, const fnl_camera *camera);
 /** Whether a node shows its mesh. */
 static inline bool scene_node_draws(const struct scene_node *node) {
-    return node->active && !node->removed && !node->mesh_off && node->mesh != SCENE_NONE;
+    return node->active && (!node->removed || node->staged) && !node->mesh_off && node->mesh != SCENE_NONE;
 }
+static inline bool scene_has_ambient(const fnl_scene *scene) {
+    const vec3 a = scene->ambient_sky, b = scene->ambient_ground;
+    return a.x > 0 || a.y > 0 || a.z > 0 || b.x > 0 || b.y > 0 || b.z > 0;
+}
+/** Whether a light shines, the stage's too. */
+static inline bool scene_light_shines(const struct scene_light *light) { return !light->removed || light->staged; }
+/**
+ * Sets the stage of the next picture: the studio, shown unless the scene has a light of its own, and the floor. Costs nothing when it stays.
+ */
+fnl_result scene_set_stage(fnl_scene *scene, bool studio, fnl_ground ground);
+/** The studio as the scene's environment, which has none of its own; false: none again. */
+fnl_result scene_environment_stage(fnl_scene *scene, bool on);
 /** After a change of what one node shows. */
 void scene_node_edited(fnl_scene *scene, uint32_t node);
 /** World-space bounds of a tree, active or not; `alone`: of its root. */

@@ -248,8 +248,8 @@ static fnl_image_id image_of(const struct scene_material *material, enum scene_t
 fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
-    TRY(check_index(CALL(&scene->host), "index", index, scene->materials.count, "materials"));
-    const struct scene_material *m = &scene->materials.data[index];
+    TRY(check_index(CALL(&scene->host), "index", index, scene_entity_count(scene, FNL_ENTITY_MATERIAL), "materials"));
+    const struct scene_material *m = &scene->materials.data[scene_entity_slot(scene, FNL_ENTITY_MATERIAL, index)];
     *out = (fnl_material_params){.base_color = {m->base_color.x, m->base_color.y, m->base_color.z, m->base_color.w},
                                  .metallic = m->metallic,
                                  .roughness = m->roughness,
@@ -346,12 +346,12 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
     TRY(check_pointer(CALL(&scene->host), "out", out));
     struct box bounds = scene_bounds(scene);
     *out = (fnl_scene_info){
-        .mesh_count = scene->meshes.count,
-        .primitive_count = scene->primitives.count,
-        .material_count = scene->materials.count,
+        .mesh_count = scene_entity_count(scene, FNL_ENTITY_MESH),
+        .primitive_count = scene->primitives.count - (scene->stage.mesh != SCENE_NONE), /* the floor has one */
+        .material_count = scene_entity_count(scene, FNL_ENTITY_MATERIAL),
         .image_count = scene->images.count,
         .node_count = scene_entity_count(scene, FNL_ENTITY_INSTANCE),
-        .light_count = scene->lights.count - scene->free_lights.count,
+        .light_count = scene_entity_count(scene, FNL_ENTITY_LIGHT),
         .decal_count = scene->decals.count - scene->free_decals.count,
         .probe_count = scene->probes.count - scene->free_probes.count,
         .camera_count = scene->cameras.count,
@@ -360,17 +360,20 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .extension_count = scene->extensions.count,
         .message_count = scene->messages.count,
         .variant_count = scene->variants.count,
-        .has_environment = scene->environment.panorama.width > 0,
+        .has_ambient = scene_has_ambient(scene),
+        .has_environment = scene->environment.panorama.width > 0 && !scene->environment.staged,
         .bounds_low = bounds.low,
         .bounds_high = bounds.high,
     };
-    for (uint32_t i = 0; i < scene->meshes.count; i++)
-        out->unique_triangle_count += mesh_triangles(scene, &scene->meshes.data[i]);
-    for (uint32_t i = 0; i < scene->primitives.count; i++)
-        out->unique_vertex_count += scene->primitives.data[i].vertex_count;
+    for (uint32_t i = 0; i < scene->meshes.count; i++) {
+        if (i == scene->stage.mesh) continue;
+        const struct scene_mesh *mesh = &scene->meshes.data[i];
+        out->unique_triangle_count += mesh_triangles(scene, mesh);
+        for (uint32_t k = 0; k < mesh->primitive_count; k++) out->unique_vertex_count += scene->primitives.data[mesh->first_primitive + k].vertex_count;
+    }
     for (uint32_t i = 0; i < scene->nodes.count; i++) {
         const struct scene_node *node = &scene->nodes.data[i];
-        if (!scene_node_draws(node)) continue;
+        if (!scene_node_draws(node) || node->staged) continue;
         out->instance_count += node->instance_count;
         out->triangle_count += node->instance_count * mesh_triangles(scene, &scene->meshes.data[node->mesh]);
     }

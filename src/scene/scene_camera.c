@@ -165,7 +165,7 @@ static void visit_primitive(const fnl_scene *scene, const struct scene_node *nod
 static void visit_points(const fnl_scene *scene, void (*visit)(void *context, vec3 point), void *context) {
     for (uint32_t n = 0; n < scene->nodes.count; n++) {
         const struct scene_node *node = &scene->nodes.data[n];
-        if (!scene_node_draws(node)) continue;
+        if (!scene_node_draws(node) || node->staged) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
         const size_t size = node->skin == SCENE_NONE ? 0 : sizeof(mat4) * scene->skins.data[node->skin].joint_count;
         mat4 *joints = size ? host_allocate(&scene->host, size) : NULL;

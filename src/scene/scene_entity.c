@@ -7,7 +7,8 @@ static bool is_hole(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
     return (kind == FNL_ENTITY_INSTANCE && scene->nodes.data[slot].removed) ||
            (kind == FNL_ENTITY_LIGHT && scene->lights.data[slot].removed) ||
            (kind == FNL_ENTITY_DECAL && scene->decals.data[slot].removed) ||
-           (kind == FNL_ENTITY_PROBE && scene->probes.data[slot].removed);
+           (kind == FNL_ENTITY_PROBE && scene->probes.data[slot].removed) || (kind == FNL_ENTITY_MESH && slot == scene->stage.mesh) ||
+           (kind == FNL_ENTITY_MATERIAL && slot == scene->stage.material);
 }
 
 /* With holes. */
@@ -24,10 +25,12 @@ static uint32_t slot_count(const fnl_scene *scene, fnl_entity kind) {
 
 uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind) {
     uint32_t holes = kind == FNL_ENTITY_INSTANCE ? scene->free_nodes.count + scene->lost_nodes
-                     : kind == FNL_ENTITY_LIGHT  ? scene->free_lights.count
+                     : kind == FNL_ENTITY_LIGHT  ? scene->free_lights.count + (scene->environment.staged ? scene->environment.source_count : 0)
                      : kind == FNL_ENTITY_DECAL  ? scene->free_decals.count
                      : kind == FNL_ENTITY_PROBE  ? scene->free_probes.count
-                                                 : 0;
+                     : kind == FNL_ENTITY_MESH     ? scene->stage.mesh != SCENE_NONE
+                     : kind == FNL_ENTITY_MATERIAL ? scene->stage.material != SCENE_NONE
+                                                   : 0;
     return slot_count(scene, kind) - holes;
 }
 
@@ -46,7 +49,9 @@ static uint32_t slot_among(const uint32_t *holes, uint32_t count, uint32_t index
 uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
     const uint32_t slots = slot_count(scene, kind), holes = slots - scene_entity_count(scene, kind);
     if (holes == 0) return index;
-    if (kind == FNL_ENTITY_LIGHT && holes < slots / 8) return slot_among(scene->free_lights.data, holes, index);
+    if (kind == FNL_ENTITY_MESH) return index + (index >= scene->stage.mesh);
+    if (kind == FNL_ENTITY_MATERIAL) return index + (index >= scene->stage.material);
+    if (kind == FNL_ENTITY_LIGHT && holes < slots / 8 && holes == scene->free_lights.count) return slot_among(scene->free_lights.data, holes, index);
     if (kind == FNL_ENTITY_DECAL && holes < slots / 8) return slot_among(scene->free_decals.data, holes, index);
     uint32_t slot = 0;
     for (uint32_t left = index; left > 0 || is_hole(scene, kind, slot); slot++) left -= !is_hole(scene, kind, slot);

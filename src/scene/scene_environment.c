@@ -52,7 +52,9 @@ static void remove_lights(fnl_scene *scene) {
     for (uint32_t i = 0; i < e->source_count; i++) {
         const fnl_light_id id = e->lights[i];
         const struct scene_light *light = id.index < scene->lights.count ? &scene->lights.data[id.index] : NULL;
-        if (light && !light->removed && light->generation == id.generation) (void)fnl_scene_remove_light(scene, id); /* unless the caller has */
+        if (!light || light->generation != id.generation) continue;
+        if (light->staged && array_reserve(&scene->host, &scene->free_lights, scene->lights.count)) scene_remove_light(scene, id.index);
+        else if (!light->staged && !light->removed) (void)fnl_scene_remove_light(scene, id); /* unless the caller has */
     }
 }
 
@@ -90,6 +92,7 @@ static void add_lights(fnl_scene *scene) {
         const fnl_light_params params = light_of(&e->sources[i], e);
         e->lights[i] = (fnl_light_id){SCENE_NONE, 0};
         (void)fnl_scene_add_light(scene, &params, &e->lights[i]); /* there is room */
+        if (e->staged && e->lights[i].index != SCENE_NONE) scene->lights.data[e->lights[i].index].staged = scene->lights.data[e->lights[i].index].removed = true;
     }
 }
 
@@ -115,7 +118,7 @@ void scene_environment_finish(fnl_scene *scene) {
 
 static fnl_result check(const struct call *call, const fnl_scene *scene, const fnl_environment_params *params) {
     if (params->source && params->image) return misuse(call, "source and image are both given, must be one of them");
-    if (!params->source && !params->image && scene->environment.panorama.width == 0)
+    if (!params->source && !params->image && (scene->environment.panorama.width == 0 || scene->environment.staged))
         return misuse(call, "source and image are both NULL, must be one of them: the scene has no environment to keep");
     TRY(check_range(call, "rotation", (double)params->rotation, -(double)FLT_MAX, (double)FLT_MAX, " radians"));
     TRY(check_range(call, "intensity", (double)params->intensity, 0, 1e6, ""));
@@ -125,7 +128,7 @@ static fnl_result check(const struct call *call, const fnl_scene *scene, const f
 }
 
 static bool same_picture(const struct scene_environment *e, const fnl_environment_params *params) {
-    if (e->panorama.width == 0) return false;
+    if (e->panorama.width == 0 || e->staged) return false;
     if (!params->source && !params->image) return true;
     return e->name && params->source && strcmp(e->name, params->source) == 0 && e->parted == params->lights;
 }
@@ -173,18 +176,38 @@ static fnl_result set(fnl_scene *scene, const fnl_environment_params *params, co
     return FNL_OK;
 }
 
+static void remove_environment(fnl_scene *scene) {
+    struct scene_environment *e = &scene->environment;
+    remove_lights(scene);
+    scene_environment_finish(scene);
+    *e = (struct scene_environment){.version = e->version + 1, .own = {quat_identity(), 1, SCENE_NONE}};
+    scene->light_version++;
+}
+
+fnl_result scene_environment_stage(fnl_scene *scene, bool on) {
+    fnl_environment_params params = fnl_environment_params_default();
+    params.source = "builtin:studio";
+    if (!on) {
+        remove_environment(scene);
+        return FNL_OK;
+    }
+    TRY(replace(scene, &params));
+    struct scene_environment *e = &scene->environment;
+    e->intensity = 1;
+    e->staged = true; /* and no background: it is not meant to be seen sharp */
+    scene->light_version++;
+    add_lights(scene);
+    return FNL_OK;
+}
+
 fnl_result scene_set_own_environment(fnl_scene *scene, const fnl_environment_params *params, const struct scene_environment_own *own) {
     return set(scene, params, own);
 }
 
 fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_params *params) {
     TRY(check_handle(__func__, "scene", scene));
-    struct scene_environment *e = &scene->environment;
     if (!params) {
-        remove_lights(scene);
-        scene_environment_finish(scene);
-        *e = (struct scene_environment){.version = e->version + 1, .own = {quat_identity(), 1, SCENE_NONE}};
-        scene->light_version++;
+        if (!scene->environment.staged) remove_environment(scene);
         return FNL_OK;
     }
     TRY(check(CALL(&scene->host), scene, params));
@@ -196,7 +219,7 @@ fnl_result fnl_scene_query_environment(const fnl_scene *scene, fnl_environment_p
     TRY(check_pointer(CALL(&scene->host), "out", out));
     const struct scene_environment *e = &scene->environment;
     *out = fnl_environment_params_default();
-    if (e->panorama.width == 0) return misuse(CALL(&scene->host), "the scene has no environment");
+    if (e->panorama.width == 0 || e->staged) return misuse(CALL(&scene->host), "the scene has no environment");
     *out = (fnl_environment_params){.source = e->name, .rotation = e->rotation, .intensity = e->intensity, .background = e->background, .lights = e->parted, .compressed = e->compressed};
     return FNL_OK;
 }

@@ -37,6 +37,7 @@ struct scene_environment {
     float rotation, intensity;                   /* of the params: on top of the file's own */
     struct scene_environment_own own;
     bool background, parted, compressed;
+    bool staged; /* the stage's studio: public calls find no environment */
     bool animated; /* something of `own` is new: scene_environment_moved() */
     uint64_t version; /* of the panorama */
 };

@@ -89,8 +89,8 @@ static void place_light(fnl_scene *scene, uint32_t index) {
     bool directional = light->params.kind == FNL_LIGHT_DIRECTIONAL;
     scene->has_rectangles |= light->params.kind == FNL_LIGHT_RECTANGLE;
     scene->has_requested |= light->params.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
-    list_sun(scene, index, directional && !light->removed);
-    bool local = !directional && !light->removed;
+    list_sun(scene, index, directional && scene_light_shines(light));
+    bool local = !directional && scene_light_shines(light);
     uint32_t slot = light->slot;
     if (slot == SCENE_NONE && local) {
         if (scene->free_light_slots.count) {
@@ -149,6 +149,7 @@ uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint3
 void scene_remove_light(fnl_scene *scene, uint32_t index) {
     light_hull_free(scene, &scene->lights.data[index]);
     scene->lights.data[index].removed = true;
+    scene->lights.data[index].staged = false;
     scene->free_lights.data[scene->free_lights.count++] = index;
     scene_light_changed(scene, index);
 }

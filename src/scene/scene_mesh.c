@@ -237,8 +237,8 @@ fnl_result fnl_scene_query_mesh(const fnl_scene *scene, uint32_t index, uint32_t
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
     TRY(check_pointer(call, "out", out));
-    TRY(check_index(call, "index", index, scene->meshes.count, "meshes"));
-    const struct scene_mesh *mesh = &scene->meshes.data[index];
+    TRY(check_index(call, "index", index, scene_entity_count(scene, FNL_ENTITY_MESH), "meshes"));
+    const struct scene_mesh *mesh = &scene->meshes.data[scene_entity_slot(scene, FNL_ENTITY_MESH, index)];
     TRY(check_index(call, "primitive", primitive, mesh->primitive_count, "primitives"));
     const struct scene_primitive *p = &scene->primitives.data[mesh->first_primitive + primitive];
     *out = (fnl_mesh_info){

@@ -2,6 +2,7 @@
 /* The arguments of `fanal bench`, one in a line: an error, or a plan whose candidates can all be applied to a frame. */
 #include "cli/bench.c"
 #include "tests/fuzz/fuzz.h"
+#include "../frame_plain.h"
 
 static void check_plan(const struct bench_plan *plan) {
     for (uint32_t i = 0; i < plan->case_count; i++) {
@@ -9,7 +10,7 @@ static void check_plan(const struct bench_plan *plan) {
         if (c->width < 1 || c->width > 16384 || c->height < 1 || c->height > 16384 || c->msaa < 1 || c->msaa > 8) abort();
         for (uint32_t k = 0; k < c->candidate_count; k++) {
             const struct bench_candidate *candidate = &c->candidates[k];
-            fnl_frame frame = fnl_frame_default();
+            fnl_frame frame = frame_plain();
             if (!fnl_shading_supports(candidate->shading, candidate->lists, 1)) abort();
             if (!bench_ways_apply("set", candidate->options, &frame)) abort();
         }

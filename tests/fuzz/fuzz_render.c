@@ -5,6 +5,7 @@
  */
 #include "render/renderer_internal.h"
 #include "tests/fuzz/calls.h"
+#include "../frame_plain.h"
 
 enum { FRAMES_MAX = 4, TEXELS_MAX = 1 << 16, VERTICES_MAX = 4096, LIGHTS_MAX = 512 };
 
@@ -51,7 +52,7 @@ static void render(struct fuzz_input *in, const fnl_scene *scene, fnl_renderer *
                 {FNL_SHADING_DEFERRED, FNL_LISTS_TILED},
                 {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED},
                 {FNL_SHADING_VISIBILITY, FNL_LISTS_BVH}};
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = frame_plain();
     uint8_t way = fuzz_byte(in), camera = fuzz_byte(in);
     frame.width = 24;
     frame.height = 16;

@@ -5,6 +5,7 @@
 #undef render_run
 #include "cli/program.h"
 #include "tests/fuzz/fuzz.h"
+#include "../frame_plain.h"
 
 const char program_commit[] = "";
 
@@ -15,7 +16,7 @@ int fuzz_render_run(const struct render_options *o) {
     if (o->frame.width < 1 || o->frame.width > 16384 || o->frame.height < 1 || o->frame.height > 16384) abort();
     fnl_option option;
     for (uint32_t i = 0; fnl_option_query(i, &option); i++) { /* what is set can be said, and is in its range */
-        fnl_frame frame = fnl_frame_default();
+        fnl_frame frame = frame_plain();
         char text[64];
         if (fnl_frame_get(&o->frame, option.key, text, sizeof text) >= sizeof text) abort();
         if (fnl_frame_set(NULL, &frame, option.key, text) != FNL_OK) abort();

@@ -26,5 +26,6 @@ void main() {
     // Blended triangles are drawn without culling.
     if (material_cut(materials, in_ids.x, alpha) || (blends && (alpha < 1.0 / 16.0 || material_culled(materials, in_ids.x)))) discard;
     uint row = 3u * in_ids.y;
+    if (push.counters.at[row] == 0u) discard; // a part of the stage
     out_object = vec4(float(push.counters.at[row]), float(push.counters.at[row + 1u]), float(int(push.counters.at[row + 2u])), float(triangle_number()));
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Whole frames by fine-pruned tiles. */
 #include "tests/fine_bench.h"
+#include "tests/frame_plain.h"
 
 /* ---- pictures ---- */
 
@@ -23,7 +24,7 @@ static struct shot shoot(struct stage *stage, fnl_shading shading, fnl_light_lis
 static void test_pictures_beside_suns(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres", 150);
-    const fnl_frame options = fnl_frame_default();
+    const fnl_frame options = frame_plain();
     for (uint32_t i = 0; i < 3; i++) {
         fnl_light_params sun = fnl_light_params_default();
         fnl_light_id id;
@@ -54,7 +55,7 @@ static void test_pictures_FP_1(void **state) {
             uint32_t msaa;
         } orders[] = {{FNL_SHADING_DEFERRED, 1}, {FNL_SHADING_FORWARD_PREPASS, 4}, {FNL_SHADING_FORWARD_PREPASS, 1}};
         for (uint32_t o = 0; o < (kind == FNL_LIGHT_KIND_COUNT ? COUNT_OF(orders) : 1); o++) {
-            fnl_frame options = fnl_frame_default();
+            fnl_frame options = frame_plain();
             struct shot all = shoot(&stage, orders[o].shading, FNL_LISTS_ALL, orders[o].msaa, &options);
             assert_true(all.stats.evaluations_useful > 1000);
             static const uint32_t variants[] = {7, 2, 3}; /* of each order */
@@ -109,7 +110,7 @@ static void test_packed_pictures_FP_9_FP_10(void **state) {
                  {FNL_SHADING_FORWARD_PREPASS, 4, 300}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         struct stage stage = stage_open("builtin:glass?lights=0", cases[i].lights);
-        fnl_frame options = fnl_frame_default();
+        fnl_frame options = frame_plain();
         struct shot all = shoot(&stage, cases[i].shading, FNL_LISTS_ALL, cases[i].msaa, &options);
         options.fine.masks = 0;
         options.list.frustum_cull = cases[i].lights < 1024; /* or all count as in view */
@@ -139,7 +140,7 @@ static void test_packed_pictures_FP_9_FP_10(void **state) {
 static void test_evaluations(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres?lights=400", 0);
-    fnl_frame options = fnl_frame_default();
+    fnl_frame options = frame_plain();
     struct shot pixels = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, &options);
     assert_true((double)pixels.stats.evaluations <= 1.01 * (double)pixels.stats.evaluations_useful);
     options.fine.masks = 2;
@@ -150,7 +151,7 @@ static void test_evaluations(void **state) {
     struct shot boxes = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, &options);
     assert_true(pixels.stats.evaluations < quads.stats.evaluations && quads.stats.evaluations < tiles.stats.evaluations &&
                 tiles.stats.evaluations < boxes.stats.evaluations);
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = frame_plain();
     struct shot prepass = shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_FINE, 1, &usual);
     assert_true((double)prepass.stats.evaluations <=
                 1.02 * (double)prepass.stats.evaluations_useful); /* positions are near enough */

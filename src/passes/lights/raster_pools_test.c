@@ -4,6 +4,7 @@
  * checklist are those of the digest of "Clustered Shading: Assigning Lights Using Conservative Rasterization in DirectX 12".
  */
 #include "tests/raster_bench.h"
+#include "tests/frame_plain.h"
 
 enum { LIGHTS = 300, MOST = 65536, WIDTH = 301, HEIGHT = 173 };
 
@@ -295,7 +296,7 @@ static void test_pictures_CL_1(void **state) {
         stage.frame.lists = FNL_LISTS_RASTER;
         uint64_t entries = 0;
         for (uint32_t k = 0; k < 6; k++) {
-            stage.frame.clusters = fnl_frame_default().clusters;
+            stage.frame.clusters = frame_plain().clusters;
             stage.frame.raster.nodes = (fnl_raster_nodes)(k % 3);
             stage.frame.raster.path = k == 4 ? FNL_RASTER_SOFTWARE : FNL_RASTER_AUTO;
             stage.frame.clusters.distribution = k >= 3 ? FNL_SLICES_LINEAR : FNL_SLICES_EXPONENTIAL;

@@ -3,6 +3,7 @@
 #include "tests/list_bench.h"
 
 #include "passes/lights/zbin_shared.h"
+#include "tests/frame_plain.h"
 
 enum { LIGHTS = 1500, LIGHTS_MAX = 40000, WIDTH = 157, HEIGHT = 93 };
 
@@ -350,7 +351,7 @@ static void test_memory_ES_64(void **state) {
     shot_free(&clusters);
     clusters = stage_shoot(&stage, &frame); /* the pool has grown */
     frame.lists = FNL_LISTS_ZBIN;
-    frame.clusters = fnl_frame_default().clusters;
+    frame.clusters = frame_plain().clusters;
     struct shot bins = stage_shoot(&stage, &frame);
     assert_int_equal(count_differing(&clusters.radiance, &bins.radiance), 0);
     assert_int_equal(clusters.stats.overflow_cells + bins.stats.overflow_cells, 0);

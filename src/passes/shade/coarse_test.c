@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Coarse shading: which blocks are lit once, by each criterion, and what is counted. */
 #include "tests/coarse_cases.h"
+#include "tests/frame_plain.h"
 
 /* ---- the G-buffer and the criterion z ---- */
 
@@ -92,7 +93,7 @@ static void test_curved_surface_is_lit_by_pixels_at_0_degrees_CP_4(void **state)
     struct shot full = coarse_deferred(&stage, frame);
     for (uint32_t criterion = 0; criterion < FNL_COARSE_CRITERION_COUNT; criterion++)
         for (uint32_t size = 2; size <= 4; size += 2) {
-            frame.coarse = fnl_frame_default().coarse;
+            frame.coarse = frame_plain().coarse;
             frame.coarse.size = size;
             frame.coarse.criterion = (fnl_coarse_criterion)criterion;
             frame.coarse.normal_degrees = 8;

@@ -122,7 +122,7 @@ static double difference(const fnl_image *a, const fnl_image *b, uint32_t x0, ui
 }
 
 static fnl_trace trace_of(const struct stage *s, uint32_t samples) {
-    fnl_trace_params p = fnl_trace_params_default();
+    fnl_trace_params p = trace_plain();
     p.width = s->frame.width, p.height = s->frame.height, p.camera = s->frame.camera;
     p.samples = samples;
     p.shadows = s->frame.shadows == FNL_SHADOWS_RAYS;

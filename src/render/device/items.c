@@ -326,7 +326,9 @@ fnl_result device_items_name(const struct device_scene *d, struct device_object 
         const uint32_t n = d->item_nodes.data[i], own = d->nodes.data[n].first_primitive, first = scene->meshes.data[d->nodes.data[n].mesh].first_primitive,
                        primitive = d->item_list.data[i].primitive - (own == SCENE_NONE ? first : own),
                        material = scene->primitives.data[first + primitive].material;
-        out[i] = (struct device_object){(indices ? indices[n] : n) + 1, primitive, material == SCENE_NONE ? -1 : (int32_t)material};
+        const bool after = scene->stage.material != SCENE_NONE && material > scene->stage.material; /* that is no material of the scene */
+        out[i] = (struct device_object){(indices ? indices[n] : n) + 1, primitive, material == SCENE_NONE ? -1 : (int32_t)(material - after)};
+        if (scene->nodes.data[n].staged) out[i] = (struct device_object){0};
     }
     if (indices) host_free(&d->host, indices, size);
     return FNL_OK;

@@ -121,7 +121,7 @@ static void light_of(const fnl_scene *scene, const struct scene_light *light, ui
 /* ---- places ---- */
 
 static bool is_lit(const fnl_scene *scene, const struct scene_light *light) {
-    return !light->removed && (light->node == SCENE_NONE || scene->nodes.data[light->node].active);
+    return scene_light_shines(light) && (light->node == SCENE_NONE || scene->nodes.data[light->node].active);
 }
 
 /* The light of a slot; NULL: none, or a hidden one. */
