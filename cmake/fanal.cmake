@@ -80,7 +80,7 @@ function(fanal_test name)
   if(NOT FANAL_TESTS)
     return()
   endif()
-  cmake_parse_arguments(test "" "TIMEOUT" "SOURCES;LAYERS;HELPERS;SHADERS;LINKS;ARGUMENTS" ${ARGN})
+  cmake_parse_arguments(test "" "" "SOURCES;LAYERS;HELPERS;SHADERS;LINKS;ARGUMENTS" ${ARGN})
   add_executable(test_${name} ${test_SOURCES})
   foreach(layer ${test_LAYERS})
     target_link_libraries(test_${name} PRIVATE fanal_${layer})
@@ -92,9 +92,6 @@ function(fanal_test name)
   target_link_libraries(test_${name} PRIVATE fanal_options PkgConfig::cmocka ${test_LINKS} m)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}) # "tests/render_harness.h"
   fanal_test_entry(${name} test_${name} ${test_ARGUMENTS})
-  if(test_TIMEOUT)
-    set_tests_properties(${name} PROPERTIES TIMEOUT ${test_TIMEOUT})
-  endif()
 endfunction()
 
 # A CTest entry that runs a cmocka program.

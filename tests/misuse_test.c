@@ -694,7 +694,10 @@ static void test_fields_of_frames(void **state) {
     FRAME_ENUM(decals, fnl_decals, 2);
     FRAME_ENUM(culling, fnl_culling, 2);
     FRAME_ENUM(geometry, fnl_geometry, 2);
-    FRAME_ENUM(aa, fnl_antialiasing, 3);
+    FRAME_ENUM(aa, fnl_antialiasing, 4);
+    FRAME_ENUM(ground, fnl_ground, 2);
+    FRAME_ENUM(background, fnl_background, 3);
+    FRAME(background_blur, NAN, "background_blur is NaN, must be 0 .. 3.14159 radians");
     FRAME_ENUM(tonemap, fnl_tonemap, 3);
     FRAME_ENUM(exposure, fnl_exposure, 2);
     FRAME_ENUM(gbuffer.layout, fnl_gbuffer, 8);
@@ -784,6 +787,9 @@ static void test_fields_of_traces(void **state) {
     TRACE(bounces, 1025, "bounces is 1025, must be 0 .. 1024");
     TRACE(light_radius, NAN, "light_radius is NaN, must be at least 0 metres and finite");
     TRACE(sun_angle, 2, "sun_angle is 2, must be 0 .. 1 radians");
+    TRACE(ground, (fnl_ground)3, "ground is 3, must be a value of fnl_ground, 0 .. 2");
+    TRACE(background, (fnl_background)4, "background is 4, must be a value of fnl_background, 0 .. 3");
+    TRACE(background_blur, -1, "background_blur is -1, must be 0 .. 3.14159 radians");
     TRACE(tonemap, (fnl_tonemap)9, "tonemap is 9, must be a value of fnl_tonemap, 0 .. 3");
     TRACE(exposure, (fnl_exposure)3, "exposure is 3, must be a value of fnl_exposure, 0 .. 2");
     TRACE(ev, 65, "ev is 65, must be -64 .. 64 EV100");

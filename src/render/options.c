@@ -81,7 +81,7 @@ static const struct row rows[] = {
     SWITCH("studio", studio, EVERY, EVERY, "lights scenes without any light by builtin:studio"),
     NAME("ground", ground, FNL_ENUM_GROUND, EVERY, EVERY, "a floor under the scene that catches its shadows"),
     NAME("background", background, FNL_ENUM_BACKGROUND, EVERY, EVERY, "what is seen where no surface is"),
-    NUMBER("background-blur", background_blur, 0, 3.14159265358979, "radians", EVERY, EVERY, "background=blur: the angle over which the environment is blurred"),
+    NUMBER("background-blur", background_blur, 0, (double)3.14159274f, "radians", EVERY, EVERY, "background=blur: the angle over which the environment is blurred"),
     NAME("transparency", transparency, FNL_ENUM_TRANSPARENCY, ~PATH(INFERRED), EVERY,
          "how blended surfaces that overlap are composited"),
     COUNT("transmission-layers", transmission_layers, 1, 8, "layers", EVERY, EVERY,

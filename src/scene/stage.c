@@ -38,7 +38,7 @@ static fnl_result make_floor(fnl_scene *scene) {
         }
     struct scene_material material = scene_material_default();
     material.name = "ground";
-    material.base_color = (vec4){0.3f, 0.3f, 0.3f, 1};
+    material.base_color = (vec4){0.2f, 0.2f, 0.2f, 1};
     material.metallic = 0;
     material.roughness = 1;
     material.specular = 0;
