@@ -44,7 +44,7 @@ static void print_help(void) {
          "  --lists KINDS|all          light lists; 'all' means every kind, 'brute' means brute force (the likely ones)\n"
          "  --all                      every shading path with every kind of lists: hundreds of pairs, an hour on a CPU;\n"
          "                             with --suite shadows: more lights as well\n"
-         "  --lights N,...             number of lights (as the scene has); to a glTF scene, N scattered lights are added\n"
+         "  --lights N,...             lights of a built-in scene altogether (as it has); a file gets N more\n"
          "  --sizes WxH,...            pixels (1280x720; on a CPU 640x360)\n"
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
          "  --shadows, --transparency, --decals, --gbuffer, --msaa-method, --aa, --cull, --geometry, --occlusion VALUES|all    options\n"

@@ -8,30 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* builtin:city?lights=N&…: the built-in scenes take the number themselves. */
-static void scene_source(const char *scene, int64_t lights, char *text, size_t capacity) {
-    snprintf(text, capacity, "%s", scene);
-    if (lights < 0 || !loading_is_builtin(scene)) return;
-    char rest[1024] = "";
-    const char *query = strchr(scene, '?');
-    int name = query ? (int)(query - scene) : (int)strlen(scene);
-    while (query && *query) { /* all keys but this one stay */
-        size_t length = strcspn(++query, "&");
-        if (strncmp(query, "lights=", 7) != 0 && strlen(rest) + length + 2 < sizeof rest) {
-            strcat(rest, "&");
-            strncat(rest, query, length);
-        }
-        query += length;
-    }
-    snprintf(text, capacity, "%.*s?lights=%lld%s", name, scene, (long long)lights, rest);
-}
-
 bool bench_scene_load(const fnl_host *host, const struct bench_settings *settings, const char *name, int64_t lights, fnl_scene **out) {
     char source[2048];
-    scene_source(name, lights, source, sizeof source);
+    const uint32_t scattered = loading_lights(name, lights, false, source, sizeof source);
     fnl_result result = fnl_scene_load(host, source, &settings->loading, out);
     if (result == FNL_OK && !loading_select_variant(*out, settings->variant, NULL)) result = FNL_ERROR_INVALID;
-    if (result == FNL_OK && lights > 0 && !loading_is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
+    if (result == FNL_OK && scattered > 0) result = fnl_scene_scatter_lights(*out, scattered, 1);
     fnl_environment_params environment = fnl_environment_params_default();
     environment.source = settings->environment;
     if (result == FNL_OK && settings->environment) result = fnl_scene_set_environment(*out, &environment);

@@ -60,3 +60,22 @@ bool loading_select_variant(fnl_scene *scene, const char *variant, uint32_t *out
 }
 
 bool loading_is_builtin(const char *source) { return strncmp(source, "builtin:", 8) == 0; }
+
+uint32_t loading_lights(const char *source, int64_t count, bool scattered, char *text, size_t capacity) {
+    snprintf(text, capacity, "%s", source);
+    if (count < 0) return 0;
+    if (!loading_is_builtin(source)) return (uint32_t)count;
+    char rest[1024] = "";
+    const char *query = strchr(source, '?');
+    const int name = query ? (int)(query - source) : (int)strlen(source);
+    while (query && *query) { /* all keys but this one stay */
+        const size_t length = strcspn(++query, "&");
+        if (strncmp(query, "lights=", 7) != 0 && strlen(rest) + length + 2 < sizeof rest) {
+            strcat(rest, "&");
+            strncat(rest, query, length);
+        }
+        query += length;
+    }
+    snprintf(text, capacity, "%.*s?lights=%lld%s", name, source, scattered ? 0LL : (long long)count, rest);
+    return scattered ? (uint32_t)count : 0;
+}

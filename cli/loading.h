@@ -29,6 +29,12 @@ bool loading_parse(int option, const char *value, fnl_load_params *out);
 
 /** Whether a scene is one of the built-in ones, by its name. */
 bool loading_is_builtin(const char *source);
+/**
+ * What --lights N means everywhere: a built-in scene has N lights altogether, a file N more. `text` gets the source to load, with lights=N in the name of
+ * a built-in scene, and the result is how many lights to scatter in it. `count` below 0: --lights is not given. `scattered`: those of a built-in scene
+ * are scattered too, in place of its own.
+ */
+uint32_t loading_lights(const char *source, int64_t count, bool scattered, char *text, size_t capacity);
 /** Shows the variant of materials with this name or number; NULL: none. False with a message that lists what there is. `out` (or NULL)
  * gets its number, FNL_NO_VARIANT for none. */
 bool loading_select_variant(fnl_scene *scene, const char *variant, uint32_t *out);

@@ -61,7 +61,7 @@ static void add_scene(json_t *json, const struct render_options *o) {
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (i != FNL_LIGHT_DIRECTIONAL)
             json_object_set_new(shapes, fnl_value_name(FNL_ENUM_LIGHT_KIND, (fnl_light_kind)i), json_real((double)o->world.scatter.shares[i]));
-    json_object_set_new(json, "lights", json_integer(o->world.scatter.count));
+    json_object_set_new(json, "lights", o->world.lights < 0 ? json_null() : json_integer(o->world.lights));
     json_object_set_new(json, "light_seed", json_integer((json_int_t)o->world.scatter.seed));
     json_object_set_new(json, "light_shapes", shapes);
     json_object_set_new(json, "light_scale", json_real((double)o->world.scatter.radius_scale));

@@ -10,7 +10,7 @@
 #include <string.h>
 
 struct world_options world_options_default(void) {
-    return (struct world_options){.scatter = fnl_scatter_params_default(), .loading = fnl_load_params_default(), .environment_params = fnl_environment_params_default()};
+    return (struct world_options){.lights = -1, .scatter = fnl_scatter_params_default(), .loading = fnl_load_params_default(), .environment_params = fnl_environment_params_default()};
 }
 
 bool world_has(int option) { return loading_has(option) || (option >= WORLD_CAMERA && option < WORLD_END); }
@@ -85,22 +85,25 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         return true;
     case WORLD_LIGHTS:
         if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
-        o->scatter.count = (uint32_t)integer;
+        o->lights = integer;
         return true;
     case WORLD_LIGHT_SEED:
         if (!argument_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
         o->scatter.seed = (uint64_t)integer;
+        o->scatters = true;
         return true;
     case WORLD_PROBE:
         return parse_probe(value, o);
     case WORLD_PROBE_REFLECTIONS:
         return o->probe_reflections = true;
     case WORLD_LIGHT_SHAPES:
+        o->scatters = true;
         return argument_light_shapes("light-shapes", value, &o->scatter);
     case WORLD_LIGHT_SCALE:
         if (!argument_number("light-scale", value, &number)) return false;
         if (!(number > 0 && number <= 1e6)) return argument_bad("light-scale", value, "a factor above 0");
         o->scatter.radius_scale = (float)number;
+        o->scatters = true;
         return true;
     case WORLD_IES:
         o->ies = value;
@@ -328,10 +331,13 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
                 fnl_camera *camera) {
     fnl_load_params loading = o->loading;
     if (!loading.progress) loading.progress = show_loading;
-    if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK || !loading_select_variant(*scene, o->variant, NULL)) return false;
+    char source[2048];
+    fnl_scatter_params scatter = o->scatter;
+    scatter.count = loading_lights(o->scene, o->lights, o->scatters, source, sizeof source);
+    if (fnl_scene_load(host, source, &loading, scene) != FNL_OK || !loading_select_variant(*scene, o->variant, NULL)) return false;
     if (!world_set_time(o, *scene, o->time)) return false;
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
-    if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
+    if (fnl_scene_scatter_light_shapes(*scene, &scatter) != FNL_OK) return false;
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
     if (o->ies && !give_profile(*scene, o->ies)) return false;
     fnl_environment_params environment = o->environment_params;

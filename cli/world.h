@@ -18,7 +18,9 @@ struct world_options {
     fnl_vec3 up; /* all 0: the camera's */
     const char *environment; /* NULL: the scene's own, or one where it has no light */
     fnl_environment_params environment_params; /* but for its source */
-    fnl_scatter_params scatter;
+    int64_t lights;             /* of --lights; below 0: as the scene has them */
+    bool scatters;              /* in a built-in scene too, as an option says how */
+    fnl_scatter_params scatter; /* but for their count */
     uint32_t grow_metal; /* texels */
     fnl_load_params loading;
     double time; /* of the animation, seconds */
@@ -104,11 +106,12 @@ enum {
     "  --environment-compressed   keeps it as BC6H: an eighth of the memory, 1.4 to 2.9 % off\n" \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
 #define WORLD_SCENE_HELP                                                                                                    \
-    "  --lights N                 adds N point and spot lights at random places in the scene\n"                             \
-    "  --light-seed S             the random seed for their places (1)\n"                                                   \
+    "  --lights N                 the number of lights of a built-in scene; a file gets N more, points and spots at random places\n" \
+    "  --light-seed S             the random seed for these places (1)\n"                                                   \
     "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box,rectangle, each with =SHARE "                    \
     "or equal (point=3,spot=1)\n"                                                                                                    \
-    "  --light-scale X            multiplies their radius (1)\n"                                                            \
+    "  --light-scale X            multiplies their radius (1). With one of these three options the N lights of a built-in scene\n" \
+    "                             stand at random places too\n"                                                            \
     "  --ies FILE                 points and spots shine as the luminaire of a photometric file (.ies) does\n"              \
     "  --range-roughness R        lights without a range reach as far as highlights on surfaces of roughness R are "        \
     "visible (1)\n"                                                                                                         \

@@ -9,7 +9,7 @@ rm -rf "$work"
 mkdir -p "$work"
 case $example in
 hello) # lights the scene itself
-    scene='builtin:spheres?lights=0' options=(--lights 200 --ambient 0.3,0.3,0.3) ;;
+    scene='builtin:spheres?lights=0' options=(--lights 200 --light-seed 1 --ambient 0.3,0.3,0.3) ;;
 import_device) # takes the first device
     scene='builtin:spheres' options=(--device 0) ;;
 async_load) # a file with images; they are all there in the end

@@ -89,17 +89,17 @@ clusters() { # NAME SCENE SIZE PIXELS SLICES OPTIONS…
 }
 points='builtin:hall?lights=4096' none='builtin:hall?lights=0'
 tiles=(--lists tiled --set tiles.size=8) # 96x48 of them
-spots=(--lights 4096 --light-shapes spot)
+spots=(--lights 4096 --light-shapes spot) scattered=(--lights 4096 --light-seed 1)
 clusters points "$points" 768x384 32 128
 count points_in_tiles "$points" 768x384 "${tiles[@]}"
 clusters spots "$none" 768x384 32 128 "${spots[@]}"
 count spots_in_tiles "$none" 768x384 "${tiles[@]}" --set list.cone-tests=off "${spots[@]}" # spheres, as the tiles of the source test them
-clusters wide32 "$none" 384x192 16 32 --lights 4096 # 24x12 clusters
-clusters wide64 "$none" 384x192 16 64 --lights 4096
-clusters fine32 "$none" 384x192 8 32 --lights 4096 # 48x24
-clusters fine128 "$none" 384x192 8 128 --lights 4096
+clusters wide32 "$none" 384x192 16 32 "${scattered[@]}" # 24x12 clusters
+clusters wide64 "$none" 384x192 16 64 "${scattered[@]}"
+clusters fine32 "$none" 384x192 8 32 "${scattered[@]}" # 48x24
+clusters fine128 "$none" 384x192 8 128 "${scattered[@]}"
 # Scattered lights become smaller as they become more; scaled, they keep their size.
-clusters half "$none" 384x192 16 128 --lights 2048
+clusters half "$none" 384x192 16 128 --lights 2048 --light-seed 1
 clusters whole "$none" 384x192 16 128 --lights 4096 --light-scale 1.26
 jq -s add "$work/counts" >"$work/counts.json"
 numbers='to_entries[] | [.key, .value.in_view, .value.list_entries, .value.list_used_bytes, .value.mean_per_pixel]'
