@@ -131,7 +131,10 @@ bool bench_check_folder(const struct bench_settings *settings) {
                 path);
         return false;
     }
-    return true;
+    struct stat is;
+    snprintf(path, sizeof path, "%s", settings->output);
+    for (size_t length = strlen(path); length > 1 && path[length - 1] == '/';) path[--length] = 0;
+    return (stat(path, &is) == 0 && S_ISDIR(is.st_mode)) || output_check(path);
 }
 
 bool bench_prepare_folder(const char *folder, bool *made) {

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "flip.h"
 #include "leak.h"
+#include "output.h"
 
 #include "fanal/image.h"
 
@@ -135,6 +136,7 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         fprintf(stderr, "fanal compare: %s: the picture of the differences is a .png file\n", out->output);
         return EXIT_ERROR;
     }
+    if (out->output && !output_check(out->output)) return EXIT_ERROR;
     out->path[0] = argv[optind];
     out->path[1] = argv[optind + 1];
     return EXIT_WITHIN;
@@ -266,6 +268,7 @@ static int compare(struct comparison *comparison) {
         print_text(comparison);
     else if (!print_json(comparison))
         return EXIT_ERROR;
+    if (comparison->output && !comparison->json) printf("wrote %s\n", comparison->output);
     for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
         if (is_broken(comparison, m)) return EXIT_OVER;
     return EXIT_WITHIN;

@@ -2,6 +2,7 @@
 /* fanal compress: pictures of high dynamic range to BC6H and back. */
 #include "argument_next.h"
 #include "commands.h"
+#include "output.h"
 
 #include "fanal/device.h"
 #include "fanal/image.h"
@@ -120,6 +121,7 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
         fprintf(stderr, "fanal compress: %s: a picture is compressed to .dds or .ktx2, and these are decoded to .exr or .hdr\n", out->output);
         return EXIT_ERROR;
     }
+    if (!output_check(out->output)) return EXIT_ERROR;
     if (out->on_gpu && out->params.quality == FNL_COMPRESS_BEST) {
         fputs("fanal compress: --quality best is for --on cpu alone\n", stderr);
         return EXIT_ERROR;
@@ -174,6 +176,7 @@ int command_compress(int argc, char **argv) {
         code = compress(&compression, &image);
     else
         code = fnl_image_save(NULL, compression.output, &image) == FNL_OK ? EXIT_DONE : EXIT_ERROR;
+    if (code == EXIT_DONE) printf("wrote %s\n", compression.output);
     fnl_image_free(NULL, &image);
     return code;
 }

@@ -53,6 +53,27 @@ static bool complain(const char *path) {
     return false;
 }
 
+bool output_check(const char *path) {
+    char target[PATH_MAX];
+    struct stat is;
+    errno = ENAMETOOLONG;
+    if (!follow_links(path, target)) return complain(path);
+    if (stat(target, &is) == 0 && S_ISDIR(is.st_mode)) {
+        errno = EISDIR;
+        return complain(path);
+    }
+    if (stat(target, &is) == 0 && !S_ISREG(is.st_mode)) return true; /* a device or a pipe is written to as it is */
+    char *slash = strrchr(target, '/');
+    if (slash) *(slash == target ? slash + 1 : slash) = 0;
+    const char *folder = slash ? target : ".";
+    if (strchr(folder, '%')) return true;
+    if (stat(folder, &is) != 0 && errno == ENOENT) {
+        fprintf(stderr, "fanal: error: %s: cannot be written: there is no folder %s\n", path, folder);
+        return false;
+    }
+    return access(folder, W_OK | X_OK) == 0 || complain(path);
+}
+
 static bool write_all(int descriptor, const char *bytes, size_t size) {
     while (size > 0) {
         ssize_t written = write(descriptor, bytes, size);

@@ -10,6 +10,11 @@
 /** Whether two paths lead to one file, by whatever folders and symbolic links; neither has to exist. */
 bool output_is_same(const char *a, const char *b);
 /**
+ * Whether a file can be written at `path`: its folder exists and takes files. False with a message. To be called before anything is loaded or rendered. A
+ * folder that is named by a pattern (%d) is not looked at.
+ */
+bool output_check(const char *path);
+/**
  * Writes a whole file under a temporary name, then renames it. As with pictures, a symbolic link stays one and a file that is replaced hands its
  * mode down; a device or a pipe is written to as it is. False with a message.
  */

@@ -193,6 +193,8 @@ static bool check_options(const struct trace_options *o) {
                     k < o->output_count ? ", which would be written twice" : ": the scene would be overwritten");
             return false;
         }
+    for (int i = 0; !problem && i < o->output_count; i++)
+        if (!output_check(o->outputs[i])) return false;
     return !problem;
 }
 
@@ -251,6 +253,7 @@ static int run(struct trace_options *o) {
         good = save(o, &host, &trace, o->outputs[i]);
         for (int k = 0; !good && k < i; k++) unlink(o->outputs[k]);
     }
+    for (int i = 0; i < o->output_count && good && !o->quiet; i++) printf("wrote %s\n", o->outputs[i]);
     const bool complete = trace.complete;
     fnl_trace_free(&host, &trace);
     fnl_scene_destroy(&scene);

@@ -67,12 +67,20 @@ static bool check_track(const struct run *run) {
     return true;
 }
 
+/* Of what this process writes. */
+static bool check_outputs(const struct run *run) {
+    const struct render_options *o = &run->o->render;
+    bool good = true;
+    for (int i = 0; i < o->output_count && good && (run->ranks.rank == 0 || !run->o->gather); i++) good = output_check(o->outputs[i]);
+    return good && (run->ranks.rank > 0 || !o->stats || render_is_stdout(o->stats) || output_check(o->stats));
+}
+
 static bool prepare(struct run *run, double *ev, bool *meters) {
     const struct cave_options *o = run->o;
     fnl_camera camera;
     const struct cave_moment first = cave_predict(o, run->d, o->render.start_frame, 0);
     run->view_count = cave_list_views(o, run->d, run->ranks.transport ? run->ranks.count : 0, run->views);
-    if (run->view_count == 0) return false;
+    if (run->view_count == 0 || !check_outputs(run)) return false;
     progress_show("loading the scene", 0, 0);
     if (!world_load(&o->render.world, &run->host, run->views[0].width, run->views[0].height, o->render.quiet || run->ranks.rank > 0, &run->scene, &camera)) return false;
     run->place = cave_find_place(run->d, &first, &camera, o->places_by_camera);
@@ -249,6 +257,14 @@ static void print_summary(const struct run *run) {
            frames == 1 ? "" : "s", run->ev, run->copied / frames, progress_seconds());
 }
 
+/* Names as they were given: ranks may write theirs on other machines. */
+static void print_wrote(const struct run *run) {
+    const struct render_options *o = &run->o->render;
+    const uint32_t count = run->view_count * (o->frame_count - o->start_frame);
+    for (int i = 0; i < o->output_count; i++) printf("wrote %s: %u picture%s\n", o->outputs[i], count, count == 1 ? "" : "s");
+    if (o->stats && !render_is_stdout(o->stats)) printf("wrote %s\n", o->stats);
+}
+
 int cave_run(const struct cave_options *o, const struct cave_displays *d) {
     struct run *run = calloc(1, sizeof *run);
     if (!run) return 2;
@@ -269,6 +285,7 @@ int cave_run(const struct cave_options *o, const struct cave_displays *d) {
         if (good && run->ranks.rank == 0) {
             if (!o->render.quiet) print_summary(run);
             good = output_flush() && (!o->render.stats || save_stats(run));
+            if (good && !o->render.quiet) print_wrote(run);
         }
         cave_ranks_leave(&run->ranks);
     }
