@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The subcommands. Each takes its own arguments, argv[0] being its name, and returns the exit status: 0, 1 (compare: over a limit;
- * bench: a wrong picture), 2, or 130 (bench, cave, trace: interrupted). */
+ * bench: a wrong picture), 2, or 130 (bench, cave, render, trace: interrupted). */
 #ifndef FNL_CLI_COMMANDS_H
 #define FNL_CLI_COMMANDS_H
 

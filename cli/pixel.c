@@ -44,7 +44,7 @@ void pixel_describe_cell(const fnl_pixel_info *p, char *text, size_t capacity) {
 
 void pixel_print(const fnl_scene *scene, const fnl_pixel_info *p) {
     char text[160];
-    printf("\npixel %u, %u", p->query.x, p->query.y);
+    printf("pixel %u, %u", p->query.x, p->query.y);
     if (p->query.view) printf(" of view %u", p->query.view);
     if (!p->hit) {
         puts(": nothing is there");

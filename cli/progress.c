@@ -105,11 +105,13 @@ void progress_begin(bool quiet, double line_seconds) {
 static void show(const char *what, uint32_t done, uint32_t total, double left) {
     pthread_mutex_lock(&p.lock);
     p.step = now();
-    if (strcmp(p.what, what) != 0) p.stage = p.step;
+    const bool begins = strcmp(p.what, what) != 0;
+    if (begins) p.stage = p.step;
     snprintf(p.what, sizeof p.what, "%s", what);
     p.done = done;
     p.total = total;
     p.left = left;
+    if (begins && p.terminal) print(); /* however short it is */
     pthread_mutex_unlock(&p.lock);
 }
 

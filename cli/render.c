@@ -83,7 +83,7 @@ static void print_help(void) {
          "                             'help' as the value lists the names that an option takes, as in --debug help\n"
          "\n"
          "Run\n"
-         "  --frames N                 renders N frames and reports medians (1); 0: only the picture, as fast as possible\n"
+         "  --frames N                 renders N more frames for timing, and prints the table with medians\n"
          "  --frame-time SECONDS       outputs with %d or %04d in their names are a sequence of --frames pictures; the\n"
          "                             animation advances by this much between them (1/30)\n"
          "  --start-frame N            starts a sequence at picture N (0); it ends where --frames says\n"
@@ -100,7 +100,8 @@ static void print_help(void) {
          "  --no-cache                 does not use the user's cache folder, which keeps compiled pipelines and what auto "
          "chose\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
-         "  -q, --quiet                prints nothing but errors\n"
+         "  -v, --verbose              prints the table of a timed frame: passes, lights, triangles, memory\n"
+         "  -q, --quiet                prints nothing but errors, and what --pixel, --plan and --traffic print\n"
          "  -h, --help                 prints this text\n"
          "\n"
          "With -o - or --stats -, everything else is printed to stderr.\n"
@@ -207,6 +208,9 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case 'q':
         o->quiet = true;
         return true;
+    case 'v':
+        o->verbose = true;
+        return true;
     case O_SIZE:
         o->has_size = true;
         return argument_size("size", value, &o->frame.width, &o->frame.height);
@@ -310,6 +314,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
 static const struct option own_options[] = {
     {"output", required_argument, NULL, 'o'},
     {"quiet", no_argument, NULL, 'q'},
+    {"verbose", no_argument, NULL, 'v'},
     {"help", no_argument, NULL, 'h'},
     {"size", required_argument, NULL, O_SIZE},
     {"views", required_argument, NULL, O_VIEWS},
@@ -375,6 +380,8 @@ static bool check_files(const struct render_options *o) {
                     k < written ? ", which would be written twice" : k == written ? ": the scene would be overwritten" : ": the headset would be overwritten");
             return false;
         }
+    for (int i = 0; i < written; i++)
+        if (!render_is_stdout(files[i]) && !output_check(files[i])) return false;
     return true;
 }
 
@@ -424,8 +431,10 @@ static bool check_options(struct render_options *o) {
         problem = "--camera-path orbit and turntable need --frames, or as orbit:N the pictures once round";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
     if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample is no --aa taa";
-    if (o->frame_count == 0 && (o->stats || o->trace_file || sequence))
-        problem = "--frames 0 is a picture without numbers: not with --stats or --trace-file, nor for a sequence";
+    if (o->frame_count == 0 && (o->stats || o->trace_file || o->verbose || sequence))
+        problem = "--frames 0 is a picture without numbers: not with --stats, --trace-file or --verbose, nor for a sequence";
+    if (o->verbose && o->quiet) problem = "--verbose and --quiet exclude one another";
+    if (o->verbose && sequence) problem = "--verbose is for single pictures: --stats FILE has the numbers of a sequence";
     if (o->trace_file && render_is_stdout(o->trace_file)) problem = "--trace-file writes a file, not to stdout";
     if (o->trace_file && o->supersample > 1) problem = "--trace-file and --supersample exclude one another: pictures of several frames are not timed";
     if (o->frame.pixel.asked && (o->frame.pixel.x >= o->frame.width || o->frame.pixel.y >= o->frame.height))
@@ -463,7 +472,7 @@ int command_render(int argc, char **argv) {
     enum options_form form = OPTIONS_TEXT;
     options_make_long(own_options, OWN_COUNT, false, long_options);
     optind = 0;
-    for (int option; (option = argument_next(argc, argv, "o:qh", long_options)) != -1;) {
+    for (int option; (option = argument_next(argc, argv, "o:qvh", long_options)) != -1;) {
         if (option == 'h') {
             print_help();
             return 0;
@@ -500,6 +509,7 @@ int command_render(int argc, char **argv) {
     if (o.supersample > 1 && !render_was_given(&o, "msaa")) o.frame.msaa = 1; /* the mean smooths edges */
     if (o.supersample > 1 && !render_was_given(&o, "aa")) o.frame.aa = FNL_ANTIALIASING_NONE;
     world_set_frame(&o.world, &o.frame);
+    if (!o.has_frames && !o.stats && !o.trace_file && !o.verbose && !render_makes_sequence(&o)) o.frame_count = 0;
     o.lit_casts = !render_was_given(&o, "shadows");
     warn_of_unused(&o);
     return render_run(&o);

@@ -33,10 +33,10 @@ struct render_options {
     const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
     int given_count;
     fnl_frame frame;
-    bool validate, no_cache, quiet, traffic;
+    bool validate, no_cache, quiet, verbose, traffic;
     enum render_plan { RENDER_NO_PLAN, RENDER_PLAN_TEXT, RENDER_PLAN_JSON } plan;
     double choose_seconds;      /* that auto may take before the frames */
-    uint32_t frame_count;       /* timed ones; 0: the picture alone */
+    uint32_t frame_count;       /* timed ones; 0: the picture alone, as is usual */
     uint32_t aovs;              /* bits 1 << enum render_aov */
     bool has_frames, has_frame_time, has_format, has_size;
     bool lit_casts;            /* nobody said which shadows: maps, where the scene has lights */
@@ -99,6 +99,8 @@ struct render_report {
     fnl_frame frame;
     double time;           /* of the animation, seconds */
     uint32_t picture;      /* of a sequence; UINT32_MAX: none */
+    uint32_t picture_count; /* that were written of a sequence */
+    bool interrupted;       /* the sequence, before its end */
     fnl_frame_stats stats; /* of the last, counted frame; its passes are not used */
     const fnl_scene *pixel_scene;
     fnl_pixel_info pixel;          /* that was asked for, if one was */
@@ -118,8 +120,10 @@ bool report_note(struct render_report *report, uint32_t index, const fnl_frame_s
 /** Frees the times. */
 void report_finish(struct render_report *report);
 void report_print(const struct render_report *report);
-/** A line instead, where nothing but the picture was asked for; `seconds` is what the command took. */
+/** A line instead, where nothing but the picture was asked for, and what the colors of a debug view mean; `seconds` is what the command took. */
 void report_print_picture(const struct render_report *report, double seconds);
+/** A line about the `count` pictures of a sequence. */
+void report_print_sequence(const struct render_report *report, uint32_t count, double seconds);
 /** The numbers as JSON, by docs/stats.schema.json, on a line of its own or indented; NULL when memory ran out. To be freed. */
 char *report_text(const struct render_report *report, bool line);
 
@@ -135,6 +139,8 @@ bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_fra
 /** Of the last frame; `view_count` 0: it has one view, or two that are joined, and the paths of outputs are no patterns for the numbers of views. */
 bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer,
                          const struct supersample *mean, uint32_t view_count);
+/** Says what was written: each output, whose pattern stands for the numbers `first` to `end` - 1 (end 0: it is none), and the other files. */
+void render_print_wrote(const struct render_options *options, uint32_t first, uint32_t end);
 bool render_sequence(const struct render_options *options, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
                      const fnl_frame *frame, struct render_report *report, struct trace_history *trace);
 

@@ -19,6 +19,8 @@
 #include <strings.h>
 #include <unistd.h>
 
+enum { EXIT_INTERRUPTED = 130 };
+
 /* ---- device ---- */
 
 static void choose_device(const struct render_options *o, fnl_device_params *params) {
@@ -138,6 +140,29 @@ static void remove_files(const struct render_options *o, uint32_t count, uint32_
         const char *file = file_path(o, i, view_count, path);
         if (!render_is_stdout(file)) unlink(file);
     }
+}
+
+/* FIRST to LAST of a pattern's numbers, or the path itself. */
+static void print_wrote(const char *path, uint32_t first, uint32_t end) {
+    char low[4096], high[4096];
+    if (render_is_stdout(path)) return;
+    if (end == 0) {
+        printf("wrote %s\n", path);
+        return;
+    }
+    render_number_path(path, first, low, sizeof low);
+    render_number_path(path, end - 1, high, sizeof high);
+    if (end - first == 1)
+        printf("wrote %s\n", low);
+    else
+        printf("wrote %s to %s\n", low, high);
+}
+
+void render_print_wrote(const struct render_options *o, uint32_t first, uint32_t end) {
+    for (int i = 0; i < o->output_count; i++) print_wrote(o->outputs[i], first, end);
+    if (o->stats) print_wrote(o->stats, 0, 0);
+    if (o->trace_file) print_wrote(o->trace_file, 0, 0);
+    if (o->save_scene) print_wrote(o->save_scene, 0, 0);
 }
 
 /* The pictures of one view, which stay where they are. */
@@ -283,6 +308,14 @@ static bool takes_stdout(const struct render_options *o) {
     return takes;
 }
 
+/* The work before the first frame, under names of its own. */
+static bool warm_up(fnl_renderer *renderer, const fnl_frame *frame) {
+    progress_show("uploading the scene", 0, 0);
+    if (fnl_renderer_warm(renderer, frame, NULL, false, NULL) != FNL_OK) return false;
+    progress_show("compiling pipelines", 0, 0);
+    return fnl_renderer_warm(renderer, frame, NULL, true, NULL) == FNL_OK;
+}
+
 bool render_shows_nothing(const struct render_options *o) { return o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file && !o->frame.pixel.asked; }
 
 /* Without a device, where nothing is rendered. */
@@ -325,6 +358,7 @@ static int run(const struct render_options *o) {
         const bool saved = load_and_save(o, &host, &scene, &frame.camera);
         progress_end();
         fnl_scene_destroy(&scene);
+        if (saved && !o->quiet) render_print_wrote(o, 0, 0);
         return saved ? 0 : 2;
     }
     bool sequence = render_makes_sequence(o);
@@ -351,6 +385,7 @@ static int run(const struct render_options *o) {
         fputs("fanal: error: --trace-file: memory ran out\n", stderr);
         good = false;
     }
+    if (good) good = warm_up(renderer, &frame);
     if (good && sequence) good = render_sequence(o, &host, scene, renderer, &frame, &report, trace);
     if (good && !sequence) good = run_frames(o, renderer, frame, &report, trace);
     if (good && !sequence && o->supersample > 1) {
@@ -367,11 +402,14 @@ static int run(const struct render_options *o) {
     if (good && o->plan) print_text(renderer, o->plan == RENDER_PLAN_JSON ? FNL_PRINT_PLAN_JSON : FNL_PRINT_PLAN);
     if (good && o->traffic) print_text(renderer, FNL_PRINT_TRAFFIC);
     progress_end();
-    bool table = good && !o->quiet && !o->plan && !o->traffic && !sequence;
-    if (table && o->frame_count == 0) report_print_picture(&report, progress_seconds());
-    if (table && o->frame_count > 0) report_print(&report);
-    if (good && !o->quiet && frame.pixel.asked) pixel_print(scene, &report.pixel);
+    const bool table = good && !o->quiet && !o->plan && !o->traffic;
+    if (table && sequence) report_print_sequence(&report, report.picture_count, progress_seconds());
+    if (table && !sequence && o->frame_count == 0) report_print_picture(&report, progress_seconds());
+    if (table && !sequence && o->frame_count > 0) report_print(&report);
+    if (table && frame.pixel.asked) putchar('\n');
+    if (good && frame.pixel.asked) pixel_print(scene, &report.pixel);
     good = good && output_flush(); /* before anything is written: all or nothing */
+    const uint32_t first = sequence ? o->start_frame : 0, end = sequence ? first + report.picture_count : view_count;
     if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean, view_count);
     supersample_free(&mean);
     const bool traced = good && trace && trace_save(trace, o->trace_file), failed = good && trace && !traced;
@@ -380,13 +418,16 @@ static int run(const struct render_options *o) {
         if (traced) unlink(o->trace_file);
         good = false;
     }
+    if (good && !o->quiet && (!sequence || end > first)) render_print_wrote(o, first, end);
+    if (good && report.interrupted)
+        fprintf(stderr, "fanal: interrupted: --start-frame %u goes on%s\n", end, o->stats && !render_is_stdout(o->stats) ? ", with another --stats file" : "");
     trace_destroy(&trace);
     report_finish(&report);
     if (o->screen) display_close(o->screen);
     fnl_renderer_destroy(&renderer);
     fnl_device_destroy(&device);
     fnl_scene_destroy(&scene);
-    return good ? 0 : 2;
+    return !good ? 2 : report.interrupted ? EXIT_INTERRUPTED : 0;
 }
 
 int render_run(const struct render_options *options) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The pictures of a sequence, in which the animation goes on and the camera follows a path. */
 #include "bench.h" /* camera paths */
+#include "interrupt.h"
 #include "output.h"
 #include "progress.h"
 #include "render.h"
@@ -113,11 +114,14 @@ static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
     uint32_t first = o->start_frame, earlier = earlier_pictures(&s->frame);
     for (uint32_t i = first < earlier ? 0 : first - earlier; i < s->end; i++) {
         struct supersample mean = {0};
+        report->interrupted = interrupt_seen();
+        if (report->interrupted) return true;
         progress_show("rendering", i < first ? 0 : i - first, s->end - first);
         trace_mark(s->trace, "pose");
         bool good = pose(s, i) && render(s, &mean) && (i < first || (save(s, i, &mean) && note(s, i, report, lines)));
         supersample_free(&mean);
         if (!good) return false;
+        report->picture_count += i >= first;
     }
     return true;
 }
@@ -137,9 +141,12 @@ bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_s
     bool good = (!o->stats || lines) && (o->start_frame < s.end);
     if (o->start_frame >= s.end)
         fprintf(stderr, "fanal: error: --start-frame: the sequence has no picture %u; it ends after %u\n", o->start_frame, s.end - 1);
+    interrupt_catch(true);
     good = good && run(&s, report, lines);
+    interrupt_catch(false);
+    report->stats = s.stats;
     if (lines && fclose(lines) != 0) good = false;
-    if (good && lines && !render_is_stdout(o->stats)) good = output_save(o->stats, text, length);
+    if (good && lines && report->picture_count > 0 && !render_is_stdout(o->stats)) good = output_save(o->stats, text, length);
     free(text);
     bench_path_destroy(&s.path);
     return good;

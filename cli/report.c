@@ -114,10 +114,29 @@ static struct report_summary summary_of(const struct render_report *r, const str
 
 /* ---- the table ---- */
 
+static void print_legend(const struct render_report *r) {
+    char legend[1024];
+    legend_print(r->frame.debug, legend, sizeof legend);
+    if (legend[0]) printf("  %s: %s\n", fnl_value_name(FNL_ENUM_DEBUG_VIEW, r->frame.debug), legend);
+}
+
+static void print_method(const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    printf("%ux%u, %s, %s lists, %u light%s", r->frame.width, r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading),
+           fnl_value_name(FNL_ENUM_LISTS, s->lists), s->lights_total, s->lights_total == 1 ? "" : "s");
+    if (s->view_count) printf(", %u views", s->view_count);
+}
+
 void report_print_picture(const struct render_report *r, double seconds) {
-    printf("%ux%u, %s, %s lists, %u lights: the frame took %.2f s on %s, everything %.2f s\n", r->frame.width,
-           r->frame.height, fnl_value_name(FNL_ENUM_SHADING, r->stats.shading), fnl_value_name(FNL_ENUM_LISTS, r->stats.lists), r->stats.lights_total,
-           r->stats.gpu_milliseconds * 1e-3, r->device.name, seconds);
+    print_method(r);
+    printf(": the frame took %.2f s on %s, everything %.2f s\n", r->stats.gpu_milliseconds * 1e-3, r->device.name, seconds);
+    print_legend(r);
+}
+
+void report_print_sequence(const struct render_report *r, uint32_t count, double seconds) {
+    print_method(r);
+    printf(": %u picture%s on %s in %.1f s\n", count, count == 1 ? "" : "s", r->device.name, seconds);
+    print_legend(r);
 }
 
 static void print_candidates(const fnl_frame_stats *s) {
@@ -196,8 +215,6 @@ void report_print(const struct render_report *r) {
     for (uint32_t i = 0; i < s->memory_kind_count; i++)
         printf("%s %s %.1f", i ? "," : "", s->memory_kinds[i].name, (double)s->memory_kinds[i].bytes / (1 << 20));
     putchar('\n');
-    char legend[1024];
-    legend_print(r->frame.debug, legend, sizeof legend);
-    if (legend[0]) printf("  %s: %s\n", fnl_value_name(FNL_ENUM_DEBUG_VIEW, r->frame.debug), legend);
+    print_legend(r);
     counters_print_table(s);
 }

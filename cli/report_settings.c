@@ -96,6 +96,7 @@ static void add_run(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "validate", json_boolean(o->validate));
     json_object_set_new(json, "no_cache", json_boolean(o->no_cache));
     json_object_set_new(json, "quiet", json_boolean(o->quiet));
+    json_object_set_new(json, "verbose", json_boolean(o->verbose));
 }
 
 json_t *report_settings(const struct render_options *o) {

@@ -49,6 +49,65 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     [ "$(lights option.json)" = 7 ] || fail "--lights 7 gives a file $(lights option.json) lights"
     expect 2 'lights=1048577 is not a whole number from 0 to 1048576' render builtin:spheres --lights 1048577 $small -o a.png
     absent a.png
+
+    # Folders of outputs are looked at before anything is loaded or rendered: the scene of these commands does not exist.
+    for output in '-o none/a.png' '-o a.png --stats none/a.json' '-o a.png --trace-file none/a.trace' '-o a.png --save-scene none/a.glb' '-o none/a-%d.png'; do
+        expect 2 'none/a[^:]*: cannot be written: there is no folder none' render builtin:nowhere $output
+    done
+    expect 2 'none/a.exr: cannot be written: there is no folder none' trace builtin:nowhere -o none/a.exr
+    expect 2 'none/a: cannot be written: there is no folder none' bench builtin:nowhere -o none/a
+    expect 2 'none/a.dds: cannot be written: there is no folder none' compress nowhere.hdr -o none/a.dds
+    expect 2 'none/a.png: cannot be written: there is no folder none' compare nowhere.png nowhere.png -o none/a.png
+    expect 2 'none/%w-%e.png: cannot be written: there is no folder none' cave builtin:nowhere --displays builtin:mono -o none/%w-%e.png
+    mkdir folder.png
+    expect 2 'folder.png: cannot be written: Is a directory' render builtin:nowhere -o folder.png
+    grep -q nowhere err && fail 'a scene is loaded before its outputs are looked at'
+
+    # What is printed: a line about the picture and one for each file; the table where it is asked for.
+    expect 0 '' render builtin:spheres $small -o line.png
+    [ "$(wc -l <out)" = 2 ] && grep -qE '^64x36, deferred, clustered lists, 64 lights: the frame took [0-9.]+ s on ' out && grep -qx 'wrote line.png' out ||
+        fail "a picture prints $(cat out)"
+    [ ! -s err ] || fail "a picture prints to stderr: $(cat err)"
+    expect 0 'pass, ms' render builtin:spheres $small --verbose -o table.png
+    same table.png line.png 'another picture with --verbose'
+    expect 0 'pass, ms' render builtin:spheres $small --frames 1 -o table.png
+    same table.png line.png 'another picture with --frames 1'
+    expect 0 'pass, ms' render builtin:spheres $small --stats table.json -o table.png
+    grep -qx 'wrote table.json' out || fail 'the statistics are not said to be written'
+    expect 0 'pixel 32, 18: at ' render builtin:spheres $small --pixel 32,18 -q
+    expect 2 'exclude one another' render builtin:spheres $small --verbose --quiet -o a.png
+    expect 2 'verbose is for single pictures' render builtin:spheres $small --verbose --camera-path orbit:2 -o a-%d.png
+    expect 0 'wrote lit.glb' render triangle.gltf --lights 7 --save-scene lit.glb
+    expect 0 '^wrote view-0.png to view-5.png$' render builtin:spheres $small --size 16x16 --views cube -o view-%d.png
+    expect 0 'wrote traced.png' trace builtin:spheres --size 16x9 --shadows off -o traced.png
+    expect 0 'wrote difference.png' compare line.png table.png -o difference.png
+    expect 0 '^wrote cave-%w-%e.png: 1 picture$' cave builtin:spheres --displays builtin:mono --size 32x18 --shadows off -o cave-%w-%e.png
+
+    # A sequence says how it went. Phases have names, on a terminal each of them.
+    expect 0 '^64x36, deferred, clustered lists, 64 lights: 3 pictures on ' render builtin:spheres $small --camera-path orbit:3 -o walk-%02d.png
+    grep -qx 'wrote walk-00.png to walk-02.png' out || fail "a sequence prints $(cat out)"
+    if command -v script >/dev/null; then
+        script -qec "'$fanal' render builtin:spheres $small -o terminal.png" /dev/null </dev/null >phases 2>&1
+        for phase in 'loading the scene' 'uploading the scene' 'compiling pipelines' 'rendering'; do
+            grep -q "$phase" phases || fail "a terminal is not told of $phase"
+        done
+    fi
+    # Ctrl-C keeps what there is: pictures and their numbers, and says how to go on. The third picture waits for its reader, so the signal comes between.
+    mkfifo pipe
+    "$fanal" render builtin:spheres $small --camera-path orbit:200 -o stop-%03d.png -o - --format raw --stats stop.json >pipe 2>err &
+    rendering=$!
+    exec 3<pipe
+    head -c $((2 * 64 * 36 * 4)) <&3 >first.raw
+    kill -INT $rendering
+    cat <&3 >rest.raw
+    exec 3<&-
+    wait $rendering
+    [ $? = 130 ] || fail "a sequence that is interrupted does not end with status 130: $(cat err)"
+    next=$(sed -n 's/^fanal: interrupted: --start-frame \([0-9]*\) goes on.*/\1/p' err)
+    [ "${next:-0}" -ge 2 ] && [ "$next" -lt 200 ] || fail "an interrupted sequence does not say how to go on: $(cat err)"
+    [ "$(find . -name 'stop-*.png' | wc -l)" = "$next" ] && [ "$(wc -l <stop.json)" = "$next" ] && [ "$(cat first.raw rest.raw | wc -c)" = $((next * 64 * 36 * 4)) ] ||
+        fail "of $next pictures there are $(find . -name 'stop-*.png' | wc -l) files and $(wc -l <stop.json) lines"
+    grep -q "wrote stop-000.png to stop-$(printf %03d $((next - 1))).png" err || fail "an interrupted sequence does not say what it wrote: $(cat err)"
 }
 [ $failures = 0 ] && echo 'all checks of the basics passed'
 exit $((failures > 0))

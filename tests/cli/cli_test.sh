@@ -272,7 +272,7 @@ wait $!
 expect 0 'auto: (fastest of|likely the best)' render builtin:spheres $plain --lists auto --frames 2 -o "$work/b.png" -o "$work/b.exr"
 grep -q 'auto: fastest' "$work/out" && { grep -qE '^  \* deferred +[a-z0-9.-]+ +[0-9.]+ ms, [0-9] frames?$' "$work/out" || fail 'what auto measured is not told'; }
 cmp -s "$work/a.png" "$work/b.png" || fail 'the lists that auto took gave other bytes'
-expect 0 'auto: (remembered|likely)' render builtin:spheres $plain -o "$work/b.png"
+expect 0 'auto: (remembered|likely)' render builtin:spheres $plain --verbose -o "$work/b.png"
 expect 0 'auto has not decided within 0 s' render builtin:spheres --size 33x19 --shadows off --lists auto --choose-seconds 0 --frames 2 -o "$work/c.png"
 expect 2 "choose-seconds: '-1' is not" render builtin:spheres --choose-seconds -1 -o "$work/c.png"
 expect 2 "set: there is no option 'tiles'" render builtin:spheres --set tiles=3 -o "$work/b.png"
@@ -363,7 +363,7 @@ expect 0 '^zbin$' render --lists help
 expect 2 'coarse' render "builtin:glass?lights=8" $plain --shading deferred --debug coarse -o "$work/c.png"
 expect 0 '^coarse.shared \(blocks\)' render --counters
 expect 0 '"key": "coarse.shared"' render --counters --json
-expect 0 'transparency.longest +[1-9][0-9]* ' render "builtin:glass?lights=8" $plain --transparency linked --debug layers -o "$work/c.png"
+expect 0 'transparency.longest +[1-9][0-9]* ' render "builtin:glass?lights=8" $plain --verbose --transparency linked --debug layers -o "$work/c.png"
 for kind in weighted linked; do cmp -s "$work/glass-sorted.png" "$work/glass-$kind.png" && fail "$kind gives the same picture as sorted"; done
 [ $failures = 0 ] && echo 'all checks of the command passed'
 exit $((failures > 0))

@@ -42,7 +42,7 @@ spheres="builtin:spheres --lists clustered"
     for file in a*; do [ ! -e "$file" ] || fail "$file was left behind"; done
 
     # A still to stdout has the bytes of the file; what is printed otherwise goes to stderr.
-    run 0 'light evaluations' $spheres -o - -o still.png
+    run 0 'light evaluations' $spheres --verbose -o - -o still.png
     same out still.png 'a PNG on stdout differs from the file'
     run 0 '' $spheres -q -o - --format exr -o still.exr
     same out still.exr 'an EXR on stdout differs from the file'
