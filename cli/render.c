@@ -56,7 +56,7 @@ static void print_help(void) {
          "\n"
          "Picture\n"
          "  -o, --output FILE|-        the file to write, - for stdout; can be given several times\n"
-         "  --format KIND              what -o - writes: png exr raw y4m (png; for a sequence y4m)\n"
+         "  --format KIND              what -o - writes: png exr raw y4m y4m444 (png; for a sequence y4m)\n"
          "  --size WxH                 pixels (1280x720)\n"
          WORLD_CAMERA_HELP
          "  --camera-path KIND|FILE    a sequence along a path: orbit or turntable, each with :N pictures per turn, or a "
@@ -69,7 +69,7 @@ static void print_help(void) {
          STEREO_HELP
          DISPLAY_HELP
          WORLD_EYE_HELP
-         "  --exposure EV|auto|none    EV100 (auto)\n"
+         "  --exposure EV|auto|none    EV100 (auto; a sequence keeps that of its first picture, unless auto is given)\n"
          WORLD_SURROUNDINGS_HELP
          "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion,object\n"
          "  --supersample N            averages N frames with different sample positions: a reference for antialiasing");
@@ -114,7 +114,8 @@ static void print_help(void) {
          "city.png\n"
          "  fanal render builtin:hall --shading coarse --set coarse.size=4 -o coarse.png\n"
          "  fanal render builtin:hall --aov depth,normal -o hall.exr --debug lights -o hall-lights.png\n"
-         "  fanal render builtin:spheres --camera-path orbit:90 -o - --format y4m | ffmpeg -i - spheres.mp4");
+         "  fanal render builtin:spheres --camera-path orbit:90 -o - |\n"
+         "    ffmpeg -i - -colorspace bt709 -color_primaries bt709 -color_trc iec61966-2-1 spheres.mp4");
 }
 
 /* ---- reading arguments ---- */
@@ -260,6 +261,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->choose_seconds = number;
         return true;
     case O_EXPOSURE:
+        o->has_exposure = true;
         return argument_exposure("exposure", value, &o->frame.exposure, &o->frame.ev);
     case O_FRAMES:
         if (!argument_integer("frames", value, 0, 1000000, &integer)) return false;
@@ -396,8 +398,7 @@ static bool check_options(struct render_options *o) {
         has_exr = has_exr || format == RENDER_EXR;
         if (is_stdout && has_stdout) problem = "-o - may be given once";
         has_stdout = has_stdout || is_stdout;
-        if (sequence && is_stdout && format != RENDER_RAW && format != RENDER_Y4M)
-            problem = "a sequence goes to stdout as --format raw or y4m";
+        if (sequence && is_stdout && format < RENDER_RAW) problem = "a sequence goes to stdout as --format raw, y4m or y4m444";
         if (sequence && !is_stdout && !render_is_sequence(o->outputs[i]))
             problem = "each output of a sequence has one %d, or as %04d, for the frame's number";
         if (o->views && is_stdout) problem = "-o - takes the picture of one view, not those of --views";

@@ -20,7 +20,7 @@ enum render_aov {
     RENDER_AOV_COUNT
 };
 
-enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
+enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M, RENDER_Y4M444 }; /* from RENDER_RAW on for stdout alone, and sequences */
 
 struct render_options {
     struct world_options world;
@@ -39,6 +39,7 @@ struct render_options {
     uint32_t frame_count;       /* timed ones; 0: the picture alone, as is usual */
     uint32_t aovs;              /* bits 1 << enum render_aov */
     bool has_frames, has_frame_time, has_format, has_size;
+    bool has_exposure;         /* --exposure is given: auto then meters each picture of a sequence */
     bool lit_casts;            /* nobody said which shadows: maps, where the scene has lights */
     enum render_format format; /* of the output "-", which is stdout */
     uint32_t start_frame;      /* of a sequence: the first picture that is wanted */
@@ -52,7 +53,7 @@ bool render_has_extension(const char *path, const char *extension);
 bool render_is_stdout(const char *path);
 /** What an output is to hold. */
 enum render_format render_format_of(const struct render_options *options, const char *path);
-/** "png", "exr", "raw", "y4m"; NULL beyond. */
+/** "png", "exr", "raw", "y4m", "y4m444"; NULL beyond. */
 const char *render_format_name(int format);
 /** By bit of render_options.aovs; NULL beyond. */
 const char *render_aov_name(int aov);

@@ -44,8 +44,8 @@ enum render_format render_format_of(const struct render_options *o, const char *
 }
 
 const char *render_format_name(int format) {
-    static const char *const names[] = {"png", "exr", "raw", "y4m"};
-    return format >= 0 && format <= RENDER_Y4M ? names[format] : NULL;
+    static const char *const names[] = {"png", "exr", "raw", "y4m", "y4m444"};
+    return format >= 0 && format <= RENDER_Y4M444 ? names[format] : NULL;
 }
 
 const char *render_plan_name(int plan) { return plan == RENDER_PLAN_TEXT ? "text" : plan == RENDER_PLAN_JSON ? "json" : NULL; }
@@ -111,7 +111,7 @@ bool render_save_picture(const struct render_options *o, const fnl_host *host, c
 static bool save_stdout(const struct render_options *o, const fnl_host *host, const struct render_pictures *p) {
     enum render_format format = render_format_of(o, "-");
     if (format == RENDER_RAW) return stream_raw(&p->images[0]);
-    if (format == RENDER_Y4M) return stream_y4m(&p->images[0], o->frame_time);
+    if (format >= RENDER_Y4M) return stream_y4m(&p->images[0], format == RENDER_Y4M ? Y4M_420 : Y4M_444, o->frame_time);
     const char *parent = getenv("TMPDIR");
     char folder[3072], path[4096];
     snprintf(folder, sizeof folder, "%s/fanal-XXXXXX", parent && *parent ? parent : "/tmp");
@@ -341,6 +341,13 @@ static bool query_pixel(fnl_renderer *renderer, const fnl_scene *scene, struct r
     return true;
 }
 
+/* Before anything is rendered; the display of a headset, whose size is not known yet, is left to stream_y4m(). */
+static bool check_video(const struct render_options *o) {
+    for (int i = 0; i < o->output_count && !o->display.given; i++)
+        if (render_format_of(o, o->outputs[i]) == RENDER_Y4M && !y4m_check_size(o->frame.width, o->frame.height, Y4M_420)) return false;
+    return true;
+}
+
 static int run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
@@ -351,7 +358,7 @@ static int run(const struct render_options *o) {
     frame.outputs = render_wanted_outputs(o);
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
-    if (takes_stdout(o) && !stream_open()) return 2;
+    if (!check_video(o) || (takes_stdout(o) && !stream_open())) return 2;
     progress_begin(o->quiet, PROGRESS_SECONDS);
     progress_show("loading the scene", 0, 0);
     if (render_shows_nothing(o)) {

@@ -21,7 +21,7 @@ bool render_is_sequence(const char *path) {
 }
 
 bool render_makes_sequence(const struct render_options *o) {
-    bool sequence = o->camera_path || (o->has_format && (o->format == RENDER_RAW || o->format == RENDER_Y4M));
+    bool sequence = o->camera_path || (o->has_format && o->format >= RENDER_RAW);
     for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++) sequence = sequence || strchr(o->outputs[i], '%');
     return sequence;
 }
@@ -82,6 +82,13 @@ static bool render(struct sequence *s, struct supersample *mean) {
     return s->o->supersample > 1 || render_settle_pools(s->renderer, &s->frame, &s->stats);
 }
 
+/* The exposure of picture 0, which has just been rendered, is that of the others: a turntable whose background comes and goes would flicker. */
+static void keep_exposure(struct sequence *s) {
+    if (s->frame.exposure != FNL_EXPOSURE_AUTO || s->o->has_exposure) return;
+    s->frame.exposure = FNL_EXPOSURE_EV;
+    s->frame.ev = s->stats.ev;
+}
+
 static bool save(struct sequence *s, uint32_t index, const struct supersample *mean) {
     char paths[RENDER_MAX_OUTPUTS][4096];
     struct render_options single = *s->o;
@@ -111,9 +118,15 @@ static bool note(const struct sequence *s, uint32_t index, struct render_report 
 
 static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
     const struct render_options *o = s->o;
-    uint32_t first = o->start_frame, earlier = earlier_pictures(&s->frame);
-    for (uint32_t i = first < earlier ? 0 : first - earlier; i < s->end; i++) {
-        struct supersample mean = {0};
+    const uint32_t first = o->start_frame, earlier = earlier_pictures(&s->frame), begin = first < earlier ? 0 : first - earlier;
+    struct supersample mean = {0};
+    if (begin > 0 && s->frame.exposure == FNL_EXPOSURE_AUTO && !o->has_exposure) {
+        const bool good = pose(s, 0) && render(s, &mean);
+        supersample_free(&mean);
+        if (!good) return false;
+        keep_exposure(s);
+    }
+    for (uint32_t i = begin; i < s->end; i++) {
         report->interrupted = interrupt_seen();
         if (report->interrupted) return true;
         progress_show("rendering", i < first ? 0 : i - first, s->end - first);
@@ -121,6 +134,7 @@ static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
         bool good = pose(s, i) && render(s, &mean) && (i < first || (save(s, i, &mean) && note(s, i, report, lines)));
         supersample_free(&mean);
         if (!good) return false;
+        if (i == 0) keep_exposure(s);
         report->picture_count += i >= first;
     }
     return true;

@@ -68,14 +68,30 @@ static int64_t divide(int64_t value, int64_t divisor) {
     return whole - (twice % (2 * divisor) < 0);
 }
 
-void y4m_convert(const uint8_t *pixels, size_t count, uint8_t *planes) {
+size_t y4m_size(uint32_t width, uint32_t height, enum y4m_chroma chroma) {
+    const size_t count = (size_t)width * height;
+    return chroma == Y4M_420 ? count + count / 2 : 3 * count;
+}
+
+void y4m_convert(const uint8_t *pixels, uint32_t width, uint32_t height, enum y4m_chroma chroma, uint8_t *planes) {
+    const uint32_t side = chroma == Y4M_420 ? 2 : 1, area = side * side; /* of the pixels that share their chroma */
+    const size_t count = (size_t)width * height;
+    uint8_t *blue = planes + count, *red = blue + count / area;
     for (size_t i = 0; i < count; i++) {
-        int64_t r = pixels[4 * i], g = pixels[4 * i + 1], b = pixels[4 * i + 2];
-        int64_t luma = 2126 * r + 7152 * g + 722 * b; /* 0 .. 255 * 10000 */
-        planes[i] = (uint8_t)(16 + divide(219 * luma, 255 * 10000));
-        planes[count + i] = (uint8_t)(128 + divide(224 * (10000 * b - luma), 255 * 18556));
-        planes[2 * count + i] = (uint8_t)(128 + divide(224 * (10000 * r - luma), 255 * 15748));
+        const uint8_t *p = pixels + 4 * i;
+        planes[i] = (uint8_t)(16 + divide(219 * (2126 * p[0] + 7152 * p[1] + 722 * p[2]), 255 * 10000));
     }
+    for (uint32_t y = 0; y < height; y += side)
+        for (uint32_t x = 0; x < width; x += side) {
+            int64_t sum[3] = {0};
+            for (uint32_t k = 0; k < area; k++) {
+                const uint8_t *p = pixels + 4 * ((size_t)(y + k / side) * width + x + k % side);
+                for (int c = 0; c < 3; c++) sum[c] += p[c];
+            }
+            const int64_t luma = 2126 * sum[0] + 7152 * sum[1] + 722 * sum[2]; /* 0 .. area * 255 * 10000 */
+            *blue++ = (uint8_t)(128 + divide(224 * (10000 * sum[2] - luma), (int64_t)area * 255 * 18556));
+            *red++ = (uint8_t)(128 + divide(224 * (10000 * sum[0] - luma), (int64_t)area * 255 * 15748));
+        }
 }
 
 /* Frames a second as a fraction: whole, or as television has them, N * 1000 / 1001, or the first that comes near enough. */
@@ -95,21 +111,31 @@ static void find_rate(double frame_time, uint32_t *numerator, uint32_t *denomina
     *denominator = 1001;
 }
 
-void y4m_header(char *text, size_t capacity, uint32_t width, uint32_t height, double frame_time) {
+void y4m_header(char *text, size_t capacity, uint32_t width, uint32_t height, enum y4m_chroma chroma, double frame_time) {
     uint32_t numerator, denominator;
     find_rate(frame_time, &numerator, &denominator);
-    snprintf(text, capacity, "YUV4MPEG2 W%u H%u F%u:%u Ip A1:1 C444 XCOLORRANGE=LIMITED\n", width, height, numerator, denominator);
+    snprintf(text, capacity, "YUV4MPEG2 W%u H%u F%u:%u Ip A1:1 C%s XCOLORRANGE=LIMITED\n", width, height, numerator, denominator,
+             chroma == Y4M_420 ? "420jpeg" : "444");
 }
 
-bool stream_y4m(const fnl_image *picture, double frame_time) {
+bool y4m_check_size(uint32_t width, uint32_t height, enum y4m_chroma chroma) {
+    const uint32_t even_width = width + width % 2, even_height = height + height % 2;
+    if (chroma == Y4M_444 || (even_width == width && even_height == height)) return true;
+    fprintf(stderr, "fanal: error: --size: pictures of %ux%u do not fit y4m, whose sides are even: give %ux%u, or --format y4m444 for any size\n", width, height,
+            even_width, even_height);
+    return false;
+}
+
+bool stream_y4m(const fnl_image *picture, enum y4m_chroma chroma, double frame_time) {
     static const char frame[] = "FRAME\n";
     char header[128] = "";
-    size_t count = (size_t)picture->width * picture->height;
-    uint8_t *planes = malloc(3 * count);
+    if (!y4m_check_size(picture->width, picture->height, chroma)) return false;
+    const size_t size = y4m_size(picture->width, picture->height, chroma);
+    uint8_t *planes = malloc(size);
     if (!planes) return fail(ENOMEM);
-    y4m_convert(picture->pixels, count, planes);
-    if (pictures_written == 0) y4m_header(header, sizeof header, picture->width, picture->height, frame_time);
-    bool good = stream_write(header, strlen(header)) && stream_write(frame, strlen(frame)) && stream_write(planes, 3 * count);
+    y4m_convert(picture->pixels, picture->width, picture->height, chroma, planes);
+    if (pictures_written == 0) y4m_header(header, sizeof header, picture->width, picture->height, chroma, frame_time);
+    bool good = stream_write(header, strlen(header)) && stream_write(frame, strlen(frame)) && stream_write(planes, size);
     free(planes);
     pictures_written += good;
     return good;

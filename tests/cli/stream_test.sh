@@ -12,16 +12,17 @@ failures=0
 fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
 cd "$work" || exit 2
 
+size=33x17
 # run STATUS PATTERN ARGUMENTS…: stdout in out, stderr in err, where a line matches.
 run() {
     local status=$1 pattern=$2 got
     shift 2
-    timeout 120 "$fanal" render --shadows off "$@" --size 33x17 >out 2>err
+    timeout 120 "$fanal" render --shadows off "$@" --size $size >out 2>err
     got=$?
     [ $got = "$status" ] || fail "render $*: exit $got, not $status: $(head -c 300 err)"
     [ -z "$pattern" ] || grep -qE -- "$pattern" err || fail "render $*: no line with '$pattern': $(head -c 300 err)"
 }
-size() { stat -c %s "$1"; }
+bytes() { stat -c %s "$1"; }
 same() { cmp -s "$1" "$2" || fail "$3"; }
 spheres="builtin:spheres --lists clustered"
 # Lists of words: the scene and its options.
@@ -31,13 +32,13 @@ spheres="builtin:spheres --lists clustered"
     run 2 'format is for -o -' $spheres --format raw -o a.png
     run 2 'given once' $spheres -o - -o -
     run 2 'not both' $spheres -o - --stats -
-    run 2 'goes to stdout as --format raw or y4m' $spheres --camera-path orbit:2 -o - --format png
+    run 2 'goes to stdout as --format raw, y4m or y4m444' $spheres --camera-path orbit:2 -o - --format png
     run 2 'each output of a sequence has one %d' $spheres --camera-path orbit:2 -o a.png
     run 2 'need --frames' $spheres --camera-path turntable -o a-%d.png
     run 2 'exclude one another' $spheres --camera-path orbit:2 --eye 1,2,3 --look-at 0,0,0 -o a-%d.png
     run 2 'start-frame is for sequences' $spheres --start-frame 1 -o a.png
     run 2 'no picture 2; it ends after 1' $spheres --camera-path orbit:2 --start-frame 2 -o a-%d.png
-    run 2 "format: 'x' is not one of png exr raw y4m" $spheres --format x -o -
+    run 2 "format: 'x' is not one of png exr raw y4m y4m444" $spheres --format x -o -
     run 2 'path.txt: cannot be opened' $spheres --camera-path path.txt -o a-%d.png
     for file in a*; do [ ! -e "$file" ] || fail "$file was left behind"; done
 
@@ -52,7 +53,7 @@ spheres="builtin:spheres --lists clustered"
 
     # A sequence: as many pictures as the path has points, each where the path says; parts of it have the bytes of the whole.
     run 0 '' $spheres -q --camera-path orbit:4 -o walk-%02d.png -o - --format raw --stats walk.json --trace-file walk.trace
-    [ "$(size out)" = $((4 * 33 * 17 * 4)) ] || fail "raw pictures have $(size out) bytes"
+    [ "$(bytes out)" = $((4 * 33 * 17 * 4)) ] || fail "raw pictures have $(bytes out) bytes"
     mv out whole.raw
     for i in 0 1 2; do cmp -s walk-0$i.png walk-0$((i + 1)).png && fail "pictures $i and $((i + 1)) of an orbit are the same"; done
     [ -e walk-04.png ] && fail 'there is a fifth picture'
@@ -61,7 +62,7 @@ spheres="builtin:spheres --lists clustered"
     [ "$(ls part-* | tr '\n' ' ')" = 'part-02.png ' ] || fail "a part has the pictures $(ls part-*)"
     tail -c +$((2 * 33 * 17 * 4 + 1)) whole.raw | head -c $((33 * 17 * 4)) | cmp -s - out || fail 'picture 2 differs on stdout'
     printf '0 3 3 9  0 1 0\n0.5 -4 3 9  0 1 0\n' >path.txt
-    run 0 '' $spheres -q --camera-path path.txt --fov 40 -o path-%d.png
+    run 0 '' $spheres -q --camera-path path.txt --fov 40 --exposure auto -o path-%d.png
     run 0 '' $spheres -q --eye -4,3,9 --look-at 0,1,0 --fov 40 -o eye.png
     same path-1.png eye.png 'a point of a path is not where --eye and --look-at are'
     [ -e path-0.png ] && [ ! -e path-2.png ] || fail 'a file of two points is not two pictures'
@@ -70,13 +71,36 @@ spheres="builtin:spheres --lists clustered"
     run 0 '' $spheres -q --camera-path orbit:4 --aov motion --start-frame 3 -o later-%d.exr
     same motion-3.exr later-3.exr 'motion differs when a sequence begins in the middle'
 
-    # YUV4MPEG2: a header, then for each picture a line and three planes, for odd sizes too.
+    # YUV4MPEG2: a header, then for each picture a line and three planes: of even sizes, or with the chroma of each pixel.
+    run 2 'pictures of 33x17 do not fit y4m, whose sides are even: give 34x18, or --format y4m444' builtin:nowhere --camera-path orbit:4 -o -
+    [ ! -s out ] || fail 'pictures of an odd size are begun'
+    run 0 '' $spheres -q --camera-path orbit:4 --frame-time 0.04 -o - --format y4m444
+    head -n 1 out | grep -qx 'YUV4MPEG2 W33 H17 F25:1 Ip A1:1 C444 XCOLORRANGE=LIMITED' || fail "y4m444 begins with $(head -c 80 out | head -n 1)"
+    [ "$(bytes out)" = $(($(head -n 1 out | wc -c) + 4 * (6 + 3 * 33 * 17))) ] || fail "y4m444 has $(bytes out) bytes"
+    size=34x18
     run 0 '' $spheres -q --camera-path orbit:4 --frame-time 0.04 -o - --format y4m
-    head -n 1 out | grep -qx 'YUV4MPEG2 W33 H17 F25:1 Ip A1:1 C444 XCOLORRANGE=LIMITED' || fail "y4m begins with $(head -c 80 out | head -n 1)"
-    [ "$(size out)" = $(($(head -n 1 out | wc -c) + 4 * (6 + 3 * 33 * 17))) ] || fail "y4m has $(size out) bytes"
+    head -n 1 out | grep -qx 'YUV4MPEG2 W34 H18 F25:1 Ip A1:1 C420jpeg XCOLORRANGE=LIMITED' || fail "y4m begins with $(head -c 80 out | head -n 1)"
+    [ "$(bytes out)" = $(($(head -n 1 out | wc -c) + 4 * (6 + 3 * 34 * 18 / 2))) ] || fail "y4m has $(bytes out) bytes"
     mv out walk.y4m
     run 0 '' $spheres -q --camera-path orbit:4 --frame-time 0.04 -o -
     same out walk.y4m 'a sequence on stdout is not y4m by itself'
+    size=33x17
+    # The recipe of the pages makes a file that players read.
+    if command -v ffmpeg >/dev/null && command -v ffprobe >/dev/null; then
+        ffmpeg -v error -i - -colorspace bt709 -color_primaries bt709 -color_trc iec61966-2-1 walk.mp4 <walk.y4m || fail 'ffmpeg does not read y4m'
+        seen=$(ffprobe -v error -count_frames -show_entries stream=width,height,pix_fmt,color_range,color_space,nb_read_frames -of csv=p=0 walk.mp4)
+        [ "$seen" = 34,18,yuv420p,tv,bt709,4 ] || fail "a player finds $seen in the video"
+    else
+        echo 'SKIPPED in part: no ffmpeg, which makes a video of y4m'
+    fi
+
+    # A sequence keeps the exposure of its first picture, in parts too; where auto is given, each picture is metered.
+    ev() { sed 's/.*"ev":\([-0-9.]*\).*/\1/' "$1" | sort | uniq | wc -l; }
+    run 0 '' $spheres -q --camera-path orbit:3 -o even-%d.png --stats even.json
+    run 0 '' $spheres -q --camera-path orbit:3 --exposure auto -o wander-%d.png --stats wander.json
+    [ "$(ev even.json)" = 1 ] && [ "$(ev wander.json)" -gt 1 ] || fail "a sequence has $(ev even.json) exposures, with --exposure auto $(ev wander.json)"
+    same even-0.png wander-0.png 'the first picture of a sequence is not metered'
+    cmp -s even-1.png wander-1.png && fail 'each picture of a sequence is metered'
 
     # A reader that goes away, and a full device, end the run with a message and a status.
     timeout 120 "$fanal" render $spheres --size 320x180 --shadows off -q --camera-path orbit:50 -o - --format raw 2>err | head -c 100000 >/dev/null
