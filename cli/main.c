@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "commands.h"
+#include "loading.h"
 #include "output.h"
 
 #include "fanal/base.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <unistd.h>
 
-static const struct {
+static const struct command {
     const char *name, *summary;
     int (*run)(int argc, char **argv);
 } commands[] = {
@@ -30,29 +34,69 @@ static const struct {
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
 static void print_help(FILE *out) {
-    fputs("Fanal renders scenes with thousands of lights on Vulkan.\n\nUsage: fanal COMMAND [OPTIONS] …\n\n", out);
+    fputs("Fanal renders scenes with thousands of lights on Vulkan.\n\nUsage: fanal COMMAND [OPTIONS] …\n       fanal SCENE\n\n", out);
     for (int i = 0; i < COMMAND_COUNT; i++) fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
-    fputs("\n'fanal COMMAND --help' describes a command and its options; 'fanal --version' prints the version.\n\n"
+    fputs("\n'fanal SCENE', a .gltf or .glb file or builtin:NAME, opens the viewer. 'fanal help COMMAND' describes a command and its\n"
+          "options; 'fanal version' prints the version.\n\n"
           "Example:\n  fanal render \"builtin:city?lights=4096\" --size 1280x720 -o city.png\n",
           out);
 }
 
+static bool has_extension(const char *path, const char *extension) {
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot + 1, extension) == 0;
+}
+
+/* A scene in place of a command: by its name, or as there is a file or folder of this name. */
+static bool is_scene(const char *word) {
+    return loading_is_builtin(word) || has_extension(word, "gltf") || has_extension(word, "glb") || access(word, F_OK) == 0;
+}
+
+/* fanal SCENE [OPTIONS]: as fanal view SCENE [OPTIONS], where there is a screen. */
+static int show(int argc, char **argv) {
+    const char *problem = "this Fanal is built without the viewer";
+#ifdef FANAL_VIEW
+    const char *x11 = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY");
+    if ((x11 && *x11) || (wayland && *wayland)) {
+        static char name[] = "view";
+        argv[0] = name;
+        return command_view(argc, argv);
+    }
+    problem = "there is no display for the viewer";
+#else
+    (void)argc;
+#endif
+    fprintf(stderr, "fanal: error: %s. To render a picture: fanal render '%s' -o picture.png\n", problem, argv[1]);
+    return 2;
+}
+
+static const struct command *find_command(const char *name) {
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        if (strcmp(name, commands[i].name) == 0) return &commands[i];
+    return NULL;
+}
+
 static int run(int argc, char **argv) {
+    static char help[] = "--help";
     if (argc < 2) {
         print_help(stderr);
         return 2;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+    const bool helps = strcmp(argv[1], "help") == 0;
+    if ((helps && argc == 2) || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         print_help(stdout);
         return 0;
     }
-    if (strcmp(argv[1], "--version") == 0) {
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "version") == 0) {
         printf("fanal %s\n", fnl_version());
         return 0;
     }
-    for (int i = 0; i < COMMAND_COUNT; i++)
-        if (strcmp(argv[1], commands[i].name) == 0) return commands[i].run(argc - 1, argv + 1);
-    fprintf(stderr, "fanal: error: there is no command '%s'; see 'fanal --help'\n", argv[1]);
+    const char *name = argv[helps ? 2 : 1];
+    const struct command *command = find_command(name);
+    if (command && helps) return command->run(2, (char *[]){argv[2], help, NULL});
+    if (command) return command->run(argc - 1, argv + 1);
+    if (!helps && is_scene(name)) return show(argc, argv);
+    fprintf(stderr, "fanal: error: there is no command '%s'; see 'fanal help'\n", name);
     return 2;
 }
 

@@ -24,6 +24,8 @@ _fanal_key_of() {
 
 _fanal() {
     local program=${COMP_WORDS[0]} command=${COMP_WORDS[1]-} line=${COMP_LINE:0:COMP_POINT} current previous key
+    local commands="render view xr cave trace bench info devices compare compress"
+    local scenes="city hall interior wall room spheres pole lamps grass onetile nearplane sky glass"
     # Bash parts words at "=": take the word under the cursor whole.
     current=${line##*[ ]}
     previous=${line%"$current"}
@@ -31,7 +33,12 @@ _fanal() {
     previous=${previous##* }
     COMPREPLY=()
     if [ "$COMP_CWORD" -le 1 ]; then
-        COMPREPLY=($(compgen -W "render view xr cave trace bench info devices compare compress --help --version" -- "$current"))
+        COMPREPLY=($(compgen -W "$commands help version --help --version" -- "$current") $(compgen -f -X '!*.gl[tb]*' -- "$current"))
+        [[ $current != builtin:* ]] || COMPREPLY=($(compgen -W "$scenes" -- "${current#builtin:}")) # bash parts words at ":" too
+        return
+    fi
+    if [ "$command" = help ]; then
+        COMPREPLY=($(compgen -W "$commands" -- "$current"))
         return
     fi
     key=$(_fanal_key_of "$previous")
@@ -50,7 +57,6 @@ _fanal() {
     elif [[ $previous == --displays && $current == builtin:* ]]; then
         COMPREPLY=($(compgen -W "mono stereo three cave" -- "${current#builtin:}"))
     elif [[ $current == builtin:* ]]; then
-        local scenes="city hall interior wall room spheres pole lamps grass onetile nearplane sky glass"
         COMPREPLY=($(compgen -W "$scenes" -- "${current#builtin:}")) # bash parts words at ":" too
     else
         COMPREPLY=($(compgen -f -- "$current"))

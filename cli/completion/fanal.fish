@@ -23,7 +23,8 @@ function __fanal_options
     fanal (commandline -opc)[2] --help 2>/dev/null | grep -oE -- '(^|[ ,])--[a-z][a-z-]*' | tr -d ' ,' | sort -u
 end
 
-complete -c fanal -n __fish_use_subcommand -f -a 'render view xr cave trace bench info devices compare compress'
+complete -c fanal -n __fish_use_subcommand -a 'render view xr cave trace bench info devices compare compress help version'
+complete -c fanal -n '__fish_seen_subcommand_from help' -f -a 'render view xr cave trace bench info devices compare compress'
 complete -c fanal -n 'not __fish_use_subcommand; and string match -q -- "-*" (commandline -ct)' -f -a '(__fanal_options)'
 complete -c fanal -n '__fish_seen_subcommand_from render view xr cave trace bench info' -a 'builtin:city builtin:hall builtin:interior builtin:wall builtin:room builtin:spheres builtin:pole builtin:lamps builtin:grass builtin:onetile builtin:nearplane builtin:sky builtin:glass'
 complete -c fanal -n '__fish_seen_subcommand_from render cave bench' -l set -x -a '(__fanal_settings)'

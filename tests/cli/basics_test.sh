@@ -22,7 +22,8 @@ expect() {
 }
 absent() { for file in "$@"; do [ ! -e "$file" ] || fail "$file was left behind"; done; }
 same() { cmp -s "$1" "$2" || fail "$3"; }
-small='--size 64x36 --shadows off --lists clustered'
+plain="--shadows off --lists clustered"
+small="--size 64x36 $plain"
 triangle='"scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]}],
  "bufferViews": [{"buffer": 0, "byteLength": 36}],
@@ -31,6 +32,29 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
 # Lists of words: options.
 # shellcheck disable=SC2086
 {
+    # The first word: a command, help about one, or a scene, which needs a screen.
+    expect 0 '^fanal [0-9]+\.[0-9]+\.[0-9]+$' version
+    expect 0 'fanal COMMAND' help
+    expect 0 '^Usage: fanal render ' help render
+    expect 0 '^Usage: fanal bench ' help bench
+    expect 2 "no command 'rendr'; see 'fanal help'" rendr
+    expect 2 "no command 'rendr'" help rendr
+    expect 2 "no command 'triangle.gltf'" help triangle.gltf
+    unset DISPLAY WAYLAND_DISPLAY
+    for scene in builtin:hall triangle.gltf nowhere.glb; do
+        expect 2 "(no display for|built without) the viewer. To render a picture: fanal render '$scene' -o picture.png" $scene --lights 3
+    done
+    [ ! -s out ] || fail 'a scene without a display prints to stdout'
+    if command -v Xvfb >/dev/null && "$fanal" view --help >/dev/null 2>&1; then
+        mkfifo screen
+        Xvfb -displayfd 5 -screen 0 640x480x24 -nolisten tcp 5>screen >/dev/null 2>&1 &
+        server=$!
+        read -r number <screen
+        DISPLAY=:$number timeout 200 "$fanal" builtin:onetile --exit-after 1 --size 160x90 --no-cache --no-settings --no-panels $plain >out 2>&1 ||
+            fail "a scene with a display: $(head -c 400 out)"
+        kill $server
+    fi
+
     # --lights N: altogether in a built-in scene, more in a file.
     lights() { grep -A 20 '"scene": {' "$1" | sed -n 's/^ *"lights": *\([0-9]*\),*$/\1/p'; }
     expect 0 '' render 'builtin:spheres?lights=20&seed=3' $small -q -o named.png

@@ -22,6 +22,9 @@ completes() {
     [ -z "$only" ] || [ ${#COMPREPLY[@]} = $# ] || { echo "FAILED: '$line' becomes ${COMPREPLY[*]}"; failures=$((failures + 1)); }
 }
 completes 're' render !
+completes 'he' help !
+completes 'help tra' trace !
+completes 'builtin:ha' hall !
 completes 'render builtin:hall --shadi' --shading !
 completes 'bench --war' --warm-up !
 completes 'render --shading vi' visibility virtual-texturing !
