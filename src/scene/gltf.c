@@ -2,6 +2,8 @@
 /* glTF 2.0 import: containers, JSON, and the order of the parts. Section numbers are those of the glTF 2.0 specification. */
 #include "scene/gltf.h"
 
+#include "scene/scene_format.h"
+
 #define GLB_MAGIC 0x46546c67u
 #define GLB_CHUNK_JSON 0x4e4f534au
 #define GLB_CHUNK_BIN 0x004e4942u
@@ -193,6 +195,7 @@ static void keep_document(struct gltf *g, const unsigned char *bytes, size_t siz
 /** Loads into an existing scene whose memory or files hold `bytes`. `out_root`, unless NULL, gets the document. */
 static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t size, const char *folder,
                             const fnl_load_params *params, json_t **out_root) {
+    TRY(scene_refuse_foreign(&scene->host, scene->source, bytes, size));
     struct gltf g = {.scene = scene, .host = &scene->host, .name = scene->source, .folder = folder};
     g.params = params ? *params : fnl_load_params_default();
     g.memory_left = g.params.max_memory;

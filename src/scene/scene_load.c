@@ -2,6 +2,7 @@
 /* The public calls that load a scene. */
 #include "base/check.h"
 #include "scene/scene.h"
+#include "scene/scene_format.h"
 
 #include <unistd.h>
 
@@ -20,7 +21,9 @@ static const char *builtin_of(const char *source) {
 static fnl_result load_file(const struct call *call, const char *source, const fnl_load_params *params, fnl_scene **out) {
     if (params && params->size) TRY(check_pointer(call, "params.data", params->data));
     if (params && params->data) return gltf_load_memory(call->host, params->data, params->size, source, params, out);
-    return gltf_load(call->host, source, params, out);
+    char path[4096];
+    TRY(scene_find_file(call->host, source, path, sizeof path));
+    return gltf_load(call->host, path, params, out);
 }
 
 fnl_result fnl_scene_load(const fnl_host *host, const char *source, const fnl_load_params *params, fnl_scene **out) {

@@ -55,6 +55,18 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
         kill $server
     fi
 
+    # A folder with one scene, and what is no glTF.
+    mkdir model
+    expect 2 'model: is a folder without a scene' info model
+    cp triangle.gltf model/
+    expect 0 'triangles' info model
+    cp triangle.gltf model/other.gltf
+    expect 2 'model: is a folder with 2 scenes, other.gltf, triangle.gltf: name one of them' render model $small -o a.png
+    echo 'v 0 0 0' >model.obj
+    expect 2 "model.obj: is a Wavefront OBJ file. Fanal reads glTF 2.0, as .gltf or .glb: convert it by 'assimp export model.obj model.glb'" render model.obj $small -o a.png
+    [ "$(wc -l <err)" = 1 ] || fail "more than a line about a format: $(cat err)"
+    absent a.png
+
     # --lights N: altogether in a built-in scene, more in a file.
     lights() { grep -A 20 '"scene": {' "$1" | sed -n 's/^ *"lights": *\([0-9]*\),*$/\1/p'; }
     expect 0 '' render 'builtin:spheres?lights=20&seed=3' $small -q -o named.png

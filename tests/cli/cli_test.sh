@@ -187,7 +187,7 @@ chmod +x "$fanal"
 expect 2 'pipe.glb: is a pipe, not a regular file' info "$work/pipe.glb"
 expect 2 'pipe.png: is a pipe, not a regular file' compare "$work/pipe.png" "$work/pipe.png"
 expect 2 'buffers/0/uri: .*pipe.bin: is a pipe, not a regular file' info "$work/pipe.gltf"
-expect 2 'folder: is a folder, not a regular file' info "$work/folder"
+expect 2 'folder: is a folder without a scene' info "$work/folder"
 expect 2 'pipe.png: cannot be written: it is a pipe' render builtin:spheres $plain --lists all -o "$work/pipe.png"
 expect 2 'null.png: cannot be written: it is a device' render builtin:spheres $plain --lists all -o "$work/null.png"
 fanal=$patient
