@@ -41,7 +41,7 @@ static void print_help(void) {
          "What is compared (values are separated by commas). Without --shading and --lists: the likely pairs, which are the ones\n"
          "that '--shading auto --lists auto' would measure for this number of lights, plus brute force up to 4096 lights\n"
          "  --shading KINDS|all        shading paths (the likely ones)\n"
-         "  --lists KINDS|all          light lists; 'all' means every kind, 'brute' means brute force (the likely ones)\n"
+         "  --lists KINDS|all          light lists; 'all' means every kind (the likely ones)\n"
          "  --all                      every shading path with every kind of lists: hundreds of pairs, an hour on a CPU;\n"
          "                             with --suite shadows: more lights as well\n"
          "  --lights N,...             lights of a built-in scene altogether (as it has); a file gets N more\n"
@@ -71,7 +71,7 @@ static void print_help(void) {
          "  --frames N                 timed frames per combination (10; on a CPU 4)\n"
          "  --warm-up N                untimed frames before them (2)\n"
          "  --checks N                 points of the path at which pictures are compared; 0: none (1, with a path 3)\n"
-         "  --reference KIND           the lists whose picture the others are compared with (all, which is brute force)\n"
+         "  --reference KIND           the lists whose picture the others are compared with (brute-force)\n"
          "  --resume                   continues with DIR: measures only what is missing there\n"
          "  --overwrite                replaces the results in DIR\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
@@ -278,6 +278,7 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
     case O_CHECKS:
         return parse_count("checks", value, 0, 100000, &s->checks);
     case O_REFERENCE:
+        if (strcmp(value, "all") == 0) value = fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_ALL); /* as elsewhere */
         if (!argument_name("reference", value, lists_name, &index)) return false;
         s->reference = (fnl_light_lists)index;
         return true;

@@ -54,7 +54,7 @@ static void format_ms(double ms, char *text, size_t capacity) { snprintf(text, c
 
 static bool is_brute(const json_t *result) {
     const char *lists = json_string_value(json_object_get(result, "lists"));
-    return lists && strcmp(lists, "all") == 0;
+    return lists && strcmp(lists, fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_ALL)) == 0;
 }
 
 /* The answer of a case in words. */

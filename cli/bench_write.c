@@ -54,9 +54,9 @@ static const char *string_of(const json_t *object, const char *key) {
     return text ? text : "";
 }
 
-/* "deferred with tiled lists (tiles.size=8)"; brute force is the kind `all`. */
+/* "deferred with tiled lists (tiles.size=8)"; or "with brute force". */
 static void describe(const char *shading, const char *lists, const char *options, char *text, size_t capacity) {
-    bool brute = strcmp(lists, "all") == 0;
+    bool brute = strcmp(lists, fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_ALL)) == 0;
     snprintf(text, capacity, "%s with %s%s%s%s%s", shading, brute ? "brute force" : lists, brute ? "" : " lists", *options ? " (" : "", options,
              *options ? ")" : "");
 }
@@ -289,8 +289,8 @@ static bool save_csv(const char *folder, const json_t *root) {
             if (statistic) *statistic++ = 0;
             const json_t *value = json_object_get(result, name);
             if (c) append(&t, ",", 1);
-            if (strcmp(name, "lists") == 0 && strcmp(string_of(result, name), "all") == 0)
-                append(&t, "brute force", 11); /* the key of --lists says less to a reader */
+            if (strcmp(name, "lists") == 0 && strcmp(string_of(result, name), fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_ALL)) == 0)
+                append(&t, "brute force", 11);
             else
                 append_field(&t, statistic ? json_object_get(value, statistic) : value);
         }

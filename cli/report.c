@@ -120,10 +120,17 @@ static void print_legend(const struct render_report *r) {
     if (legend[0]) printf("  %s: %s\n", fnl_value_name(FNL_ENUM_DEBUG_VIEW, r->frame.debug), legend);
 }
 
+/* "tiled lists", "brute force". */
+static const char *lists_text(fnl_light_lists lists, char *text, size_t capacity) {
+    snprintf(text, capacity, lists == FNL_LISTS_ALL ? "brute force" : "%s lists", fnl_value_name(FNL_ENUM_LISTS, lists));
+    return text;
+}
+
 static void print_method(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
-    printf("%ux%u, %s, %s lists, %u light%s", r->frame.width, r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading),
-           fnl_value_name(FNL_ENUM_LISTS, s->lists), s->lights_total, s->lights_total == 1 ? "" : "s");
+    char lists[64];
+    printf("%ux%u, %s, %s, %u light%s", r->frame.width, r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading),
+           lists_text(s->lists, lists, sizeof lists), s->lights_total, s->lights_total == 1 ? "" : "s");
     if (s->view_count) printf(", %u views", s->view_count);
 }
 
@@ -155,8 +162,9 @@ static void print_candidates(const fnl_frame_stats *s) {
 void report_print(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     printf("%s, %s\n", r->device.name, r->device.driver);
-    printf("%ux%u, %s, %s lists, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width,
-           r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists), r->frame.msaa,
+    char lists[64];
+    printf("%ux%u, %s, %s, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width,
+           r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading), lists_text(s->lists, lists, sizeof lists), r->frame.msaa,
            r->scene.triangle_count, r->scene.instance_count, s->lights_total);
     if (s->view_count) printf("%u views; the numbers of lights and triangles below are those of the first, --stats has all\n", s->view_count);
     if (s->choice[0]) printf("auto: %s\n", s->choice);

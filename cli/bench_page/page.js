@@ -39,7 +39,7 @@ function bytes(value) {
   }
   return number(value) + ' GiB';
 }
-const listsName = (lists) => (lists === 'all' ? 'brute force' : lists);
+const listsName = (lists) => (lists === 'brute-force' ? 'brute force' : lists);
 const scheme = (r) => listsName(r.lists) + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
 const caseName = (r) => r.scene + ', ' + r.width + '\u00a0×\u00a0' + r.height + (r.msaa > 1 ? ', MSAA ' + r.msaa : '');
 const lightsOf = (r) => r.lights;
@@ -404,7 +404,7 @@ addPlot('orders', 'Shading paths', 'Each with the lists that it is fastest with 
   const key = 'frame_ms', fastest = (rows) => rows.slice().sort(byTime(key))[0], at = inCase().filter((r) => lightsOf(r) === state.lights);
   const bestOf = (rows) => unique(rows.map((r) => r.shading)).map((name) => fastest(rows.filter((r) => r.shading === name))).sort(byTime(key));
   const rows = bestOf(at), most = rows.length ? median(rows[rows.length - 1], key) : 0;
-  const brute = (r) => at.find((o) => o.shading === r.shading && o.lists === 'all' && (o.ways || '') === (r.ways || ''));
+  const brute = (r) => at.find((o) => o.shading === r.shading && o.lists === 'brute-force' && (o.ways || '') === (r.ways || ''));
   barPlot(body, 'Time of shading paths', rows, 'ms', [{
     label: 'whole frame, ms', value: (r) => median(r, key), colors: (r) => orderLook(r.shading).color, spread: (r) => [r[key].p5, r[key].p95]
   }], {label: (r) => [r.shading, 'with ' + listsName(r.lists)].concat(r.options ? r.options.split(',') : []), log: most > 30 * median(rows[0], key)});
@@ -562,7 +562,7 @@ addPlot('pictures', 'Pictures', 'Every picture was compared with the reference o
   const of = (name, kind) => find(first(name), reference, first(name).ways || '', kind);
   const base = orders.find((name) => of(name, 'reference') && !of(name, 'shading')); /* what the others were compared with */
   for (const name of orders) {
-    add(of(name, 'reference'), name + ' with ' + (reference === 'all' ? 'brute force' : reference + ' lists') + ': the reference', 'The scene, shaded ' + name);
+    add(of(name, 'reference'), name + ' with ' + (reference === 'brute-force' ? 'brute force' : reference + ' lists') + ': the reference', 'The scene, shaded ' + name);
     add(of(name, 'shading'), name + ' against ' + base + ', difference × 16', 'Differences of two ways to shade');
   }
   for (const r of atLights()) {
@@ -612,10 +612,10 @@ function drawCases() {
     const name = caseName(r) + '|' + lightsOf(r);
     groups.set(name, (groups.get(name) || []).concat(r));
   }
-  const way = (r) => r.shading + ' with ' + (r.lists === 'all' ? 'brute force' : r.lists + ' lists') + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
+  const way = (r) => r.shading + ' with ' + (r.lists === 'brute-force' ? 'brute force' : r.lists + ' lists') + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
   const clear = (a, b) => median(b, key) - median(a, key) > a[key].mad + b[key].mad;
   return table('cases', ['<case', 'lights', '<fastest', 'ms', '± MAD', '<next', 'times as fast', 'than brute force'], [...groups.values()].map((rows) => {
-    const [first, next] = rows.sort(byTime(key)), brute = rows.find((r) => r.lists === 'all'), times = (r) => number(median(r, key) / median(first, key)) + '×';
+    const [first, next] = rows.sort(byTime(key)), brute = rows.find((r) => r.lists === 'brute-force'), times = (r) => number(median(r, key) / median(first, key)) + '×';
     return [caseName(first), whole(lightsOf(first)), way(first), number(median(first, key)), number(first[key].mad), next ? way(next) : '–',
       next ? times(next) + (clear(first, next) ? '' : ', within the spread') : '–', brute && brute !== first ? times(brute) : '–'];
   }));

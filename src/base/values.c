@@ -72,7 +72,7 @@ static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
                                "pre-lighting", "low-res", "inferred", "light-indexed", "zioma", "visibility", "texturing",
                                "virtual-texturing", "coarse", "dais", "mobile", "auto"),
-    [FNL_ENUM_LISTS] = NAMES(fnl_light_lists, FNL_LISTS_COUNT, "all", "tiled", "clustered", "clustered-cpu", "mesh", "batches", "multipass",
+    [FNL_ENUM_LISTS] = NAMES(fnl_light_lists, FNL_LISTS_COUNT, "brute-force", "tiled", "clustered", "clustered-cpu", "mesh", "batches", "multipass",
                              "grid2d", "world", "halfz", "2.5d", "enhanced", "tree", "backface", "fine", "sparse", "bvh",
                              "raster", "zbin", "auto"),
     [FNL_ENUM_TILE_BOUNDS] = NAMES(fnl_tile_bounds, FNL_TILE_BOUNDS_COUNT, "planes", "box", "projected"),
@@ -147,6 +147,7 @@ const char *value_type(fnl_enum type) { return enums[type].type; }
 bool fnl_value_find(fnl_enum type, const char *name, uint32_t *out) {
     const char *candidate;
     if (check_handle(__func__, "name", name) != FNL_OK) return false;
+    if (type == FNL_ENUM_LISTS && strcmp(name, "all") == 0) name = fnl_value_name(type, FNL_LISTS_ALL); /* its name of old */
     for (uint32_t i = 0; (candidate = fnl_value_name(type, i)); i++) {
         if (strcmp(candidate, name) != 0) continue;
         if (out) *out = i;

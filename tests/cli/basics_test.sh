@@ -119,6 +119,13 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 0 'wrote difference.png' compare line.png table.png -o difference.png
     expect 0 '^wrote cave-%w-%e.png: 1 picture$' cave builtin:spheres --displays builtin:mono --size 32x18 --shadows off -o cave-%w-%e.png
 
+    # Brute force has its name, and "all" is read as before.
+    expect 0 '^64x36, deferred, brute force, 64 lights: ' render builtin:spheres --size 64x36 --shadows off --lists brute-force -o brute.png
+    expect 0 '^64x36, deferred, brute force, 64 lights: ' render builtin:spheres --size 64x36 --shadows off --lists all -o all.png
+    same brute.png all.png '--lists all is not brute force'
+    expect 0 '' render builtin:spheres --size 64x36 --shadows off --set lists=all -q --stats all.json
+    grep -q '"lists": "brute-force"' all.json || fail 'statistics do not call brute force by its name'
+
     # A sequence says how it went. Phases have names, on a terminal each of them.
     expect 0 '^64x36, deferred, clustered lists, 64 lights: 3 pictures on ' render builtin:spheres $small --camera-path orbit:3 -o walk-%02d.png
     grep -qx 'wrote walk-00.png to walk-02.png' out || fail "a sequence prints $(cat out)"

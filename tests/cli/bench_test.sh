@@ -30,12 +30,12 @@ check() {
 # Bad options name themselves and what they take; nothing is measured or written.
 out="$work/none"
 expect 0 'Examples:' --help
-expect 0 'Lists: all tiled' --help
+expect 0 'Lists: brute-force tiled' --help
 expect 2 'at least one scene' -o "$out"
 expect 2 'give -o DIR' builtin:spheres
 expect 2 "shading: 'x' is not one of forward forward-prepass deferred" builtin:spheres --shading x -o "$out"
-expect 2 "lists: 'x' is not one of all tiled" builtin:spheres --lists tiled,x -o "$out"
-expect 2 "reference: 'x' is not one of all tiled" builtin:spheres --reference x -o "$out"
+expect 2 "lists: 'x' is not one of brute-force tiled" builtin:spheres --lists tiled,x -o "$out"
+expect 2 "reference: 'x' is not one of brute-force tiled" builtin:spheres --reference x -o "$out"
 expect 2 "lights: '-1' is not a whole number from 0 to" builtin:spheres --lights 4,-1 -o "$out"
 expect 2 "lights: '' is not a whole number" builtin:spheres --lights 4, -o "$out"
 expect 2 "sizes: '12' is not a size" builtin:spheres --sizes 12 -o "$out"
@@ -95,7 +95,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     cmp -s "$work/before.json" "$work/a/results.json" || fail 'results were touched without --overwrite'
     # People read what brute force is; its key stays.
     [ "$(grep -c ',deferred,brute force,' "$work/a/results.csv")" = 4 ] || fail "brute force in results.csv: $(cat "$work/a/results.csv")"
-    grep -q '"lists": "all"' "$work/a/results.json" || fail 'the key of brute force in results.json'
+    grep -q '"lists": "brute-force"' "$work/a/results.json" || fail 'the key of brute force in results.json'
 
     # Again with --resume: nothing is measured, no number changes.
     cp "$work/a/results.json" "$work/before.json"

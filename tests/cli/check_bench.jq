@@ -5,10 +5,10 @@ def keys: ["scene", "width", "height", "msaa", "shading", "lists", "options", "l
     "evaluations", "equal"];
 def fields: gsub("\"[^\"]*\""; "quoted") | split(","); # no key above has a quoted name
 # As the CSV spells a value.
-def spelt($key): if $key == "lists" and . == "all" then "brute force" elif . == null then "" else tostring end;
+def spelt($key): if $key == "lists" and . == "brute-force" then "brute force" elif . == null then "" else tostring end;
 # What the numbers of a result must keep, whatever they are.
 def numbers($index): "result \($index): " + (
-    (select(.lists == "all" and .lists_ms.median != 0) | "brute force spent \(.lists_ms.median) ms on lists: a pass is taken for one that builds lists"),
+    (select(.lists == "brute-force" and .lists_ms.median != 0) | "brute force spent \(.lists_ms.median) ms on lists: a pass is taken for one that builds lists"),
     (.frame_ms | select((.median > 0 and .min <= .median and .p95 >= .median) | not) | "the median \(.median) ms is not between \(.min) and \(.p95)"),
     (select(.evaluations_useful > .evaluations or .lights == 0 and .evaluations != 0 or .dropped != 0) |
         "\(.lights) lights, \(.evaluations) evaluations, \(.evaluations_useful) of them useful, \(.dropped) dropped"),

@@ -36,7 +36,7 @@ expect 2 'no output was asked for' render builtin:spheres
 expect 2 "size: '12' is not a size" render builtin:spheres --size 12 -o "$work/a.png"
 expect 2 "exposure: '65' is not auto, none, or an EV100 from -64 to 64" render builtin:spheres --exposure 65 -o "$work/a.png"
 expect 2 "--shading is 'x', must be one of forward, forward-prepass, deferred" render builtin:spheres --shading x -o "$work/a.png"
-expect 2 "--lists is 'x', must be one of all, tiled" render builtin:spheres --lists x -o "$work/a.png"
+expect 2 "--lists is 'x', must be one of brute-force, tiled" render builtin:spheres --lists x -o "$work/a.png"
 expect 2 "--msaa is 3, must be 1, 2, 4 or 8" render builtin:spheres --msaa 3 -o "$work/a.png"
 expect 2 "--aa is 'x', must be one of none, mlaa, smaa, taa" render builtin:spheres --aa x -o "$work/a.png"
 expect 2 'supersample is no --aa taa' render builtin:spheres --supersample 4 --aa taa -o "$work/a.png"
