@@ -13,6 +13,13 @@ cat <<END
 .TH FANAL 1 "" "$version" "User Commands"
 .SH NAME
 fanal \\- renders scenes with thousands of lights, compares the ways to do it and finds the fastest
+.SH SYNOPSIS
+.B fanal
+.I COMMAND
+[\\fIOPTIONS\\fR] ...
+.br
+.B fanal
+.I SCENE
 END
 "$1" --help | section DESCRIPTION
 optional=$("$1" --help | sed -n -E 's/^  (view|xr) .*/\1/p') # not in every build

@@ -27,6 +27,10 @@ if [ "$kind" = subproject ]; then
 fi
 cmake --install "$build" --prefix "$work/first" >"$work/install.log"
 mv "$work/first" "$work/prefix"
+wanted=(share/doc/fanal/LICENSE)
+[ ! -e "$work/prefix/bin/fanal" ] || wanted+=(share/man/man1/fanal.1 share/fanal/stats.schema.json)
+! "$work/prefix/bin/fanal" view --help >/dev/null 2>&1 || wanted+=(share/applications/fanal.desktop)
+for file in "${wanted[@]}"; do [ -s "$work/prefix/$file" ] || { echo "$file is not installed" >&2; exit 1; }; done
 folder=$(dirname "$(find "$work/prefix" -name 'libfanal.*' -print -quit)")
 case $kind in
 cmake)
