@@ -13,6 +13,8 @@ move 640 330
 button 0 down 2
 button 0 up 2
 key 341 up 0
+panel options
+panel inspect
 frames 4
 capture viewer.png
 set debug=lights
@@ -61,8 +63,11 @@ move 527 465
 button 0 down 2
 button 0 up 2
 move 440 200
-frames 2
+panel inspect
+frames 3
 capture viewer-pick.png
 END
 (cd "$work" && "$fanal" view builtin:spheres --shadows off --size 1280x720 --headless --replay events)
+printf 'frames 3\ncapture viewer-start.png\n' >"$work/events"
+(cd "$work" && "$fanal" view --size 1280x720 --headless --replay events)
 for picture in "$work"/*.png; do convert "$picture" -colors 224 -define png:compression-level=9 "docs/images/${picture##*/}"; done

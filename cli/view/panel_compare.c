@@ -17,32 +17,33 @@ static void show_numbers(const struct view_compare *c) {
                 (unsigned long long)d->differing_pixels, (unsigned long long)c->shown.width * c->shown.height, d->ssim);
 }
 
-void view_panel_compare(struct view *v) {
-    static const char *const help[VIEW_COMPARE_COUNT] = {"One picture", "Left of the line A, right of it B: drag the line",
-                                                         "Each in a half of the window, drawn at that size", "How far apart the pictures are, at rest"};
+void view_compare_choose(struct view *v) {
     struct view_compare *c = &v->compare;
-    ui_item_width(150);
-    if (ui_combo("compare", view_compare_name(c->mode))) {
-        for (int i = 0; i < VIEW_COMPARE_COUNT; i++) {
-            if (ui_choice(view_compare_name((enum view_compare_mode)i), i == (int)c->mode)) view_compare_begin(v, (enum view_compare_mode)i);
-            ui_tooltip(help[i]);
-        }
-        ui_combo_end();
-    }
-    ui_tooltip("Two methods at once: A and B with options of their own");
-    if (c->mode == VIEW_COMPARE_OFF) return;
     if (ui_radio("edit A", !c->edits_b)) c->edits_b = false;
     ui_same_line();
     if (ui_radio("edit B", c->edits_b)) c->edits_b = true;
+    ui_tooltip("Whose options the menus and panels show and change");
     ui_same_line();
     if (ui_button("copy A to B")) view_compare_copy(v);
     ui_same_line();
     if (ui_button("swap")) view_compare_swap(v);
+}
+
+void view_panel_compare(struct view *v) {
+    static const char *const help[VIEW_COMPARE_COUNT] = {"One picture", "Left of the line A, right of it B: drag the line",
+                                                         "Each in a half of the window, drawn at that size", "How far apart the pictures are, at rest"};
+    struct view_compare *c = &v->compare;
+    for (int i = 0; i < VIEW_COMPARE_COUNT; i++) {
+        if (ui_radio(view_compare_name((enum view_compare_mode)i), i == (int)c->mode)) view_compare_begin(v, (enum view_compare_mode)i);
+        ui_tooltip(help[i]);
+    }
+    if (c->mode == VIEW_COMPARE_OFF) return;
+    ui_separator();
+    view_compare_choose(v);
     if (c->mode == VIEW_COMPARE_DIFFERENCE) {
         ui_item_width(150);
         if (ui_number("gain", &c->gain, 0, 64, c->gain > 0 ? "%.3g" : "greatest is white")) view_want(v, 2);
         ui_tooltip("What the differences are multiplied by; 0: such that the greatest is white");
         show_numbers(c);
     }
-    ui_separator();
 }

@@ -2,10 +2,9 @@
 /* Files: a browser of folders, to open and to save; and what is saved, in the panel of the scene. */
 #include "view/view.h"
 
-#include "view/ui.h"
-
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -79,7 +78,8 @@ static bool enter(struct view *v, const char *path) {
 void view_browse(struct view *v, bool saves) {
     v->files.browses = true;
     v->files.browser_saves = saves;
-    v->files.typed[0] = 0;
+    v->files.typed[0] = v->files.overwrites[0] = 0;
+    v->files.begins = true;
     if (saves) snprintf(v->files.typed, sizeof v->files.typed, "%s", v->files.scene_path);
     if (!v->files.folder[0]) {
         char folder[VIEW_PATH];
@@ -102,6 +102,46 @@ static void full_path(const struct view_files *f, const char *name, char out[VIE
         out[0] = 0;
 }
 
+/* ---- names that are not taken ---- */
+
+bool view_exists(const char *path) { return access(path, F_OK) == 0; }
+
+void view_free_name(char *path, size_t capacity) {
+    char base[VIEW_PATH], end[64] = "";
+    const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+    if (dot && (!slash || dot > slash) && strlen(dot) < sizeof end) snprintf(end, sizeof end, "%s", dot);
+    snprintf(base, sizeof base, "%.*s", (int)(strlen(path) - strlen(end)), path);
+    for (uint32_t i = 1; view_exists(path) && i < 10000; i++)
+        if (snprintf(path, capacity, "%s-%u%s", base, i, end) >= (int)capacity) return;
+}
+
+/* Writes over a file only after one more click. */
+static bool save_scene(struct view *v, const char *path) {
+    struct view_files *f = &v->files;
+    if (view_ends_with(path, ".glb") && view_exists(path) && strcmp(f->overwrites, path) != 0) {
+        snprintf(f->overwrites, sizeof f->overwrites, "%s", path);
+        return false;
+    }
+    f->overwrites[0] = 0;
+    return view_save_scene(v, path);
+}
+
+static bool show_overwrite(struct view *v) {
+    struct view_files *f = &v->files;
+    bool saved = false;
+    if (!f->overwrites[0]) return false;
+    const char *slash = strrchr(f->overwrites, '/');
+    ui_warning("%s exists.", slash ? slash + 1 : f->overwrites);
+    if (ui_button("overwrite it")) {
+        snprintf(f->scene_path, sizeof f->scene_path, "%s", f->overwrites);
+        f->overwrites[0] = 0;
+        saved = view_save_scene(v, f->scene_path);
+    }
+    ui_same_line();
+    if (ui_button("keep it")) f->overwrites[0] = 0;
+    return saved;
+}
+
 static void choose(struct view *v, const char *name) {
     struct view_files *f = &v->files;
     char path[VIEW_PATH];
@@ -114,10 +154,11 @@ static void choose(struct view *v, const char *name) {
     full_path(f, name, path);
     if (enter(v, path)) {
         f->typed[0] = 0;
+        f->begins = true;
         return;
     }
     if (f->browser_saves) {
-        if (view_save_scene(v, path)) {
+        if (save_scene(v, path)) {
             snprintf(f->scene_path, sizeof f->scene_path, "%s", path);
             f->browses = false;
         }
@@ -146,16 +187,21 @@ static void show_size(uint64_t size) {
 static void show_entries(struct view *v) {
     struct view_files *f = &v->files;
     char label[300], chosen[256] = "";
-    if (!ui_table("entries", 2, 0.8f)) return;
-    for (uint32_t i = 0; i < f->entry_count; i++) {
-        const struct view_entry *entry = &f->entries[i];
-        snprintf(label, sizeof label, "%s%s##entry", entry->name, entry->folder ? "/" : "");
-        ui_cell();
-        if (ui_choice(label, strcmp(entry->name, f->typed) == 0)) snprintf(chosen, sizeof chosen, "%s", entry->name);
-        ui_cell();
-        if (!entry->folder) show_size(entry->size);
+    uint32_t shown = 0;
+    if (ui_table("entries", 2, 0.8f)) {
+        for (uint32_t i = 0; i < f->entry_count; i++) {
+            const struct view_entry *entry = &f->entries[i];
+            if (!f->browser_saves && !strcasestr(entry->name, f->typed)) continue;
+            shown++;
+            snprintf(label, sizeof label, "%s%s##entry", entry->name, entry->folder ? "/" : "");
+            ui_cell();
+            if (ui_choice(label, strcmp(entry->name, f->typed) == 0)) snprintf(chosen, sizeof chosen, "%s", entry->name);
+            ui_cell();
+            if (!entry->folder) show_size(entry->size);
+        }
+        ui_table_end();
     }
-    ui_table_end();
+    if (shown == 0 && !f->browser_saves) ui_note(f->typed[0] ? "Nothing here has this in its name." : "There are no models here: .glb, .gltf, .hdr and .exr files would be listed.");
     if (!chosen[0]) return;
     struct stat s;
     char path[VIEW_PATH];
@@ -166,23 +212,44 @@ static void show_entries(struct view *v) {
         choose(v, chosen);
 }
 
+/* What was typed; of a part of a name the only file that has it. */
+static void enter_typed(struct view *v) {
+    struct view_files *f = &v->files;
+    char path[VIEW_PATH], only[256] = "";
+    uint32_t count = 0;
+    full_path(f, f->typed, path);
+    for (uint32_t i = 0; i < f->entry_count; i++) {
+        if (!strcasestr(f->entries[i].name, f->typed)) continue;
+        snprintf(only, sizeof only, "%s", f->entries[i].name);
+        count++;
+    }
+    const bool whole = f->browser_saves || view_exists(path) || strncmp(f->typed, "builtin:", 8) == 0;
+    snprintf(path, sizeof path, "%s", whole || count != 1 ? f->typed : only);
+    choose(v, path);
+}
+
 void view_panel_browser(struct view *v) {
     struct view_files *f = &v->files;
     if (!f->browses) return;
-    if (ui_window(f->browser_saves ? "Save the scene" : "Open", &f->browses, 380, 60, 480, 420)) {
+    if (ui_dialog(f->browser_saves ? "Save the scene" : "Open a scene", &f->browses, 560, 460)) {
         ui_note("%s", f->folder);
         if (ui_button("up")) choose(v, "..");
         ui_tooltip("To the folder above");
         ui_same_line();
         ui_item_width(-110);
+        if (f->begins) ui_focus();
+        f->begins = false;
         const bool entered = ui_input("##typed", f->typed, sizeof f->typed);
+        ui_tooltip(f->browser_saves ? "The name of the file: .glb" : "Part of a name shows the files that have it; a path, or builtin:NAME, and Enter open it");
         ui_same_line();
-        if (ui_button(f->browser_saves ? "save here" : "open this") || entered) choose(v, f->typed);
-        ui_child("folder", 310);
+        if (ui_button(f->browser_saves ? "save here" : "open this") || entered) enter_typed(v);
+        if (f->browser_saves && show_overwrite(v)) f->browses = false;
+        ui_child("folder", fmaxf(ui_height_left() - 4, 60));
         show_entries(v);
         ui_child_end();
     }
     ui_window_end();
+    if (!f->browses) f->overwrites[0] = 0;
 }
 
 /* ---- what is saved ---- */
@@ -199,6 +266,17 @@ static void show_size_fields(struct view *v) {
     ui_tooltip("Of pictures that are saved; 0: the window's size");
 }
 
+/* Sequences from the window leave pictures that are there alone. */
+static bool is_free(struct view *v) {
+    char first[600], text[800];
+    snprintf(first, sizeof first, v->files.pattern, 0u);
+    if (!view_exists(first)) return true;
+    snprintf(text, sizeof text, "%.500s exists: choose another name for the pictures", first);
+    view_say(v, FNL_LOG_ERROR, text);
+    view_want(v, 2);
+    return false;
+}
+
 static void show_sequences(struct view *v) {
     struct view_files *f = &v->files;
     if (!ui_header("sequences", false)) return;
@@ -208,29 +286,42 @@ static void show_sequences(struct view *v) {
     ui_item_width(80);
     ui_count("##turns", &f->turntable_count, 1, 3600);
     ui_same_line();
-    if (ui_button("turntable")) view_turntable(v, f->turntable_count);
+    if (ui_button("turntable") && is_free(v)) view_turntable(v, f->turntable_count);
     ui_tooltip("Writes so many pictures once round the scene; the window waits meanwhile");
     ui_item_width(-70);
     ui_input("path", f->flight_path, sizeof f->flight_path);
     if (ui_button(f->flight.records ? "stop" : "record")) view_toggle_flight(v);
-    ui_tooltip("Records the way of the camera until it is stopped (R), for --camera-path");
+    ui_tooltip("Records the way of the camera until it is stopped (V), for --camera-path");
     ui_same_line();
-    if (ui_button("render the path")) view_save_sequence(v, f->flight_path, f->pattern);
+    if (ui_button("render the path") && is_free(v)) view_save_sequence(v, f->flight_path, f->pattern);
     ui_tooltip("Writes a picture of each place that was recorded; the window waits meanwhile");
-    if (f->flight.records) ui_note("%u places, %.1f s", f->flight.count, f->flight.seconds);
+    if (f->flight.records) ui_note("%u %s, %.1f s", f->flight.count, view_plural(f->flight.count, "place", "places"), f->flight.seconds);
+}
+
+void view_save_next_picture(struct view *v) {
+    view_free_name(v->save_path, sizeof v->save_path);
+    view_save_picture(v, v->save_path);
 }
 
 void view_panel_files(struct view *v) {
     struct view_files *f = &v->files;
+    ui_text("Picture");
+    ui_item_width(200);
+    ui_input("##path", v->save_path, sizeof v->save_path);
+    ui_same_line();
+    if (ui_button("save")) view_save_next_picture(v);
+    ui_tooltip("As 'fanal render' would make it: .png or .exr (P). A name that is taken gets a number.");
     show_size_fields(v);
-    ui_item_width(-90);
+    if (ui_button("copy the command")) view_copy_command(v);
+    ui_tooltip("Which 'fanal render' makes this picture: into the clipboard, and to the terminal");
+    ui_separator();
+    ui_text("Scene");
+    ui_item_width(200);
     ui_input("##scene", f->scene_path, sizeof f->scene_path);
     ui_same_line();
-    if (ui_button("save scene")) view_save_scene(v, f->scene_path);
+    if (ui_button("save scene")) save_scene(v, f->scene_path);
     ui_tooltip("Writes the scene with all that was changed, as .glb");
-    if (ui_button("open")) view_browse(v, false);
-    ui_tooltip("Ctrl and O");
-    ui_same_line();
+    show_overwrite(v);
     if (ui_button("save scene as")) view_browse(v, true);
     show_sequences(v);
 }
@@ -249,7 +340,10 @@ void view_panel_blend(struct view *v) {
         if (ui_choice("nothing", f->blend_with >= count)) f->blend_with = UINT32_MAX;
         for (uint32_t i = 0; i < count; i++) {
             fnl_scene_query_animation(v->shown.scene, i, &info);
-            snprintf(label, sizeof label, "%s##blend%u", info.name ? info.name : "without a name", i);
+            if (info.name && info.name[0])
+                snprintf(label, sizeof label, "with %.60s##blend%u", info.name, i);
+            else
+                snprintf(label, sizeof label, "with animation %u##blend", i);
             if (ui_choice(label, i == f->blend_with)) f->blend_with = i;
         }
         view_set_time(v, v->time);

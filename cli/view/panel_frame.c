@@ -125,7 +125,7 @@ void view_report_frame(const struct view *v, FILE *file) {
 
 /* ---- the panel ---- */
 
-void view_panel_frame(struct view *v) {
+void view_panel_statistics(struct view *v) {
     const fnl_frame_stats *s = &v->stats;
     double most = 1e-3;
     float highest = 1;

@@ -18,7 +18,7 @@ static void show(fnl_debug_view view) {
     ui_note("%s", legend.text);
 }
 
-void view_panel_legend(const struct view *v) {
+static void show_all(const struct view *v) {
     const fnl_debug_view a = v->frame.debug, b = v->compare.mode != VIEW_COMPARE_OFF ? v->compare.frame.debug : a;
     if (a == b) {
         show(a);
@@ -30,6 +30,12 @@ void view_panel_legend(const struct view *v) {
     if (b != FNL_DEBUG_NONE) show(b);
 }
 
-bool view_has_legend(const struct view *v) {
-    return v->frame.debug != FNL_DEBUG_NONE || (v->compare.mode != VIEW_COMPARE_OFF && v->compare.frame.debug != FNL_DEBUG_NONE);
+void view_show_legend(struct view *v) {
+    const bool shown = v->frame.debug != FNL_DEBUG_NONE || (v->compare.mode != VIEW_COMPARE_OFF && v->compare.frame.debug != FNL_DEBUG_NONE);
+    const struct ui_rectangle area = view_area(v);
+    const float wide = fminf(270, area.width / v->scale - 16);
+    if (!shown || wide < 60) return;
+    ui_corner("##legend", (area.x + area.width) / v->scale - 8, (area.y + area.height) / v->scale - 8, wide);
+    show_all(v);
+    ui_window_end();
 }

@@ -3,7 +3,6 @@
 #include "view/view.h"
 
 #include "options.h"
-#include "view/ui.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,9 +22,9 @@ static bool set(struct view *v, const char *key, const char *value) {
     return fnl_frame_set(&v->host, frame, key, value) == FNL_OK;
 }
 
-static void show_names(struct view *v, const fnl_option *o, const char *value) {
+static void show_names(struct view *v, const fnl_option *o, const char *label, const char *value) {
     const char *name;
-    if (!ui_combo(o->key, value)) return;
+    if (!ui_combo(label, value)) return;
     for (uint32_t i = 0; (name = fnl_value_name(o->names, i)); i++) {
         const char *help = fnl_value_help(o->names, i);
         if (ui_choice(name, strcmp(name, value) == 0)) set(v, o->key, name);
@@ -34,9 +33,9 @@ static void show_names(struct view *v, const fnl_option *o, const char *value) {
     ui_combo_end();
 }
 
-static void show_choices(struct view *v, const fnl_option *o, const char *value) {
+static void show_choices(struct view *v, const fnl_option *o, const char *label, const char *value) {
     char text[16];
-    if (!ui_combo(o->key, value)) return;
+    if (!ui_combo(label, value)) return;
     for (uint32_t i = 0; i < o->choice_count; i++) {
         snprintf(text, sizeof text, "%u", o->choices[i]);
         if (ui_choice(text, strcmp(text, value) == 0)) set(v, o->key, text);
@@ -58,7 +57,7 @@ static uint32_t nearest_count(const fnl_option *o, uint32_t wanted, uint32_t bef
     return (uint32_t)fmax(o->low, fmin(o->high, value));
 }
 
-static void show_option(struct view *v, const fnl_option *o) {
+static void show_option(struct view *v, const fnl_option *o, const char *label) {
     char value[64], usual[64], text[64], help[1024], range[256];
     const fnl_frame *frame = view_edited(v);
     fnl_frame_get(frame, o->key, value, sizeof value);
@@ -66,15 +65,15 @@ static void show_option(struct view *v, const fnl_option *o) {
     ui_item_width(150);
     if (o->kind == FNL_OPTION_SWITCH) {
         bool on = strcmp(value, "on") == 0;
-        if (ui_checkbox(o->key, &on)) set(v, o->key, on ? "on" : "off");
+        if (ui_checkbox(label, &on)) set(v, o->key, on ? "on" : "off");
     } else if (o->kind == FNL_OPTION_NAME) {
-        show_names(v, o, value);
+        show_names(v, o, label, value);
     } else if (o->choice_count > 0) {
-        show_choices(v, o, value);
+        show_choices(v, o, label, value);
     } else if (o->kind == FNL_OPTION_COUNT) {
         const uint32_t before = (uint32_t)strtoul(value, NULL, 10);
         uint32_t count = before;
-        if (ui_count(o->key, &count, (uint32_t)o->low, (uint32_t)fmin(o->high, 4294967295.0))) {
+        if (ui_count(label, &count, (uint32_t)o->low, (uint32_t)fmin(o->high, 4294967295.0))) {
             snprintf(text, sizeof text, "%u", nearest_count(o, count, before));
             set(v, o->key, text);
         }
@@ -82,13 +81,13 @@ static void show_option(struct view *v, const fnl_option *o) {
         float number = strtof(value, NULL);
         const bool is_auto = o->has_auto && strcmp(value, "auto") == 0;
         if (is_auto) number = (float)o->low;
-        if (ui_number(o->key, &number, (float)o->low, (float)o->high, is_auto ? "auto" : "%.4g")) {
+        if (ui_number(label, &number, (float)o->low, (float)o->high, is_auto ? "auto" : "%.4g")) {
             snprintf(text, sizeof text, "%.9g", (double)number);
             set(v, o->key, text);
         }
     }
     options_print_range(o, range, sizeof range);
-    snprintf(help, sizeof help, "%s\n%s\n%s", o->help, range, o->exact ? "The picture stays the same." : "");
+    snprintf(help, sizeof help, "%s: %s\n%s%s", o->key, o->help, range, o->exact ? "\nThe picture stays the same." : "");
     ui_tooltip(help);
     const bool unused = (frame->shading != FNL_SHADING_AUTO && !(o->shadings >> frame->shading & 1)) ||
                         (frame->lists != FNL_LISTS_AUTO && !(o->lists >> frame->lists & 1));
@@ -101,6 +100,26 @@ static void show_option(struct view *v, const fnl_option *o) {
     snprintf(text, sizeof text, "reset##%s", o->key);
     if (ui_button(text)) set(v, o->key, usual);
 }
+
+/* ---- those that are wanted most, in words ---- */
+
+static void show_everyday(struct view *v) {
+    static const struct {
+        const char *key, *label;
+    } rows[] = {{"aa", "Antialiasing"},           {"msaa", "Samples per pixel"}, {"shadows", "Shadows"},    {"shadow.filter", "Shadow edges"},
+                {"shadow.memory", "Shadow memory"}, {"shading", "Shading path"},   {"lists", "Light lists"},  {"transparency", "Transparency"},
+                {"tonemap", "Tone mapping"},      {"ground", "Ground"},            {"studio", "Studio"},      {"background", "Background"},
+                {"debug", "Debug view"},          {"count-lights", "Count lights"}};
+    for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+        char label[64];
+        fnl_option o;
+        snprintf(label, sizeof label, "%s##everyday", rows[r].label);
+        for (uint32_t i = 0; fnl_option_query(i, &o); i++)
+            if (strcmp(o.key, rows[r].key) == 0) show_option(v, &o, label);
+    }
+}
+
+/* ---- all ---- */
 
 /* What stands before the first dot of a key; of plain keys "frame". */
 static void group_of(const fnl_option *o, char group[32]) {
@@ -124,7 +143,7 @@ static void show_group(struct view *v, const char *group) {
         snprintf(label, sizeof label, "%.31s##options", group);
         if (!begun && !v->filter[0]) open = ui_header(label, strcmp(group, "frame") == 0);
         begun = true;
-        if (open) show_option(v, &o);
+        if (open) show_option(v, &o, o.key);
     }
 }
 
@@ -132,7 +151,9 @@ void view_panel_options(struct view *v) {
     char groups[32][32];
     uint32_t count = 0;
     fnl_option o;
-    view_panel_compare(v);
+    if (v->compare.mode != VIEW_COMPARE_OFF) view_compare_choose(v);
+    if (ui_header("Everyday", true)) show_everyday(v);
+    if (!ui_header("All options", false)) return;
     ui_item_width(-60);
     ui_input("filter", v->filter, sizeof v->filter);
     ui_tooltip("Shows the options whose name or description has this in it.");

@@ -295,22 +295,19 @@ void view_panel_timeline(struct view *v) {
     show_pass(v);
 }
 
-void view_panel_wide(struct view *v) {
-    bool open = true;
-    if (v->timeline.shown == VIEW_NOTHING_WIDE) return;
-    const float high = (float)v->height / v->scale, wide = (float)v->width / v->scale, between = wide - 2 * 356;
-    const float height = fminf(350, fmaxf(high - 16, 60)), left = between >= 480 ? 356 : 8;
-    if (ui_window("Where the time goes", &open, left, high - height - 8, between >= 480 ? between : fmaxf(wide - 16, 60), height)) {
-        if (ui_button(v->timeline.shown == VIEW_TIMELINE ? "show the graph" : "show the timeline"))
-            v->timeline.shown = v->timeline.shown == VIEW_TIMELINE ? VIEW_GRAPH : VIEW_TIMELINE;
-        ui_same_line();
-        if (v->timeline.shown == VIEW_TIMELINE)
-            view_panel_timeline(v);
-        else
-            view_panel_graph(v);
-    }
+void view_panel_wide(struct view *v, struct ui_rectangle at) {
+    ui_dock("##below", at);
+    if (ui_button(v->timeline.shown == VIEW_TIMELINE ? "show the graph" : "show the timeline"))
+        v->timeline.shown = v->timeline.shown == VIEW_TIMELINE ? VIEW_GRAPH : VIEW_TIMELINE;
+    ui_same_line();
+    const bool closed = ui_button("close##below");
+    ui_same_line();
+    if (v->timeline.shown == VIEW_TIMELINE)
+        view_panel_timeline(v);
+    else
+        view_panel_graph(v);
     ui_window_end();
-    if (!open) v->timeline.shown = VIEW_NOTHING_WIDE;
+    if (closed) v->timeline.shown = VIEW_NOTHING_WIDE;
 }
 
 bool view_save_trace(struct view *v, const char *path) {

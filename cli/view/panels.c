@@ -12,8 +12,17 @@
 
 /* ---- all of them ---- */
 
+/* The last warning or error that came after the panel Messages was last seen; NULL: none. */
+static const char *last_problem(const struct view *v) {
+    const struct view_messages *m = &v->messages;
+    for (uint32_t i = m->count; i-- > m->seen && m->count - i <= VIEW_MESSAGES;)
+        if (m->lines[i % VIEW_MESSAGES].level >= FNL_LOG_WARNING) return m->lines[i % VIEW_MESSAGES].text;
+    return NULL;
+}
+
 static void show_messages(struct view *v) {
     pthread_mutex_lock(&v->messages.mutex);
+    v->messages.seen = v->messages.count;
     const uint32_t count = v->messages.count, first = count > VIEW_MESSAGES ? count - VIEW_MESSAGES : 0;
     for (uint32_t i = count; i-- > first;) {
         const char *text = v->messages.lines[i % VIEW_MESSAGES].text;
@@ -26,7 +35,7 @@ static void show_messages(struct view *v) {
 }
 
 static void show_help(struct view *v) {
-    if (ui_window("Keys", &v->shows_help, 420, 120, 420, 420)) {
+    if (ui_dialog("Keys", &v->shows_help, 540, 450)) {
         static const char *const rows[][2] = {{"left mouse", "orbit"},
                                               {"right mouse", "look around"},
                                               {"middle mouse, or Shift and left", "move sideways"},
@@ -38,18 +47,18 @@ static void show_help(struct view *v) {
                                               {"L", "icons of lights and decals"},
                                               {"T or 1, R or 2", "move, turn what is picked"},
                                               {"Delete", "remove a light or decal"},
-                                              {"Escape", "let go of it"},
+                                              {"Escape", "let go of it; close a menu or dialog"},
                                               {"Ctrl and Z, Ctrl and Y", "undo, redo"},
                                               {"F", "see the whole scene"},
                                               {"Space", "play, pause"},
-                                              {"P", "save the picture"},
+                                              {"P", "save the picture, under a name that is not taken"},
                                               {"Ctrl and O", "open a file"},
                                               {"V", "record the camera's way, or stop"},
-                                              {"Tab", "hide the panels"},
+                                              {"Tab", "hide the toolbar and the panels"},
                                               {"F1", "this list"},
                                               {"F2, F3", "the timeline, the frame graph"},
                                               {"Ctrl and Q", "quit"}};
-        if (ui_table("keys", 2, 0.55f)) {
+        if (ui_table("keys", 2, 0.46f)) {
             for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
                 ui_cell();
                 ui_text("%s", rows[i][0]);
@@ -62,28 +71,109 @@ static void show_help(struct view *v) {
     ui_window_end();
 }
 
+/* ---- docks ---- */
+
+static void (*const contents[VIEW_PANEL_COUNT])(struct view *) = {view_panel_scene,   view_panel_lights,     view_panel_options,
+                                                                  view_panel_inspect, view_panel_statistics, show_messages};
+static const char *const titles[VIEW_PANEL_COUNT] = {"Scene", "Lights", "Options", "Inspect", "Statistics", "Messages"};
+
+void view_open_panel(struct view *v, enum view_panel panel) {
+    v->panels[panel] = true;
+    v->front = panel;
+    v->hides_panels = false;
+    view_want(v, 2);
+}
+
+bool view_open_panel_named(struct view *v, const char *name) {
+    for (uint32_t i = 0; i < VIEW_PANEL_COUNT; i++) {
+        if (strcasecmp(name, titles[i]) != 0) continue;
+        view_open_panel(v, (enum view_panel)i);
+        return true;
+    }
+    fprintf(stderr, "fanal: error: panel: '%s' is not one of scene, lights, options, inspect, statistics, messages\n", name);
+    return false;
+}
+
+/* Whether a panel from `first` up to `end` is open. */
+static bool is_open(const struct view *v, uint32_t first, uint32_t end) {
+    for (uint32_t i = first; i < end; i++)
+        if (v->panels[i]) return true;
+    return false;
+}
+
+/* A tab for each of its panels that is open. */
+static void show_dock(struct view *v, const char *name, struct ui_rectangle at, uint32_t first, uint32_t end) {
+    char label[48];
+    ui_dock(name, at);
+    if (ui_tabs(name)) {
+        for (uint32_t i = first; i < end; i++) {
+            if (!v->panels[i]) continue;
+            snprintf(label, sizeof label, "%s##tab", titles[i]);
+            if (ui_tab(label, &v->panels[i], v->front == i)) {
+                snprintf(label, sizeof label, "%s##contents", titles[i]);
+                ui_child(label, 0);
+                contents[i](v);
+                ui_child_end();
+                ui_tab_end();
+            }
+            if (!v->panels[i]) view_want(v, 2);
+        }
+        ui_tabs_end();
+    }
+    ui_window_end();
+}
+
+/* Left, right and below; in narrow windows all tabs are in one dock. What is left is the area. */
+static void show_docks(struct view *v, float top) {
+    enum { LEFT_END = VIEW_PANEL_INSPECT, DOCK = 330, NARROW = 900 };
+    const float wide = (float)v->width / v->scale, high = (float)v->height / v->scale, dock = fminf(DOCK, fmaxf(0.45f * wide, fminf(230, 0.6f * wide)));
+    const uint32_t end = wide < NARROW ? VIEW_PANEL_COUNT : LEFT_END;
+    struct ui_rectangle rest = {0, top, wide, fmaxf(high - top, 1)};
+    if (is_open(v, 0, end)) {
+        show_dock(v, "##left", (struct ui_rectangle){0, top, dock, rest.height}, 0, end);
+        rest.x += dock;
+        rest.width -= dock;
+    }
+    if (is_open(v, end, VIEW_PANEL_COUNT)) {
+        show_dock(v, "##right", (struct ui_rectangle){wide - dock, top, dock, rest.height}, end, VIEW_PANEL_COUNT);
+        rest.width -= dock;
+    }
+    v->front = VIEW_PANEL_COUNT;
+    if (v->timeline.shown != VIEW_NOTHING_WIDE) {
+        const float below = fminf(350, 0.55f * rest.height);
+        view_panel_wide(v, (struct ui_rectangle){rest.x, top + rest.height - below, rest.width, below});
+        rest.height -= below;
+    }
+    const float s = v->scale;
+    v->area = (struct ui_rectangle){floorf(rest.x * s), floorf(rest.y * s), floorf(rest.width * s), floorf(rest.height * s)};
+}
+
+/* What the picture says in its lower left corner: what is being loaded, how coarse it is, what went wrong. */
+static void show_state(struct view *v) {
+    const struct ui_rectangle area = view_area(v);
+    char text[500] = "";
+    const char *told = last_problem(v);
+    if (v->loader.running)
+        view_loader_describe(&v->loader, text, sizeof text);
+    else if (told)
+        snprintf(text, sizeof text, "%.400s", told);
+    else if (v->part < 1 && v->shown.source)
+        snprintf(text, sizeof text, "moving: %.0f %%", (double)v->part * 100);
+    if (text[0]) ui_back_note(area.x + 8 * v->scale, area.y + area.height - 8 * v->scale, text);
+}
+
 void view_panels(struct view *v) {
+    if (!v->hides_panels) {
+        show_docks(v, fminf(view_toolbar(v), floorf(0.4f * (float)v->height / v->scale)));
+        view_frame_again(v);
+        show_state(v);
+        if (!v->shown.source && !v->loader.running) view_panel_start(v);
+        view_show_legend(v);
+        view_panel_browser(v);
+        if (v->shows_help) show_help(v);
+    }
     view_compare_back(v);
     view_select_draw(v);
-    if (v->hides_panels) return;
-    const float high = (float)v->height / v->scale, wide = (float)v->width / v->scale;
-    if (ui_window("Scene", NULL, 8, 8, 340, high * 0.42f)) view_panel_scene(v);
-    ui_window_end();
-    if (ui_window("Options", NULL, 8, 16 + high * 0.42f, 340, high * 0.58f - 24)) view_panel_options(v);
-    ui_window_end();
-    if (ui_window("Frame", NULL, wide - 348, 8, 340, high * 0.38f)) view_panel_frame(v);
-    ui_window_end();
-    if (ui_window("Inspect", NULL, wide - 348, 16 + high * 0.38f, 340, high * 0.45f)) view_panel_inspect(v);
-    ui_window_end();
-    if (ui_window("Messages", NULL, wide - 348, 24 + high * 0.83f, 340, high * 0.17f - 32)) show_messages(v);
-    ui_window_end();
-    view_panel_wide(v);
-    if (view_has_legend(v)) {
-        if (ui_window("Legend", NULL, 356, high - 158, 270, 150)) view_panel_legend(v);
-        ui_window_end();
-    }
-    view_panel_browser(v);
-    if (v->shows_help) show_help(v);
 }
 
 /* ---- as text ---- */
@@ -97,6 +187,9 @@ bool view_write_report(const struct view *v, const char *path) {
     const fnl_frame_stats *s = &v->stats;
     fprintf(file, "scene\t%s\ntriangles\t%llu\nlights\t%u\nframes\t%llu\n", v->shown.source ? v->shown.source : "",
             (unsigned long long)v->shown.info.triangle_count, v->shown.info.light_count, (unsigned long long)v->frames_drawn);
+    const struct ui_rectangle area = view_area(v);
+    fprintf(file, "area\t%.0f\t%.0f\t%.0f\t%.0f\n", (double)area.x, (double)area.y, (double)area.width, (double)area.height);
+    fprintf(file, "shadows\t%s\n", fnl_value_name(FNL_ENUM_SHADOWS, v->frame.shadows));
     const fnl_camera *c = &v->camera.now;
     fprintf(file, "camera\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\n", (double)c->position.x, (double)c->position.y, (double)c->position.z,
             (double)c->target.x, (double)c->target.y, (double)c->target.z);

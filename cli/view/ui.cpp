@@ -45,7 +45,12 @@ static struct {
     uint64_t font_version;
     float scale;
     ImGuiID sought;
-    bool resized; // the window has another size than in the last frame
+    bool dark;
+    bool relaid;          // the window has another size than in the last frame, or letters have
+    bool relooked;        // letters have another size than in the last frame
+    float toolbar_height; // pixels
+    float menu_width;     // of the menu that is open, pixels
+    bool menu_was_open;   // when the button went down
 } ui;
 
 static_assert(sizeof(fnl_overlay_vertex) == sizeof(ImDrawVert), "vertices are copied as they are");
@@ -84,25 +89,33 @@ static void make_font() {
 
 void ui_set_look(float scale, bool dark) {
     ImGui::GetStyle() = ImGuiStyle();
+    ui.dark = dark;
     if (dark)
         ImGui::StyleColorsDark();
     else
         ImGui::StyleColorsLight();
     ImGuiStyle &style = ImGui::GetStyle();
     style.WindowRounding = style.FrameRounding = style.GrabRounding = 3;
+    style.Colors[ImGuiCol_PlotHistogram] = dark ? ImVec4(0.16f, 0.42f, 0.7f, 1) : ImVec4(0.55f, 0.76f, 0.96f, 1); // words are on it
+    style.Colors[ImGuiCol_PlotLines] = style.Colors[ImGuiCol_Text];
+    style.Colors[ImGuiCol_TextDisabled] = dark ? ImVec4(0.65f, 0.65f, 0.65f, 1) : ImVec4(0.35f, 0.35f, 0.35f, 1);
+    if (!dark) style.Colors[ImGuiCol_PopupBg] = style.Colors[ImGuiCol_WindowBg]; // fields are white
+    style.Colors[ImGuiCol_WindowBg].w = style.Colors[ImGuiCol_PopupBg].w = 1;
     style.ScaleAllSizes(scale);
     if (scale == ui.scale) return;
     ui.scale = scale;
+    ui.relooked = true;
     make_font();
 }
 
+enum { ENTER = 257, KEYPAD_ENTER = 335 };
 // Keys that widgets know, by GLFW's numbers.
 static const struct {
     int number, key;
 } keys[] = {{258, ImGuiKey_Tab},       {263, ImGuiKey_LeftArrow}, {262, ImGuiKey_RightArrow}, {265, ImGuiKey_UpArrow}, {264, ImGuiKey_DownArrow},
             {266, ImGuiKey_PageUp},    {267, ImGuiKey_PageDown},  {268, ImGuiKey_Home},       {269, ImGuiKey_End},     {260, ImGuiKey_Insert},
-            {261, ImGuiKey_Delete},    {259, ImGuiKey_Backspace}, {32, ImGuiKey_Space},       {257, ImGuiKey_Enter},   {256, ImGuiKey_Escape},
-            {335, ImGuiKey_Enter},     {'A', ImGuiKey_A},         {'C', ImGuiKey_C},          {'V', ImGuiKey_V},       {'X', ImGuiKey_X},
+            {261, ImGuiKey_Delete},    {259, ImGuiKey_Backspace}, {32, ImGuiKey_Space},       {ENTER, ImGuiKey_Enter},   {256, ImGuiKey_Escape},
+            {KEYPAD_ENTER, ImGuiKey_Enter},     {'A', ImGuiKey_A},         {'C', ImGuiKey_C},          {'V', ImGuiKey_V},       {'X', ImGuiKey_X},
             {'Y', ImGuiKey_Y},         {'Z', ImGuiKey_Z}};
 
 bool ui_create(float scale, bool dark) {
@@ -113,7 +126,8 @@ bool ui_create(float scale, bool dark) {
     io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
     io.ConfigWindowsMoveFromTitleBarOnly = true;
 #if IMGUI_VERSION_NUM < 18700
-    for (const auto &k : keys) io.KeyMap[k.key] = k.number;
+    for (const auto &k : keys)
+        if (k.number != KEYPAD_ENTER) io.KeyMap[k.key] = k.number; // one number for each
 #endif
     ui_set_look(scale, dark);
     return true;
@@ -161,6 +175,7 @@ void ui_key(int key, bool down) {
     for (const auto &k : keys)
         if (k.number == key) ImGui::GetIO().AddKeyEvent(static_cast<ImGuiKey>(k.key), down);
 #else
+    if (key == KEYPAD_ENTER) key = ENTER;
     if (key >= 0 && key < 512) ImGui::GetIO().KeysDown[key] = down;
 #endif
 }
@@ -228,6 +243,13 @@ void ui_back_line(float x, float height) {
     const float half = std::fmax(1, std::floor(ui.scale));
     ImGui::GetBackgroundDrawList()->AddRectFilled(ImVec2(x - half, 0), ImVec2(x + half, height), IM_COL32(255, 255, 255, 220));
 }
+void ui_back_note(float x, float y, const char *text) {
+    const ImVec2 size = ImGui::CalcTextSize(text);
+    const float gap = 6 * ui.scale;
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    list->AddRectFilled(ImVec2(x, y - size.y - 2 * gap), ImVec2(x + size.x + 2 * gap, y), ImGui::GetColorU32(ImGuiCol_WindowBg, 0.85f), 3 * ui.scale);
+    list->AddText(ImVec2(std::floor(x + gap), std::floor(y - size.y - gap)), ImGui::GetColorU32(ImGuiCol_Text), text);
+}
 void ui_back_label(float x, float y, bool left_of, const char *text) {
     const ImVec2 size = ImGui::CalcTextSize(text);
     const float gap = 4 * ui.scale, left = std::floor(left_of ? x - size.x - gap : x + gap);
@@ -241,7 +263,8 @@ void ui_back_label(float x, float y, bool left_of, const char *text) {
 void ui_begin(uint32_t width, uint32_t height, double seconds) {
     ImGuiIO &io = ImGui::GetIO();
     const ImVec2 size(static_cast<float>(width), static_cast<float>(height));
-    ui.resized = size.x != io.DisplaySize.x || size.y != io.DisplaySize.y;
+    ui.relaid = ui.relooked || size.x != io.DisplaySize.x || size.y != io.DisplaySize.y;
+    ui.relooked = false;
     io.DisplaySize = size;
     io.DeltaTime = static_cast<float>(seconds > 1e-4 ? seconds : 1e-4);
     ImGui::NewFrame();
@@ -331,14 +354,105 @@ bool ui_find(const char *label, float *x, float *y) {
 
 void ui_seek(const char *label) { ui.sought = label ? name_of(label) : 0; }
 
-bool ui_window(const char *title, bool *open, float x, float y, float width, float height) {
-    const ImGuiCond when = ui.resized ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
-    ImGui::SetNextWindowPos(ImVec2(x * ui.scale, y * ui.scale), when);
-    ImGui::SetNextWindowSize(ImVec2(width * ui.scale, height * ui.scale), when);
-    return ImGui::Begin(title, open);
+static ImGuiCond when_placed() { return ui.relaid ? ImGuiCond_Always : ImGuiCond_Appearing; }
+enum { FIXED = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings };
+
+void ui_toolbar(void) {
+    const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(std::floor(2 * ui.scale), std::floor(2 * ui.scale)));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(padding.x, std::floor(padding.y / 2)));
+    ImGui::SetNextWindowPos(ImVec2(0, 0));
+    ImGui::SetNextWindowSize(ImVec2(ImGui::GetIO().DisplaySize.x, ui.toolbar_height));
+    ImGui::Begin("##toolbar", nullptr, FIXED | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+}
+float ui_toolbar_end(void) {
+    // The line that is begun counts; a window of this height is drawn from the next frame on.
+    ui.toolbar_height = ImGui::GetItemRectMax().y + ImGui::GetStyle().WindowPadding.y;
+    ImGui::SetWindowSize(ImVec2(ImGui::GetIO().DisplaySize.x, ui.toolbar_height));
+    ImGui::End();
+    ImGui::PopStyleVar(4);
+    return ui.toolbar_height / ui.scale;
+}
+bool ui_toolbar_button(const char *label, bool on) {
+    ui_same_line_if_fits(label);
+    ImGui::PushStyleColor(ImGuiCol_Button, on ? ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive) : ImVec4(0, 0, 0, 0));
+    const bool pressed = noted(label, ImGui::Button(label));
+    ImGui::PopStyleColor();
+    return pressed;
+}
+// As in a menu bar: while one menu is open, a click on another button opens that one. A click on its own button closes it, already when the button goes down.
+bool ui_menu(const char *label, bool on) {
+    char name[64];
+    snprintf(name, sizeof name, "##menu %s", label);
+    ui_toolbar_button(label, on);
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax(), clicked = ImGui::GetIO().MouseClickedPos[0];
+    const bool hovered = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenBlockedByPopup);
+    if (hovered && ImGui::IsMouseClicked(0)) ui.menu_was_open = ImGui::IsPopupOpen(name);
+    if (hovered && ImGui::IsMouseReleased(0) && clicked.x >= low.x && clicked.x < high.x && clicked.y >= low.y && clicked.y < high.y && !ui.menu_was_open) ImGui::OpenPopup(name);
+    const float width = ImGui::GetIO().DisplaySize.x, left = std::fmax(0, std::fmin(low.x, width - ui.menu_width));
+    ImGui::SetNextWindowPos(ImVec2(left, high.y));
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(width, std::fmax(ImGui::GetIO().DisplaySize.y - high.y, 40)));
+    // Menus keep the gaps of other windows.
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(8 * ui.scale, 8 * ui.scale));
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(8 * ui.scale, 4 * ui.scale));
+    if (!ImGui::BeginPopup(name)) {
+        ImGui::PopStyleVar(2);
+        return false;
+    }
+    ui.menu_width = ImGui::GetWindowWidth();
+    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+    return true;
+}
+void ui_menu_end(void) {
+    ImGui::EndPopup();
+    ImGui::PopStyleVar(2);
+}
+bool ui_menu_is_open(void) { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup); }
+
+void ui_dock(const char *name, ui_rectangle at) {
+    ImGui::SetNextWindowPos(ImVec2(at.x * ui.scale, at.y * ui.scale));
+    ImGui::SetNextWindowSize(ImVec2(at.width * ui.scale, at.height * ui.scale));
+    ImGui::Begin(name, nullptr, FIXED | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing);
+}
+void ui_card(const char *name, ui_rectangle within, float width) {
+    const float wide = std::fmin(width, within.width - 16);
+    ImGui::SetNextWindowPos(ImVec2((within.x + within.width / 2) * ui.scale, (within.y + within.height / 2) * ui.scale), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowSizeConstraints(ImVec2(wide * ui.scale, 0), ImVec2(wide * ui.scale, std::fmax(within.height - 16, 40) * ui.scale));
+    ImGui::Begin(name, nullptr, FIXED | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing);
+}
+void ui_corner(const char *name, float right, float bottom, float width) {
+    ImGui::SetNextWindowPos(ImVec2(right * ui.scale, bottom * ui.scale), ImGuiCond_Always, ImVec2(1, 1));
+    ImGui::SetNextWindowSizeConstraints(ImVec2(width * ui.scale, 0), ImVec2(width * ui.scale, bottom * ui.scale));
+    ImGui::Begin(name, nullptr, FIXED | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing);
+}
+bool ui_dialog(const char *title, bool *open, float width, float height) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y / 2), when_placed(), ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowSize(ImVec2(std::fmin(width * ui.scale, display.x - 8), std::fmin(height * ui.scale, display.y - 8)), when_placed());
+    return ImGui::Begin(title, open, ImGuiWindowFlags_NoCollapse);
 }
 void ui_window_end(void) { ImGui::End(); }
-void ui_child(const char *name, float height) { ImGui::BeginChild(name, ImVec2(0, height * ui.scale), true); }
+bool ui_tabs(const char *name) { return ImGui::BeginTabBar(name, ImGuiTabBarFlags_FittingPolicyScroll); }
+bool ui_tab(const char *label, bool *open, bool front) {
+    return noted(label, ImGui::BeginTabItem(label, open, front ? ImGuiTabItemFlags_SetSelected : 0));
+}
+void ui_tab_end(void) { ImGui::EndTabItem(); }
+void ui_tabs_end(void) { ImGui::EndTabBar(); }
+bool ui_picture_button(const char *label, uint32_t image, float top, float bottom, float width, float height, bool chosen) {
+    ImGui::BeginGroup();
+    ImGui::PushID(label);
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(chosen ? ImGuiCol_ButtonActive : ImGuiCol_Button));
+    const bool pressed = ImGui::ImageButton(id_of(image), ImVec2(width * ui.scale, height * ui.scale), ImVec2(0, top), ImVec2(1, bottom), static_cast<int>(3 * ui.scale));
+    ImGui::PopStyleColor();
+    ImGui::PopID();
+    noted(label, false);
+    ImGui::TextUnformatted(label);
+    ImGui::EndGroup();
+    return pressed;
+}
+void ui_child(const char *name, float height) { ImGui::BeginChild(name, ImVec2(0, height * ui.scale), height != 0); }
 void ui_child_end(void) { ImGui::EndChild(); }
 
 void ui_text(const char *format, ...) {
@@ -358,14 +472,24 @@ void ui_note(const char *format, ...) {
 void ui_warning(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.93f, 0.45f, 0.2f, 1));
+    ImGui::PushStyleColor(ImGuiCol_Text, ui.dark ? ImVec4(1, 0.6f, 0.35f, 1) : ImVec4(0.7f, 0.22f, 0, 1));
     ImGui::TextWrappedV(format, arguments);
     ImGui::PopStyleColor();
     va_end(arguments);
 }
+void ui_align_text(void) { ImGui::AlignTextToFramePadding(); }
 void ui_separator(void) { ImGui::Separator(); }
 void ui_same_line(void) { ImGui::SameLine(); }
-void ui_item_width(float width) { ImGui::SetNextItemWidth(width * ui.scale); }
+void ui_same_line_if_fits(const char *label) {
+    const ImGuiStyle &style = ImGui::GetStyle();
+    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+    const float wide = ImGui::CalcTextSize(label, nullptr, true).x + 2 * style.FramePadding.x;
+    if (ImGui::GetCursorPosY() > ImGui::GetWindowContentRegionMin().y + 1 && ImGui::GetItemRectMax().x + style.ItemSpacing.x + wide <= right) ImGui::SameLine();
+}
+void ui_item_width(float width) {
+    const float room = ImGui::GetContentRegionAvail().x;
+    ImGui::SetNextItemWidth(width < 0 ? width * ui.scale : std::fmin(width * ui.scale, std::floor(room * (room < 260 * ui.scale ? 0.42f : 0.6f))));
+}
 void ui_tooltip(const char *text) {
     if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
     ImGui::BeginTooltip();
@@ -391,6 +515,7 @@ bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high) {
     return ImGui::DragScalar(label, ImGuiDataType_U32, value, speed, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
 }
 bool ui_color(const char *label, float rgb[3]) { return ImGui::ColorEdit3(label, rgb, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR); }
+void ui_focus(void) { ImGui::SetKeyboardFocusHere(); }
 bool ui_input(const char *label, char *text, size_t capacity) {
     return noted(label, ImGui::InputText(label, text, capacity, ImGuiInputTextFlags_EnterReturnsTrue));
 }

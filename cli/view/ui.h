@@ -55,9 +55,34 @@ void ui_triangle(float x0, float y0, float x1, float y1, float x2, float y2, uin
 
 /* ---- widgets, between the two ---- */
 
-/** A panel: at this place, from where it can be moved, when it is first shown and whenever the window gets another size. Always ui_window_end; false: folded. `open` NULL: it cannot be closed. */
-bool ui_window(const char *title, bool *open, float x, float y, float width, float height);
+/** A rectangle, pixels at scale 1 from the window's upper left corner. */
+struct ui_rectangle {
+    float x, y, width, height;
+};
+/** The toolbar, along the top. Its widgets wrap; ui_toolbar_end returns its height, pixels at scale 1. */
+void ui_toolbar(void);
+float ui_toolbar_end(void);
+/** In the toolbar: opens a menu; true while it is open, and then ui_menu_end. `on`: it is drawn as pressed. */
+bool ui_menu(const char *label, bool on);
+void ui_menu_end(void);
+bool ui_menu_is_open(void); /* as of the last frame; outside of one */
+bool ui_toolbar_button(const char *label, bool on);
+/** A panel without a title that fills a rectangle. Always ui_window_end. */
+void ui_dock(const char *name, struct ui_rectangle at);
+/** The same without a frame around it, as high as its widgets, in the middle of a rectangle. Always ui_window_end. */
+void ui_card(const char *name, struct ui_rectangle within, float width);
+/** The same, above and left of a point. */
+void ui_corner(const char *name, float right, float bottom, float width);
+/** A dialog in the middle of the window, from where it can be moved; never larger than the window. Always ui_window_end; false: folded. */
+bool ui_dialog(const char *title, bool *open, float width, float height);
 void ui_window_end(void);
+/** Tabs of a dock. `front`: this one is shown now. False: another is. Each that is true ends with ui_tab_end, all with ui_tabs_end. */
+bool ui_tabs(const char *name);
+bool ui_tab(const char *label, bool *open, bool front);
+void ui_tab_end(void);
+void ui_tabs_end(void);
+/** A part of an overlay's image as a button, and its name below. */
+bool ui_picture_button(const char *label, uint32_t image, float top, float bottom, float width, float height, bool chosen);
 /** A part of a window, or a list, with a scroll bar of its own. Always ui_child_end. */
 void ui_child(const char *name, float height);
 void ui_child_end(void);
@@ -65,9 +90,12 @@ void ui_child_end(void);
 void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_note(const char *format, ...) __attribute__((format(printf, 1, 2))); /* less loud, wraps */
 void ui_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void ui_align_text(void); /* of the text that follows, with buttons beside it */
 void ui_colored(uint32_t rgba, const char *text); /* 0xrrggbbaa */
 void ui_separator(void);
 void ui_same_line(void);
+/** As ui_same_line, if a button with this label still fits; else a new line. */
+void ui_same_line_if_fits(const char *label);
 void ui_item_width(float width); /* of the next widget, pixels at scale 1; negative: leaves that much to its right */
 /** Colours from a low to a high value, with these under their ends; a square of one colour. */
 void ui_ramp(const fnl_vec3 *colors, uint32_t count, const char *low, const char *high);
@@ -77,6 +105,8 @@ void ui_back_image(uint32_t index, float x, float y, float width, float height);
 /** Also behind them: a line from top to bottom; words on a dark ground, which end at `x` (left_of) or begin there. */
 void ui_back_line(float x, float height);
 void ui_back_label(float x, float y, bool left_of, const char *text);
+/** Words on a ground of the theme's, over the picture and below the panels; `x`, `y`: its lower left corner. */
+void ui_back_note(float x, float y, const char *text);
 /** For the widget before: when the mouse rests on it. */
 void ui_tooltip(const char *text);
 bool ui_header(const char *label, bool open_first); /* folds what follows away: false */
@@ -86,6 +116,7 @@ bool ui_radio(const char *label, bool chosen); /* true when it was clicked */
 bool ui_number(const char *label, float *value, float low, float high, const char *format); /* a slider where both are finite, else dragged */
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
 bool ui_color(const char *label, float rgb[3]);
+void ui_focus(void); /* the next widget gets the keys */
 bool ui_input(const char *label, char *text, size_t capacity); /* true when Enter was pressed */
 bool ui_combo(const char *label, const char *shown); /* true: open; then ui_choice and ui_combo_end */
 bool ui_choice(const char *label, bool chosen);

@@ -36,7 +36,7 @@ static void print_help(void) {
          "  --size WxH                 pixels (1280x720)\n"
          "  --scale X|auto             size of letters and gaps, 0.5 to 4 (auto: the screen's)\n"
          "  --dark, --light            light letters on dark panels, or the other way round (dark)\n"
-         "  --no-panels                begins with the picture alone (Tab shows the panels)\n"
+         "  --no-panels                begins without toolbar and panels (Tab shows them)\n"
          "  --present MODE             fifo (waits for the screen), mailbox (the newest picture, does not wait), immediate (with tearing) (fifo)\n"
          "  --color SPACE              srgb, scrgb or hdr10; srgb where the screen has nothing else (srgb)\n"
          "  --no-settings              neither reads nor writes what windows remember: these options, their size, the last scenes\n"
@@ -44,7 +44,7 @@ static void print_help(void) {
          "  --headless                 draws the same frames without a window; with --replay\n"
          "  --replay FILE              takes its events from a file that --record has written, a line each; besides what a window sends,\n"
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE [W H]', 'capture FILE' (with the panels), 'command FILE', 'report FILE',\n"
-         "                             'trace FILE', 'savescene FILE', 'turntable N', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
+         "                             'trace FILE', 'savescene FILE', 'turntable N', 'panel NAME', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
          "  --record FILE              writes the events of the window to a file\n"
          "  --exit-after N             ends after N frames of the scene\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
@@ -349,6 +349,7 @@ int command_view(int argc, char **argv) {
     const bool good = view_compare_start(v, o.compare) && run(v, &o);
     fnl_swapchain_destroy(&v->swapchain);
     view_select_free(v);
+    fnl_image_free(&v->host, &v->thumbnails.image);
     view_files_finish(v);
     view_scene_free(&v->shown);
     fnl_device_destroy(&v->device.device);

@@ -4,6 +4,7 @@
 #define FNL_CLI_VIEW_H
 
 #include "trace_file.h"
+#include "view/ui.h"
 #include "view/view_compare.h"
 #include "view/view_select.h"
 #include "world.h"
@@ -41,6 +42,7 @@ enum view_event_kind {
     VIEW_TRACE,   /* text: writes what the last frames did and when */
     VIEW_SAVE_SCENE, /* text: the scene as .glb */
     VIEW_TURNTABLE,  /* writes `code` pictures once round the scene */
+    VIEW_PANEL,      /* text: the panel that is opened */
     VIEW_POLL,       /* looks at once whether files have changed */
     VIEW_EVENT_COUNT
 };
@@ -121,6 +123,7 @@ struct view_device {
     fnl_device_info info;
 };
 
+enum view_phase { VIEW_READING, VIEW_SENDING, VIEW_COMPILING };
 /** Loads on a thread of its own. */
 struct view_loader {
     /* Set before it starts. */
@@ -128,6 +131,7 @@ struct view_loader {
     struct world_options world;
     fnl_host host;
     fnl_frame frame; /* that the first one will be like */
+    float width, height; /* of the part of it that is seen */
     bool own_shadows;
     uint32_t format; /* VkFormat of the window's pictures; 0: without a window */
     /* Its own. */
@@ -135,12 +139,15 @@ struct view_loader {
     bool running, good;
     atomic_bool done, cancelled;
     atomic_uint progress; /* of 1000 */
+    atomic_uint phase;    /* enum view_phase */
     struct view_scene scene;
 };
 /** Nothing is being loaded. `source` is copied. */
 bool view_loader_start(struct view_loader *loader, const char *source);
 /** Whether a load has ended; then `out` has the scene, or nothing when it failed (the host's log says why). `wait`: until then. */
 bool view_loader_take(struct view_loader *loader, bool wait, struct view_scene *out);
+/** "Loading model.glb: reading, 40 %" */
+void view_loader_describe(struct view_loader *loader, char *text, size_t capacity);
 void view_loader_stop(struct view_loader *loader);
 
 /* ---- what is remembered from one window to the next (view_settings.c) ---- */
@@ -224,7 +231,8 @@ struct view_files {
     double next_look;
     /* The browser. */
     bool browses, browser_saves;
-    char folder[VIEW_PATH], typed[VIEW_PATH];
+    bool begins; /* the field for a name gets the keys */
+    char folder[VIEW_PATH], typed[VIEW_PATH], overwrites[VIEW_PATH]; /* overwrites: what is there and waits for one more click */
     struct view_entry *entries;
     uint32_t entry_count;
     /* Sequences. */
@@ -239,6 +247,27 @@ struct view_files {
     /* A second animation. */
     uint32_t blend_with; /* from the count on: none */
     float blend_part;    /* its weight; the other's is the rest */
+};
+
+/* ---- pictures of environments, in a menu (view_thumbnails.c) ---- */
+
+enum { VIEW_ENVIRONMENTS = 3, VIEW_THUMBNAIL_WIDTH = 80, VIEW_THUMBNAIL_HEIGHT = 48 };
+enum { VIEW_THUMBNAIL_IMAGE = 2 }; /* of the overlay; 1 is the difference of two methods */
+extern const char *const view_environments[VIEW_ENVIRONMENTS];
+struct view_thumbnails {
+    fnl_image image;
+    uint32_t count; /* of those in it */
+};
+
+/** Panels, in the order of their tabs: first those that dock at the left. */
+enum view_panel {
+    VIEW_PANEL_SCENE,
+    VIEW_PANEL_LIGHTS,
+    VIEW_PANEL_OPTIONS,
+    VIEW_PANEL_INSPECT,
+    VIEW_PANEL_STATISTICS,
+    VIEW_PANEL_MESSAGES,
+    VIEW_PANEL_COUNT
 };
 
 struct view {
@@ -299,6 +328,11 @@ struct view {
 
     /* What the panels show. */
     bool hides_panels, shows_help;
+    bool panels[VIEW_PANEL_COUNT];  /* open */
+    uint32_t front;                 /* enum view_panel, which the next frame shows before other tabs; VIEW_PANEL_COUNT: none */
+    struct ui_rectangle area;       /* what toolbar and panels leave of the window, pixels */
+    fnl_camera framed;              /* the camera that framing gave for `framed_aspect`; 0: another was chosen */
+    float framed_aspect;
     float scale, wanted_scale; /* 0: as it is */
     char filter[64], save_path[256];
     fnl_frame_stats stats;
@@ -310,6 +344,7 @@ struct view {
     } passes[VIEW_PASSES];
     uint32_t pass_count;
     uint32_t light; /* that is edited */
+    struct view_thumbnails thumbnails;
     struct view_timeline timeline;
     struct view_files files;
     struct view_pick {
@@ -322,18 +357,37 @@ struct view {
     struct view_select select;
 };
 
-/** The panels of a frame (panels.c), between ui_begin and ui_end. */
+/** The toolbar and the panels of a frame (panels.c), between ui_begin and ui_end; sets view.area. */
 void view_panels(struct view *view);
+/** The toolbar and its menus (toolbar.c); returns its height, pixels at scale 1. */
+float view_toolbar(struct view *view);
+/** Draws one of the pictures that are still missing. */
+void view_thumbnails_update(struct view *view);
+/** Opens a panel, in front of the other tabs of its dock. */
+void view_open_panel(struct view *view, enum view_panel panel);
+/** By its title, as in "lights"; false with a message. */
+bool view_open_panel_named(struct view *view, const char *name);
+/** The part of the window that shows the scene, pixels: all of it while panels are hidden. */
+struct ui_rectangle view_area(const struct view *view);
+/** `camera` for a picture of width x height pixels, of which `area` shows what the camera sees. */
+fnl_camera view_fitted_camera(const fnl_camera *camera, struct ui_rectangle area, float width, float height);
 /** Their contents, each in a file of its name. */
 void view_panel_scene(struct view *view);
-void view_panel_lights(struct view *view); /* a part of the scene's */
+void view_panel_lights(struct view *view);
+/** Parts of menus and panels. */
+void view_show_cameras(struct view *view);
+void view_show_variants(struct view *view);
+void view_show_animation(struct view *view);
+void view_show_surroundings(struct view *view);
+void view_show_exposure(struct view *view);
+void view_show_choices(struct view *view, const char *key); /* the values of an option; nothing if there is no such option */
 void view_show_light(struct view *view, uint32_t index);
 void view_panel_options(struct view *view);
-void view_panel_frame(struct view *view);
+void view_panel_statistics(struct view *view);
 void view_panel_inspect(struct view *view);
 void view_panel_pixel(const struct view *view); /* a part of it */
-/** The wide panel below, if it is open. */
-void view_panel_wide(struct view *view);
+/** The wide panel below. */
+void view_panel_wide(struct view *view, struct ui_rectangle at);
 void view_panel_timeline(struct view *view);
 void view_panel_graph(struct view *view);
 /** Opens the wide panel with this in it; closes it where it shows it. */
@@ -347,8 +401,10 @@ void view_report_graph(const struct view *view, FILE *file);
 void view_graph_free(struct view_graph **graph);
 /** What the last frames did and when, to a file; false with a message. */
 bool view_save_trace(struct view *view, const char *path);
-bool view_has_legend(const struct view *view);
-void view_panel_legend(const struct view *view); /* of the debug view */
+/** Of the debug view, in a corner of the picture. */
+void view_show_legend(struct view *view);
+/** While there is no scene: what can be opened. */
+void view_panel_start(struct view *view);
 /** Asks the frame for the pixel that was clicked on; and keeps its answer, before any other call on the renderer. */
 void view_pixel_ask(const struct view *view, fnl_frame *frame);
 void view_pixel_take(struct view *view, const fnl_frame *frame);
@@ -416,8 +472,13 @@ void view_toggle_flight(struct view *view);
 void view_record_flight(struct view *view, double seconds);
 void view_browse(struct view *view, bool saves);
 void view_panel_browser(struct view *view);
-void view_panel_files(struct view *view); /* a part of the scene's */
-void view_panel_blend(struct view *view); /* so too */
+bool view_exists(const char *path);
+/** Puts a number into the name if there is such a file. */
+void view_free_name(char *path, size_t capacity);
+/** Saves the picture under a name that is not taken. */
+void view_save_next_picture(struct view *view);
+void view_panel_files(struct view *view); /* a menu */
+void view_panel_blend(struct view *view); /* a part of the animations' */
 /** Whether two animations are shown. */
 static inline bool view_blends(const struct view *v) { return v->files.blend_with < v->shown.info.animation_count && v->files.blend_with != v->animation; }
 /** The value of --animation. */
@@ -431,12 +492,19 @@ bool view_wait_for_images(struct view *view, const fnl_frame *frame);
 /** Replays a file (view_replay.c); ends after so many frames, if not 0. */
 bool view_replay(struct view *view, const char *path, uint32_t exit_after);
 
+/** "light" of 1, "lights" of others. */
+static inline const char *view_plural(uint64_t count, const char *one, const char *many) { return count == 1 ? one : many; }
 /** Draws soon. */
 static inline void view_want(struct view *view, uint32_t frames) { view->wanted = view->wanted > frames ? view->wanted : frames; }
 /** As `fanal render` would make it; false with a message. */
 bool view_save_picture(struct view *view, const char *path);
 void view_open(struct view *view, const char *source);
+void view_choose_shadows(struct view *view);
 void view_frame_all(struct view *view);
+/** The camera that the scene was opened with. */
+void view_reset_camera(struct view *view);
+/** Keeps what framing has found in sight when the area gets other proportions. */
+void view_frame_again(struct view *view);
 void view_set_time(struct view *view, double time);
 
 #endif

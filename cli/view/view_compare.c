@@ -177,8 +177,23 @@ static fnl_result render_b(struct view *v, const fnl_frame *a, const fnl_vulkan_
 
 /* The first column of B's picture. */
 static uint32_t border(const struct view *v, uint32_t width) {
-    if (v->compare.mode == VIEW_COMPARE_SIDE) return width / 2;
-    return (uint32_t)lroundf(fminf(fmaxf(v->compare.slider, 0), 1) * (float)width);
+    const struct ui_rectangle area = view_area(v);
+    const bool whole = area.width == (float)v->width;
+    const float part = v->compare.mode == VIEW_COMPARE_SIDE ? 0.5f : fminf(fmaxf(v->compare.slider, 0), 1);
+    const float at = whole ? part * (float)width : (area.x + part * area.width) * (float)width / (float)v->width;
+    return v->compare.mode == VIEW_COMPARE_SIDE ? (uint32_t)at : (uint32_t)lroundf(at);
+}
+
+fnl_camera view_compare_camera(const struct view *v, bool of_b) {
+    struct ui_rectangle area = view_area(v);
+    float width = (float)v->width;
+    if (v->compare.mode == VIEW_COMPARE_SIDE) {
+        const float at = (float)border(v, v->width);
+        area.width = of_b ? area.x + area.width - at : at - area.x;
+        area.x = of_b ? 0 : area.x;
+        width = of_b ? width - at : at;
+    }
+    return view_fitted_camera(&v->camera.now, area, fmaxf(width, 1), (float)v->height);
 }
 
 uint32_t view_compare_place(const struct view *v, uint32_t *x) {
@@ -190,9 +205,11 @@ uint32_t view_compare_place(const struct view *v, uint32_t *x) {
 }
 
 /* A's frame for what stands in its part of the window: side by side it has its width. */
-static fnl_frame part_frame(const struct view *v, const fnl_frame *frame, uint32_t width, uint32_t part_width) {
+static fnl_frame part_frame(const struct view *v, const fnl_frame *frame, uint32_t width, uint32_t part_width, bool of_b) {
     fnl_frame own = *frame;
-    if (v->compare.mode == VIEW_COMPARE_SIDE) own.width = (uint32_t)fmax(1, round((double)frame->width * part_width / width));
+    if (v->compare.mode != VIEW_COMPARE_SIDE) return own;
+    own.width = (uint32_t)fmax(1, round((double)frame->width * part_width / width));
+    own.camera = view_compare_camera(v, of_b);
     return own;
 }
 
@@ -216,7 +233,7 @@ fnl_result view_compare_draw(struct view *v, const fnl_frame *frame, const fnl_v
     if (!is_ready(v)) return render(v->shown.renderer, frame, target);
     if (c->is_shown) return draw_difference(v, frame, target);
     const uint32_t width = target ? target->width : v->width, at = border(v, width);
-    const fnl_frame a = part_frame(v, frame, width, at), b = part_frame(v, frame, width, width - at);
+    const fnl_frame a = part_frame(v, frame, width, at, false), b = part_frame(v, frame, width, width - at, true);
     if (!target) {
         const fnl_result drawn = fnl_renderer_render(v->shown.renderer, &a);
         return drawn == FNL_OK ? render_b(v, &b, NULL) : drawn;
@@ -303,7 +320,7 @@ fnl_result view_compare_read(struct view *v, const fnl_frame *frame, fnl_image *
     const uint32_t at = border(v, frame->width);
     struct moved_overlay moved = {0};
     fnl_image right = {0};
-    fnl_frame a = part_frame(v, frame, frame->width, at), b = part_frame(v, frame, frame->width, frame->width - at);
+    fnl_frame a = part_frame(v, frame, frame->width, at, false), b = part_frame(v, frame, frame->width, frame->width - at, true);
     fnl_result result = !side || move_overlay(frame->overlay, at, &moved) ? FNL_OK : FNL_ERROR_MEMORY;
     if (side) b.overlay = &moved.overlay;
     if (result == FNL_OK) result = render_and_read(v, &a, false, out);
@@ -373,7 +390,7 @@ static void label(const struct view *v, bool of_b, float x, bool left_of) {
         snprintf(text, sizeof text, "B  %.2f ms  %s", v->compare.milliseconds, method);
     else
         snprintf(text, sizeof text, "%s  %.2f ms  A", method, v->stats.gpu_milliseconds);
-    ui_back_label(x, 8 * v->scale, left_of, text);
+    ui_back_label(x, view_area(v).y + 8 * v->scale, left_of, text);
 }
 
 void view_compare_back(struct view *v) {
@@ -383,8 +400,9 @@ void view_compare_back(struct view *v) {
     if (c->is_shown) ui_back_image(DIFFERENCE_IMAGE, 0, 0, width, height);
     if (v->hides_panels) return;
     if (c->is_shown) {
-        label(v, false, width / 2 - gap, true);
-        label(v, true, width / 2 + gap, false);
+        const struct ui_rectangle area = view_area(v);
+        label(v, false, area.x + area.width / 2 - gap, true);
+        label(v, true, area.x + area.width / 2 + gap, false);
         return;
     }
     ui_back_line(x, height);
@@ -413,7 +431,8 @@ bool view_compare_press(struct view *v, const struct view_event *e) {
 }
 
 void view_compare_move(struct view *v) {
-    if (v->compare.drags && v->width > 0) v->compare.slider = fminf(fmaxf(v->mouse_x / (float)v->width, 0), 1);
+    const struct ui_rectangle area = view_area(v);
+    if (v->compare.drags && area.width > 0) v->compare.slider = fminf(fmaxf((v->mouse_x - area.x) / area.width, 0), 1);
 }
 
 /* ---- as text ---- */

@@ -65,14 +65,17 @@ fnl_frame *view_edited(struct view *view);
 void view_compare_update(struct view *view);
 /** Over the picture and behind the panels. */
 void view_compare_back(struct view *view);
-/** The controls, above the options (panel_compare.c). */
+/** The controls, in a menu (panel_compare.c), and those that choose between A and B, above the options too. */
 void view_panel_compare(struct view *view);
+void view_compare_choose(struct view *view);
 /** Draws A as `frame` says and B likewise; `target` NULL: only into their own pictures. */
 fnl_result view_compare_draw(struct view *view, const fnl_frame *frame, const struct fnl_vulkan_target *target);
 /** What the window shows, for `frame` with its overlay; free it. */
 fnl_result view_compare_read(struct view *view, const fnl_frame *frame, fnl_image *out);
 /** The width of the picture that the window shows at column *x, which becomes that picture's own. */
 uint32_t view_compare_place(const struct view *view, uint32_t *x);
+/** The camera of the picture that shows A or B there. */
+fnl_camera view_compare_camera(const struct view *view, bool of_b);
 void view_compare_note(struct view *view); /* after a frame */
 
 /** Whether the press belongs to the slider. */

@@ -36,7 +36,8 @@ static const struct {
                              [VIEW_SAVE] = {"save", TEXT},       [VIEW_CAPTURE] = {"capture", TEXT},
                              [VIEW_COMPARE] = {"compare", TEXT},  [VIEW_SET_B] = {"setb", TEXT},      [VIEW_SLIDER] = {"slider", FACTOR},
                              [VIEW_COMMAND] = {"command", TEXT},  [VIEW_REPORT] = {"report", TEXT},   [VIEW_TRACE] = {"trace", TEXT},
-                             [VIEW_SAVE_SCENE] = {"savescene", TEXT}, [VIEW_TURNTABLE] = {"turntable", NUMBER}, [VIEW_POLL] = {"poll", ALONE}};
+                             [VIEW_SAVE_SCENE] = {"savescene", TEXT}, [VIEW_TURNTABLE] = {"turntable", NUMBER}, [VIEW_PANEL] = {"panel", TEXT},
+                             [VIEW_POLL] = {"poll", ALONE}};
 
 bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out) {
     char name[16] = "", state[8] = "", rest[1024] = "";

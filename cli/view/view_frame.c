@@ -29,13 +29,34 @@ void view_say(struct view *v, fnl_log_level level, const char *text) { view_take
 
 /* ---- the scene ---- */
 
-static fnl_shadows usual_shadows(const struct view *v) { return world_usual_shadows(&v->shown.info, &v->device.info, true); }
+/* Where the user chose none, those that the scene should have: a scene without lights has none, until it gets one. */
+void view_choose_shadows(struct view *v) {
+    const fnl_shadows usual = world_usual_shadows(&v->shown.info, &v->device.info, true);
+    if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual;
+    if (!v->compare.own_shadows) v->compare.frame.shadows = usual;
+}
+
+struct ui_rectangle view_area(const struct view *v) {
+    const struct ui_rectangle whole = {0, 0, (float)v->width, (float)v->height};
+    return v->hides_panels || v->area.width < 16 || v->area.height < 16 ? whole : v->area;
+}
+
+fnl_camera view_fitted_camera(const fnl_camera *camera, struct ui_rectangle area, float width, float height) {
+    fnl_camera fitted = *camera;
+    if (area.x == 0 && area.y == 0 && area.width == width && area.height == height) return fitted;
+    const float part = area.height / height;
+    fitted.vertical_fov = 2 * atanf(tanf(camera->vertical_fov / 2) / part);
+    fitted.vertical_extent = camera->vertical_extent / part;
+    fitted.shift.x = camera->shift.x * area.width / width + (2 * area.x + area.width) / width - 1;
+    fitted.shift.y = camera->shift.y * part + 1 - (2 * area.y + area.height) / height;
+    return fitted;
+}
 
 fnl_frame view_whole_frame(const struct view *v) {
     fnl_frame frame = v->frame;
     frame.width = v->width;
     frame.height = v->height;
-    frame.camera = v->camera.now;
+    frame.camera = view_fitted_camera(&v->camera.now, view_area(v), (float)v->width, (float)v->height);
     frame.outputs = FNL_OUTPUT_COLOR;
     return frame;
 }
@@ -50,6 +71,12 @@ void view_show(struct view *v, struct view_scene *scene) {
     pthread_mutex_unlock(&v->device.mutex);
     v->shown = *scene;
     v->camera.now = scene->camera;
+    const struct world_options *w = &v->world;
+    v->framed_aspect = 0;
+    if (scene->source && fnl_scene_count(scene->scene, FNL_ENTITY_CAMERA) == 0 && !w->has_eye && w->fov == 0 && w->near == 0 && w->up.x == 0 && w->up.y == 0 && w->up.z == 0) {
+        v->framed = scene->camera;
+        v->framed_aspect = view_area(v).width / fmaxf(view_area(v).height, 1);
+    }
     const fnl_vec3 low = scene->info.bounds_low, high = scene->info.bounds_high; /* of nothing: infinite */
     const float size = fmaxf(high.x - low.x, fmaxf(high.y - low.y, high.z - low.z));
     v->camera.size = size > 1e-3f && size < 1e6f ? size : 1;
@@ -66,9 +93,8 @@ void view_show(struct view *v, struct view_scene *scene) {
     v->surroundings.params.source = NULL;
     if (scene->source) view_settings_note_scene(&v->settings, scene->source);
     view_select_reset(v);
-    if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
+    view_choose_shadows(v);
     v->good = v->frame;
-    if (!v->compare.own_shadows) v->compare.frame.shadows = usual_shadows(v);
     v->compare.good = v->compare.frame;
     view_watch_begin(v);
     char title[300];
@@ -97,6 +123,8 @@ bool view_load(struct view *v, const char *source) {
     l->frame = view_whole_frame(v);
     l->frame.width = l->frame.width ? l->frame.width : 1;
     l->frame.height = l->frame.height ? l->frame.height : 1;
+    l->width = view_area(v).width;
+    l->height = view_area(v).height;
     l->own_shadows = v->own_shadows;
     l->format = (uint32_t)info.format;
     const bool good = view_loader_start(l, source);
@@ -125,7 +153,7 @@ void view_apply_surroundings(struct view *v) {
     if (fnl_scene_set_environment(v->shown.scene, s->none ? NULL : &params) == FNL_OK) {
         s->changed = true;
         fnl_scene_query_info(v->shown.scene, &v->shown.info);
-        if (!v->own_shadows) v->frame.shadows = v->usual.shadows = usual_shadows(v);
+        view_choose_shadows(v);
         view_watch_begin(v);
     }
     view_want(v, 2);
@@ -144,8 +172,29 @@ void view_apply_settings(struct view *v) {
 
 void view_frame_all(struct view *v) {
     const fnl_camera before = v->camera.now;
-    if (!v->shown.scene || v->height == 0) return;
-    if (fnl_scene_query_framing_camera(v->shown.scene, (float)v->width / (float)v->height, &v->camera.now) != FNL_OK) v->camera.now = before;
+    const struct ui_rectangle area = view_area(v);
+    if (!v->shown.scene || area.height < 1 || area.width < 1) return;
+    v->framed_aspect = area.width / area.height;
+    if (fnl_scene_query_framing_camera(v->shown.scene, v->framed_aspect, &v->camera.now) != FNL_OK) v->camera.now = before;
+    v->framed = v->camera.now;
+    view_want(v, 2);
+}
+
+void view_frame_again(struct view *v) {
+    const struct ui_rectangle area = view_area(v);
+    if (v->framed_aspect == 0 || area.height < 1) return;
+    if (memcmp(&v->framed, &v->camera.now, sizeof v->framed) != 0)
+        v->framed_aspect = 0;
+    else if (fabsf(v->framed_aspect - area.width / area.height) > 1e-3f)
+        view_frame_all(v);
+}
+
+void view_reset_camera(struct view *v) {
+    if (!v->shown.source || fnl_scene_count(v->shown.scene, FNL_ENTITY_CAMERA) == 0) {
+        view_frame_all(v);
+        return;
+    }
+    v->camera.now = v->shown.camera;
     view_want(v, 2);
 }
 
@@ -260,6 +309,7 @@ static void pick_object(struct view *v) {
     fnl_image image = {0};
     uint32_t x = p->x;
     frame.width = view_compare_place(v, &x);
+    frame.camera = view_compare_camera(v, x != p->x);
     frame.outputs = FNL_OUTPUT_OBJECT;
     frame.msaa = 1;
     frame.pin_choice = true;
@@ -361,6 +411,7 @@ bool view_save_picture(struct view *v, const char *path) {
     fnl_frame_stats stats;
     fnl_frame frame = view_whole_frame(v);
     view_save_size(v, &frame.width, &frame.height);
+    frame.camera = v->camera.now;
     if (frame.width == 0 || frame.height == 0) return false;
     frame.outputs = view_ends_with(path, ".exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     frame.pin_choice = true;

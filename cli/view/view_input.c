@@ -22,6 +22,11 @@ static void press_key(struct view *v, int key) {
         capture_mouse(v, false);
         return;
     }
+    if (key == KEY_ESCAPE && ui_menu_is_open()) return;
+    if (key == KEY_ESCAPE && (v->files.browses || v->shows_help)) {
+        v->files.browses = v->shows_help = false;
+        return;
+    }
     if (view_select_key(v, key)) return;
     switch (key) {
     case 'F':
@@ -34,7 +39,7 @@ static void press_key(struct view *v, int key) {
         view_toggle_flight(v);
         break;
     case 'P':
-        view_save_picture(v, v->save_path);
+        view_save_next_picture(v);
         break;
     case 'Q':
         v->quit = v->modifiers & VIEW_CONTROL;
@@ -66,7 +71,7 @@ static void press_key(struct view *v, int key) {
 }
 
 static void drag(struct view *v, float x, float y) {
-    const float dx = x - v->mouse_x, dy = y - v->mouse_y, height = fmaxf((float)v->height, 1);
+    const float dx = x - v->mouse_x, dy = y - v->mouse_y, height = fmaxf(view_area(v).height, 1);
     const bool sideways = v->drag == 2 || (v->drag == 0 && v->modifiers & VIEW_SHIFT);
     if (view_gizmo_drag(v, x, y) || (v->drag < 0 && !v->captured) || !v->shown.scene) return;
     if (sideways)
@@ -142,7 +147,7 @@ static bool handle(struct view *v, const struct view_event *e) {
         ui_key(e->code, e->down);
         v->keys[e->code] = e->down && !ui_wants_keys();
         v->select.edits.gesture += e->down;
-        if (v->keys[e->code]) press_key(v, e->code);
+        if (v->keys[e->code] || (e->down && e->code == KEY_ESCAPE && v->files.browses)) press_key(v, e->code);
         return true;
     case VIEW_CHARACTER:
         ui_character((uint32_t)e->code);

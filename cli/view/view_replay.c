@@ -3,8 +3,6 @@
 #include "view/view.h"
 
 #include "options.h"
-#include "view/ui.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,6 +90,8 @@ static bool replay_event(struct view *v, const struct view_event *e) {
         return view_save_scene(v, e->text);
     case VIEW_TURNTABLE:
         return view_turntable(v, (uint32_t)e->code);
+    case VIEW_PANEL:
+        return view_open_panel_named(v, e->text);
     case VIEW_POLL:
         view_watch_at_once(v);
         return true;

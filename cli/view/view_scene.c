@@ -7,6 +7,7 @@
 
 #include "fanal/vulkan.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -32,9 +33,11 @@ static bool prepare(struct view_loader *l) {
     uint32_t pending = 1;
     frame.camera = l->scene.camera;
     if (!l->own_shadows) frame.shadows = world_usual_shadows(&l->scene.info, &d->info, true);
+    atomic_store(&l->phase, VIEW_SENDING);
     pthread_mutex_lock(&d->mutex);
     const bool good = fnl_renderer_create(d->device, l->scene.scene, &l->scene.renderer) == FNL_OK;
     pthread_mutex_unlock(&d->mutex);
+    atomic_store(&l->phase, VIEW_COMPILING);
     while (good && pending > 0 && !atomic_load(&l->cancelled)) {
         pthread_mutex_lock(&d->mutex);
         if (fnl_renderer_warm(l->scene.renderer, &frame, l->format ? &target : NULL, false, &pending) != FNL_OK) pending = 0;
@@ -49,7 +52,7 @@ static void *load(void *argument) {
     l->world.loading.progress = show_progress;
     l->world.loading.user = l;
     l->world.loading.async = true;
-    l->good = world_load(&l->world, &l->host, l->frame.width, l->frame.height, true, &l->scene.scene, &l->scene.camera) &&
+    l->good = world_load(&l->world, &l->host, (uint32_t)fmaxf(l->width, 1), (uint32_t)fmaxf(l->height, 1), true, &l->scene.scene, &l->scene.camera) &&
               fnl_scene_query_info(l->scene.scene, &l->scene.info) == FNL_OK && prepare(l);
     atomic_store(&l->done, true);
     return NULL;
@@ -61,6 +64,7 @@ bool view_loader_start(struct view_loader *l, const char *source) {
     atomic_store(&l->done, false);
     atomic_store(&l->cancelled, false);
     atomic_store(&l->progress, 0);
+    atomic_store(&l->phase, VIEW_READING);
     l->running = l->scene.source && pthread_create(&l->thread, NULL, load, l) == 0;
     if (!l->running) view_scene_free(&l->scene);
     return l->running;
@@ -75,6 +79,13 @@ bool view_loader_take(struct view_loader *l, bool wait, struct view_scene *out) 
     *out = l->scene;
     l->scene = (struct view_scene){0};
     return true;
+}
+
+void view_loader_describe(struct view_loader *l, char *text, size_t capacity) {
+    static const char *const phases[] = {"reading", "sending it to the device", "compiling pipelines"};
+    const char *source = l->world.scene ? l->world.scene : "", *slash = strrchr(source, '/');
+    const unsigned phase = atomic_load(&l->phase), progress = atomic_load(&l->progress) / 10;
+    snprintf(text, capacity, phase == VIEW_READING && progress > 0 ? "Loading %.200s: %s, %u %%" : "Loading %.200s: %s", slash ? slash + 1 : source, phases[phase], progress);
 }
 
 void view_loader_stop(struct view_loader *l) {

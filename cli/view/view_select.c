@@ -135,7 +135,8 @@ bool view_select_center(const struct view *v, fnl_vec3 *out) {
 
 struct maths_eye view_select_eye(const struct view *v) {
     uint32_t first = 0;
-    return maths_eye(&v->camera.now, view_compare_place(v, &first), v->height);
+    const fnl_camera camera = view_compare_camera(v, false);
+    return maths_eye(&camera, view_compare_place(v, &first), v->height);
 }
 
 /* ---- icons ---- */

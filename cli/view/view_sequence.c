@@ -47,6 +47,7 @@ bool view_save_sequence(struct view *v, const char *camera_path, const char *pat
         o.has_frame_time = true;
     }
     o.frame = view_whole_frame(v);
+    o.frame.camera = v->camera.now;
     o.frame.width = width;
     o.frame.height = height;
     o.frame.outputs = render_has_extension(pattern, "exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
@@ -117,6 +118,7 @@ void view_toggle_flight(struct view *v) {
         view_record_flight(v, 0);
         return;
     }
+    view_free_name(v->files.flight_path, sizeof v->files.flight_path);
     const bool good = f->count > 0 && write_flight(v);
     snprintf(text, sizeof text, good ? "wrote %s" : "%s was not written", v->files.flight_path);
     view_say(v, good ? FNL_LOG_INFO : FNL_LOG_ERROR, text);

@@ -80,13 +80,14 @@ size 400 240
 key 258 down 0
 key 258 up 0
 frames 2
+click Compare
 click swap
 frames 2
 report swapped.tsv
 click copy A to B
 frames 2
 report copied.tsv
-click compare
+click difference
 click split
 setb msaa=8
 setb shading=mobile

@@ -52,6 +52,7 @@ cat >save.txt <<'EOF'
 key 87 down 0
 frames 1
 key 87 up 0
+panel lights
 click add one
 savescene changed.glb
 settle
@@ -88,6 +89,7 @@ for i in 0 1 2; do same picture-000$i.png turn-$i.png 'the turntable'; done
 "$fanal" compare turn-0.png turn-1.png --max-diff 0 >/dev/null 2>&1 && fail 'the turntable does not turn'
 cat >fly.txt <<'EOF'
 save small.png 96 54
+click Save
 click sequences
 key 86 down 0
 key 86 up 0
@@ -118,8 +120,9 @@ validate= # what is drawn from here on is nothing new to Vulkan
 cat >blend.txt <<'EOF'
 size 500 450
 settle
+click Animation
 click blend with
-click still
+click with still
 click seconds
 click part of it
 settle
@@ -156,7 +159,7 @@ capture browser.png
 click model.glb
 settle
 report browse.tsv
-click open
+click Open
 frames 2
 click up
 click sub/
@@ -166,6 +169,7 @@ click up
 click swing.gltf
 settle
 report browsed.tsv
+click Save
 click save scene as
 frames 2
 click save here
@@ -175,7 +179,7 @@ replay browse builtin:onetile --size 500x450 --scale 0.5 || fail 'the browser'
 [ "$(value browse.tsv scene)" = "$(realpath sub/model.glb)" ] || fail "the browser opened '$(value browse.tsv scene)'"
 [ "$(value browsed.tsv scene)" = "$(realpath swing.gltf)" ] || fail "the browser opened '$(value browsed.tsv scene)'"
 [ -s scene.glb ] || fail 'the browser saved nothing'
-printf 'click open\nframes 2\nclick notes.txt\n' >bad.txt
+printf 'click Open\nframes 2\nclick notes.txt\n' >bad.txt
 sed -i '1i size 500 450' bad.txt
 (cd sub && timeout 100 "$fanal" view --device 0 --headless --replay ../bad.txt $plain >out 2>&1) && fail 'the browser shows what is no scene'
 

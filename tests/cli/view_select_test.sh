@@ -27,7 +27,7 @@ pick() { printf 'move %s %s\nbutton 0 down 2\nbutton 0 up 2\nframes 1\n' "$1" "$
 # In two steps, which are one edit.
 drag() { printf 'move %s %s\nbutton 0 down 0\nmove %s %s\nframes 1\nmove %s %s\nbutton 0 up 0\nframes 1\n' "$1" "$2" "$(awk "BEGIN { print ($1 + $3) / 2 }")" "$(awk "BEGIN { print ($2 + $4) / 2 }")" "$3" "$4"; }
 key() { printf 'key %s down %s\nkey %s up %s\nframes 1\n' "$1" "${2:-0}" "$1" "${2:-0}"; }
-L=76 R=82 T=84 Z=90 Y=89 ESCAPE=256 DELETE=261
+L=76 R=82 T=84 Z=90 Y=89 ESCAPE=256 TAB=258 DELETE=261
 
 cat >scene.gltf <<'E'
 {"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_lights_punctual", "FNL_decal"], "scene": 0, "scenes": [{"nodes": [0, 1, 3, 4, 5, 6, 7]}],
@@ -57,16 +57,16 @@ picked 'the sphere in the middle' middle.tsv object 22 'metallic 0.50 roughness 
 [ "$(field middle.tsv picked_material 2)" = 'metallic 0.50 roughness 0.50' ] || fail 'its material is another'
 picked 'the floor' floor.tsv object 45 floor
 
-# ---- objects, with the panels of a window of twice the size ----
+# ---- objects; a panel takes part of the window while it is shown ----
 # At depth d, a metre has 180 / (d tan 0.45) pixels; handles are 45 pixels long.
 
-{ pick 310 190; printf 'report board.tsv\nsave board.png\nclick roughness\nreport rough.tsv\nsave rough.png\n'; key $Z 2; printf 'report undone.tsv\nsave undone.png\n'; key $Y 2; echo report redone.tsv
-  key $Z 2; printf 'click visible\nreport hidden.tsv\nsave hidden.png\n'; pick 310 190; echo report through.tsv; key $Z 2; pick 310 190; echo report again.tsv
+{ pick 310 190; printf 'report board.tsv\nsave board.png\npanel inspect\nclick roughness\nreport rough.tsv\nsave rough.png\n'; key $TAB; key $Z 2; printf 'report undone.tsv\nsave undone.png\n'; key $Y 2; echo report redone.tsv
+  key $Z 2; printf 'panel inspect\nclick visible\nreport hidden.tsv\nsave hidden.png\n'; key $TAB; pick 310 190; echo report through.tsv; key $Z 2; pick 310 190; echo report again.tsv
   key $R; drag 351.8198 148.1802 288.1802 148.1802; echo report turned.tsv; key $T; key $Z 2; echo report straight.tsv
   pick 416 185; echo report small.tsv; drag 441 180 461 180; printf 'report moved.tsv\n'; pick 436 185; echo report there.tsv
   printf 'move 461 180\nbutton 0 down 0\nmove 500 180\nframes 1\nreport held.tsv\nkey %s down 0\nbutton 0 up 0\nframes 1\nreport gave-up.tsv\n' $ESCAPE
   pick 200 340; echo report sky.tsv; } >objects.txt
-replay objects scene.gltf --camera 0 --size 640x360 --scale 0.5
+replay objects scene.gltf --camera 0 --size 640x360 --scale 0.5 --no-panels
 picked 'the board' board.tsv object 0 board
 [ "$(field board.tsv picked_mesh 2)/$(field board.tsv picked_material 2)" = square/paint ] || fail 'mesh or material of the board'
 is 'as in the file' board.tsv picked_roughness 1 0.5
@@ -98,7 +98,7 @@ picked 'the sky' sky.tsv nothing '' ''
   drag 340 133.4 350 133.4; key $DELETE; key $Z 2; key $Z 2; echo report other.tsv; key $Y 2; key $Y 2; echo report once-more.tsv
   pick 273.4 96.2; key $R; echo report beam.tsv; drag 277.09 73.44 277.09 53.44; echo report bent.tsv; key $T
   pick 338.6 211; echo report decal.tsv; drag 360 211.05 370 211.05; echo report decal-moved.tsv; key $DELETE; echo report no-decal.tsv; key $Z 2; key $ESCAPE; echo report nothing.tsv; } >lights.txt
-replay lights scene.gltf --camera 0 --size 640x360 --scale 0.5
+replay lights scene.gltf --camera 0 --size 640x360 --scale 0.5 --no-panels
 picked 'without icons' before.tsv object 0 board
 picked 'the lamp' lamp.tsv light 0 lamp
 [ "$(field lamp.tsv icons 1)" = 3 ] || fail "$(field lamp.tsv icons 1) icons, not 3"

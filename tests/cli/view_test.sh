@@ -59,6 +59,7 @@ report refused.tsv
 set debug=none
 set shading=deferred
 size 720 300
+panel lights
 click add one
 capture panels.png
 key 258 down 0
@@ -143,9 +144,8 @@ report released.tsv
 size 380 420
 key 258 down 0
 key 258 up 0
-click surroundings
-click environment
-click builtin:overcast
+click Environment
+click Overcast
 click seen behind the scene
 size 160 90
 settle

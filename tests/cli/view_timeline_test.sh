@@ -64,6 +64,7 @@ frames 3
 report forward.tsv
 key 341 down 2
 key 341 up 0
+panel statistics
 click timeline
 frames 1
 report closed.tsv
@@ -150,6 +151,7 @@ frames 1
 report first.tsv
 frames 60
 size 480 300
+panel statistics
 click candidates
 frames 1
 report later.tsv
