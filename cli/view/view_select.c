@@ -36,6 +36,7 @@ void view_select_free(struct view *v) {
 void view_select_changed(struct view *v) {
     if (!v->shown.scene) return;
     fnl_scene_query_info(v->shown.scene, &v->shown.info);
+    view_choose_shadows(v);
     v->shown.changed = true;
     v->select.stamp++;
     view_want(v, 2);

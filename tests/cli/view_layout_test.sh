@@ -83,5 +83,13 @@ printf 'click Save\nclick save scene\nframes 2\nclick overwrite it\nframes 1\n' 
 replay writes point.gltf --size 320x240 --scale 0.5 --shadows off --lists all
 [ "$(head -c 4 scene.glb)" = glTF ] || fail 'two clicks do not write the file'
 
+# ---- a light that is added casts a shadow, unless shadows were chosen ----
+
+printf 'report dark.tsv\npanel lights\nclick add one\nframes 1\nreport lit.tsv\n' >light.txt
+replay light point.gltf --size 320x240 --scale 0.5
+[ "$(value lit.tsv shadows)" = maps ] || fail "with the first light shadows are $(value lit.tsv shadows)"
+replay light point.gltf --size 320x240 --scale 0.5 --shadows off
+[ "$(value lit.tsv shadows)" = off ] || fail "shadows were chosen, and are $(value lit.tsv shadows)"
+
 [ $failures = 0 ] && echo 'all checks of the layout passed'
 exit $((failures > 0))
