@@ -251,7 +251,6 @@ void view_panel_inspect(struct view *v) {
         if (ui_header("object", true)) show_object(v, index);
         if (ui_header("material", true)) show_material(v);
     } else if (v->select.kind == VIEW_PICKED_LIGHT) {
-        ui_text("light %u", index);
         view_show_light(v, index);
     } else {
         show_decal(v, index);

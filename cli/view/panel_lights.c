@@ -2,14 +2,16 @@
 /* Lights: many at once, and one by one. */
 #include "view/view.h"
 
-#include "view/ui.h"
-
 #include <float.h>
 #include <math.h>
+#include <string.h>
+
+#define DEGREES 57.2957795f
 
 static void scatter(struct view *v) {
     static const uint32_t counts[] = {16, 64, 256, 1024, 4096};
     char label[16];
+    ui_align_text();
     ui_text("scatter");
     for (uint32_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         snprintf(label, sizeof label, "%u", counts[i]);
@@ -29,21 +31,200 @@ static void add_light(struct view *v) {
     fnl_light_params *light = &edit.after.light;
     const fnl_vec3 to = {c->target.x - c->position.x, c->target.y - c->position.y, c->target.z - c->position.z};
     light->position = (fnl_vec3){c->position.x + to.x * 0.6f, c->position.y + to.y * 0.6f, c->position.z + to.z * 0.6f};
+    light->direction = to;
     light->intensity = fmaxf(1e-3f, 0.4f * (to.x * to.x + to.y * to.y + to.z * to.z));
     uint32_t index;
     if (view_edit_do(v, &edit) && view_find(v, FNL_ENTITY_LIGHT, edit.id, &index)) view_select_light(v, index);
 }
 
-static bool show_place(fnl_vec3 *place) {
-    bool moved = false;
-    ui_item_width(76);
-    moved |= ui_number("x", &place->x, -FLT_MAX, FLT_MAX, "%.3f");
-    ui_same_line();
-    ui_item_width(76);
-    moved |= ui_number("y", &place->y, -FLT_MAX, FLT_MAX, "%.3f");
-    ui_same_line();
-    ui_item_width(76);
-    return moved | ui_number("z", &place->z, -FLT_MAX, FLT_MAX, "%.3f");
+/* ---- several ---- */
+
+static struct view_id id_at(const struct view *v, uint32_t index) {
+    fnl_entity_info entity;
+    if (fnl_scene_query_entity(v->shown.scene, FNL_ENTITY_LIGHT, index, &entity) != FNL_OK) return (struct view_id){0};
+    return (struct view_id){entity.id.light.index, entity.id.light.generation};
+}
+
+static uint32_t find_id(const struct view_id *ids, uint32_t count, struct view_id id) {
+    for (uint32_t i = 0; i < count; i++)
+        if (ids[i].index == id.index && ids[i].generation == id.generation) return i;
+    return UINT32_MAX;
+}
+
+/* What an edit has changed of one light, for another; each has its own place. */
+static void change_likewise(fnl_light_params *light, const fnl_light_params *before, const fnl_light_params *after) {
+#define LIKEWISE(member) \
+    if (memcmp(&before->member, &after->member, sizeof after->member) != 0) memcpy(&light->member, &after->member, sizeof after->member)
+    LIKEWISE(kind);
+    LIKEWISE(direction);
+    LIKEWISE(color);
+    LIKEWISE(intensity);
+    LIKEWISE(range);
+    LIKEWISE(inner_cone_angle);
+    LIKEWISE(outer_cone_angle);
+    LIKEWISE(length);
+    LIKEWISE(wedge_angles);
+    LIKEWISE(box_size);
+    LIKEWISE(rectangle_size);
+    LIKEWISE(two_sided);
+    LIKEWISE(source_radius);
+    LIKEWISE(source_angle);
+    LIKEWISE(casts_shadows);
+    LIKEWISE(shadow_update);
+#undef LIKEWISE
+}
+
+static void edit_light(struct view *v, uint32_t index, const fnl_light_params *before, const fnl_light_params *after) {
+    const struct view_marked *m = &v->marked;
+    const struct view_id own = id_at(v, index);
+    struct view_edit edit = {.kind = VIEW_EDIT_LIGHT, .id = own, .before.light = *before, .after.light = *after};
+    view_edit_do(v, &edit);
+    if (find_id(m->ids, m->count, own) == UINT32_MAX) return;
+    for (uint32_t i = 0; i < m->count; i++) {
+        uint32_t other;
+        edit.id = m->ids[i];
+        if ((edit.id.index == own.index && edit.id.generation == own.generation) || !view_find(v, FNL_ENTITY_LIGHT, edit.id, &other) ||
+            fnl_scene_query_light(v->shown.scene, other, &edit.before.light) != FNL_OK)
+            continue;
+        edit.after.light = edit.before.light;
+        change_likewise(&edit.after.light, before, after);
+        view_edit_do(v, &edit);
+    }
+}
+
+/* A light that is off has an intensity of 0; the window knows what it was. */
+static void switch_light(struct view *v, uint32_t index, bool on) {
+    struct view_marked *m = &v->marked;
+    fnl_light_params before;
+    if (fnl_scene_query_light(v->shown.scene, index, &before) != FNL_OK || (before.intensity > 0) == on) return;
+    const struct view_id id = id_at(v, index);
+    uint32_t at = find_id(m->off, m->off_count, id);
+    struct view_edit edit = {.kind = VIEW_EDIT_LIGHT, .id = id, .before.light = before, .after.light = before};
+    if (!on) {
+        if (at == UINT32_MAX) at = m->off_count < VIEW_OFF ? m->off_count++ : VIEW_OFF - 1;
+        m->off[at] = id;
+        m->intensity[at] = before.intensity;
+        edit.after.light.intensity = 0;
+    } else {
+        edit.after.light.intensity = at != UINT32_MAX ? m->intensity[at] : 1;
+    }
+    view_edit_do(v, &edit);
+}
+
+/* With those that change together with it. */
+static void switch_all(struct view *v, uint32_t index, bool on) {
+    const struct view_marked *m = &v->marked;
+    uint32_t other;
+    switch_light(v, index, on);
+    for (uint32_t i = 0; i < m->count && find_id(m->ids, m->count, id_at(v, index)) != UINT32_MAX; i++)
+        if (view_find(v, FNL_ENTITY_LIGHT, m->ids[i], &other)) switch_light(v, other, on);
+}
+
+static void mark(struct view *v, uint32_t index) {
+    struct view_marked *m = &v->marked;
+    const struct view_id id = id_at(v, index);
+    const uint32_t at = find_id(m->ids, m->count, id);
+    if (at != UINT32_MAX)
+        m->ids[at] = m->ids[--m->count];
+    else if (m->count < VIEW_MARKED)
+        m->ids[m->count++] = id;
+}
+
+/* ---- one ---- */
+
+static bool show_vector(const char *name, fnl_vec3 *value) {
+    static const char *const axes[] = {"x", "y", "z"};
+    float *numbers[] = {&value->x, &value->y, &value->z};
+    bool edited = false;
+    for (int i = 0; i < 3; i++) {
+        char label[48];
+        snprintf(label, sizeof label, "##%s %s", name, axes[i]);
+        ui_item_width(62);
+        edited |= ui_number(label, numbers[i], -FLT_MAX, FLT_MAX, "%.3f");
+        ui_same_line();
+    }
+    ui_text("%s", name);
+    return edited;
+}
+
+static bool show_number(const char *label, float *value, float low, float high, const char *format) {
+    ui_item_width(150);
+    return ui_number(label, value, low, high, format);
+}
+
+static bool show_degrees(const char *label, float *radians, float most) {
+    float degrees = *radians * DEGREES;
+    if (!show_number(label, &degrees, 0, most, "%.1f degrees")) return false;
+    *radians = degrees / DEGREES;
+    return true;
+}
+
+static bool show_kind(fnl_light_params *light) {
+    bool edited = false;
+    ui_item_width(150);
+    if (!ui_combo("kind", fnl_value_name(FNL_ENUM_LIGHT_KIND, light->kind))) return false;
+    for (uint32_t i = 0; i < FNL_LIGHT_KIND_COUNT; i++) {
+        if (!ui_choice(fnl_value_name(FNL_ENUM_LIGHT_KIND, i), i == (uint32_t)light->kind)) continue;
+        light->kind = (fnl_light_kind)i;
+        edited = true;
+    }
+    ui_combo_end();
+    return edited;
+}
+
+static bool show_range(fnl_light_params *light) {
+    bool edited = false, derived = isinf(light->range);
+    if (ui_checkbox("range from the intensity", &derived)) {
+        light->range = derived ? INFINITY : fmaxf(fnl_light_range(light, 1, 0.05f), 1e-3f);
+        edited = true;
+    }
+    ui_tooltip("Otherwise the light ends at a distance that you choose");
+    return edited | (!derived && show_number("range, m", &light->range, 1e-3f, FLT_MAX, "%.3g"));
+}
+
+/* What only some kinds have. */
+static bool show_shape(fnl_light_params *light) {
+    bool edited = false;
+    switch (light->kind) {
+    case FNL_LIGHT_SPOT:
+        edited |= show_degrees("cone", &light->outer_cone_angle, 90);
+        ui_tooltip("From the axis to the edge, where the light ends");
+        edited |= show_degrees("inner cone", &light->inner_cone_angle, light->outer_cone_angle * DEGREES);
+        ui_tooltip("Full intensity up to here");
+        light->inner_cone_angle = fminf(light->inner_cone_angle, light->outer_cone_angle);
+        break;
+    case FNL_LIGHT_CAPSULE:
+        edited |= show_number("length, m", &light->length, 0, FLT_MAX, "%.3g");
+        break;
+    case FNL_LIGHT_WEDGE:
+        edited |= show_degrees("angle across", &light->wedge_angles[0], 85);
+        edited |= show_degrees("angle up", &light->wedge_angles[1], 85);
+        break;
+    case FNL_LIGHT_BOX:
+        edited |= show_vector("size, m", &light->box_size);
+        light->box_size = (fnl_vec3){fmaxf(light->box_size.x, 1e-3f), fmaxf(light->box_size.y, 1e-3f), fmaxf(light->box_size.z, 1e-3f)};
+        break;
+    case FNL_LIGHT_RECTANGLE:
+        edited |= show_number("width, m", &light->rectangle_size[0], 1e-3f, 1e9f, "%.3g");
+        edited |= show_number("height, m", &light->rectangle_size[1], 1e-3f, 1e9f, "%.3g");
+        edited |= ui_checkbox("shines to both sides", &light->two_sided);
+        break;
+    default:
+        break;
+    }
+    const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
+    if (parallel) edited |= show_degrees("source size", &light->source_angle, 57);
+    if (!parallel && light->kind != FNL_LIGHT_RECTANGLE) edited |= show_number("source radius, m", &light->source_radius, 0, 1e4f, "%.3g");
+    ui_tooltip("The size of what shines: it makes shadows soft where the frame asks for that (Shadow edges)");
+    return edited;
+}
+
+static bool put_at_camera(const struct view *v, fnl_light_params *light) {
+    const fnl_camera *c = &v->camera.now;
+    if (!ui_button("put it at the camera")) return false;
+    light->position = c->position;
+    light->direction = (fnl_vec3){c->target.x - c->position.x, c->target.y - c->position.y, c->target.z - c->position.z};
+    return true;
 }
 
 void view_show_light(struct view *v, uint32_t index) {
@@ -53,42 +234,79 @@ void view_show_light(struct view *v, uint32_t index) {
         return;
     const fnl_light_params before = light;
     const struct view_id id = {entity.id.light.index, entity.id.light.generation};
-    ui_text("%s %s", fnl_value_name(FNL_ENUM_LIGHT_KIND, light.kind), entity.name ? entity.name : "");
-    bool edited = false;
+    const bool parallel = light.kind == FNL_LIGHT_DIRECTIONAL || light.kind == FNL_LIGHT_BOX;
+    ui_text("light %u %s", index, entity.name ? entity.name : "");
+    if (find_id(v->marked.ids, v->marked.count, id) != UINT32_MAX && v->marked.count > 1)
+        ui_note(v->marked.count == 2 ? "The other one changes with it, except its place." : "The %u others change with it, except their places.", v->marked.count - 1);
+    bool on = light.intensity > 0;
+    if (ui_checkbox("on", &on)) {
+        switch_all(v, index, on);
+        return;
+    }
+    ui_same_line();
+    bool edited = show_kind(&light);
     ui_item_width(200);
-    edited |= ui_color("colour", light.color);
-    ui_item_width(150);
-    edited |= ui_number(light.kind == FNL_LIGHT_DIRECTIONAL || light.kind == FNL_LIGHT_BOX ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
-    if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= show_place(&light.position);
+    edited |= ui_color("color", light.color);
+    edited |= show_number(parallel ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
+    if (!parallel) edited |= show_range(&light);
+    edited |= show_shape(&light);
+    if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= show_vector("place, m", &light.position);
+    if (light.kind != FNL_LIGHT_POINT) edited |= show_vector("direction", &light.direction);
+    edited |= put_at_camera(v, &light);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
     bool requested = light.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     if (light.casts_shadows && ui_checkbox("keeps its shadow map", &requested)) {
         light.shadow_update = requested ? FNL_SHADOW_UPDATE_ON_REQUEST : FNL_SHADOW_UPDATE_ALWAYS;
         edited = true;
     }
-    struct view_edit edit = {.kind = VIEW_EDIT_LIGHT, .id = id, .before.light = before, .after.light = light};
-    if (edited) view_edit_do(v, &edit);
+    if (edited) edit_light(v, index, &before, &light);
     ui_same_line();
-    edit.kind = VIEW_EDIT_LIGHT_THERE;
+    struct view_edit edit = {.kind = VIEW_EDIT_LIGHT_THERE, .id = id, .before.light = before, .after.light = light};
     if (ui_button("remove")) view_edit_do(v, &edit);
 }
 
-static void choose_light(struct view *v) {
-    const uint32_t count = fnl_scene_count(v->shown.scene, FNL_ENTITY_LIGHT);
-    if (count == 0) return;
-    v->light = v->light < count ? v->light : count - 1;
-    ui_item_width(150);
-    if (ui_count("light", &v->light, 0, count - 1)) view_select_light(v, v->light);
-    view_show_light(v, v->light);
+/* ---- the panel ---- */
+
+static void show_list(struct view *v, uint32_t count) {
+    uint32_t first, end;
+    ui_list("lights", fminf(8, (float)count), count, &first, &end);
+    for (uint32_t i = first; i < end; i++) {
+        fnl_light_params light;
+        fnl_entity_info entity;
+        char label[128];
+        if (fnl_scene_query_light(v->shown.scene, i, &light) != FNL_OK || fnl_scene_query_entity(v->shown.scene, FNL_ENTITY_LIGHT, i, &entity) != FNL_OK) continue;
+        bool on = light.intensity > 0;
+        snprintf(label, sizeof label, "##on %u", i);
+        if (ui_checkbox(label, &on)) switch_light(v, i, on);
+        ui_tooltip("On or off");
+        ui_same_line();
+        const bool named = entity.name && entity.name[0];
+        snprintf(label, sizeof label, "%u %.60s##light", i, named ? entity.name : fnl_value_name(FNL_ENUM_LIGHT_KIND, light.kind));
+        const bool marked = find_id(v->marked.ids, v->marked.count, id_at(v, i)) != UINT32_MAX;
+        if (!ui_choice(label, marked || i == v->light)) continue;
+        if (v->modifiers & VIEW_CONTROL) {
+            if (v->marked.count == 0 && v->light < count) mark(v, v->light);
+            mark(v, i);
+        } else {
+            v->marked.count = 0;
+        }
+        view_select_light(v, i);
+    }
+    ui_list_end();
 }
 
 void view_panel_lights(struct view *v) {
-    ui_text("%u lights", v->shown.info.light_count);
-    ui_same_line();
+    const uint32_t count = fnl_scene_count(v->shown.scene, FNL_ENTITY_LIGHT);
+    ui_text("%u %s", v->shown.info.light_count, view_plural(v->shown.info.light_count, "light", "lights"));
     if (ui_button("add one")) add_light(v);
+    ui_tooltip("Adds a light before the camera; change what it is below");
     ui_same_line();
     if (ui_checkbox("show lights", &v->select.shows_lights)) view_want(v, 2);
-    ui_tooltip("L");
+    ui_tooltip("As dots in the picture (L); Ctrl and a click on one picks it");
     scatter(v);
-    choose_light(v);
+    if (count == 0) return;
+    v->light = v->light < count ? v->light : count - 1;
+    show_list(v, count);
+    ui_note("Ctrl and a click: several, which then change together.");
+    view_show_light(v, v->light);
 }

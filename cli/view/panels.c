@@ -286,6 +286,7 @@ static void print_options(const struct view *v, FILE *file) {
 /* What was said of the scene, and what was chosen in the window. */
 static void print_scene(const struct view *v, FILE *file) {
     fputs(v->arguments, file);
+    if (view_is_asked_for(v, v->shown.source)) fputs(v->light_arguments, file);
     print_surroundings(v, file);
     if (v->variant[0]) fprintf(file, " --variant '%s'", v->variant);
 }

@@ -455,6 +455,22 @@ bool ui_picture_button(const char *label, uint32_t image, float top, float botto
 void ui_child(const char *name, float height) { ImGui::BeginChild(name, ImVec2(0, height * ui.scale), height != 0); }
 void ui_child_end(void) { ImGui::EndChild(); }
 
+static float list_rest; // height of the lines behind those that were added
+void ui_list(const char *name, float shown, uint32_t count, uint32_t *first, uint32_t *end) {
+    const float line = ImGui::GetFrameHeightWithSpacing();
+    ImGui::BeginChild(name, ImVec2(0, shown * line + 2 * ImGui::GetStyle().WindowPadding.y), true);
+    *first = static_cast<uint32_t>(ImGui::GetScrollY() / line);
+    if (*first > count) *first = count;
+    *end = *first + static_cast<uint32_t>(ImGui::GetWindowHeight() / line) + 2;
+    if (*end > count) *end = count;
+    list_rest = static_cast<float>(count - *end) * line;
+    if (*first > 0) ImGui::Dummy(ImVec2(0, static_cast<float>(*first) * line - ImGui::GetStyle().ItemSpacing.y));
+}
+void ui_list_end(void) {
+    if (list_rest > 0) ImGui::Dummy(ImVec2(0, list_rest - ImGui::GetStyle().ItemSpacing.y));
+    ImGui::EndChild();
+}
+
 void ui_text(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);

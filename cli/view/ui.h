@@ -86,6 +86,9 @@ bool ui_picture_button(const char *label, uint32_t image, float top, float botto
 /** A part of a window, or a list, with a scroll bar of its own. Always ui_child_end. */
 void ui_child(const char *name, float height);
 void ui_child_end(void);
+/** A list of `count` lines with a check box or text each, of which `shown` are in sight: those from *first up to *end are to be added. Always ui_list_end. */
+void ui_list(const char *name, float shown, uint32_t count, uint32_t *first, uint32_t *end);
+void ui_list_end(void);
 
 void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_note(const char *format, ...) __attribute__((format(printf, 1, 2))); /* less loud, wraps */

@@ -24,7 +24,7 @@ struct view_options {
     bool has_size, has_scale, has_present, has_color, light, dark, no_panels;
     double scale; /* 0: the screen's */
     uint32_t present, color;
-    char arguments[2048], environment_arguments[1200];
+    char arguments[2048], light_arguments[256], environment_arguments[1200];
 };
 
 static void print_help(void) {
@@ -136,6 +136,8 @@ static void choose_settings(struct view *v, const struct view_options *o) {
     s->dark = o->light ? false : o->dark ? true : s->dark;
     v->hides_panels = o->no_panels || !s->panels;
     snprintf(v->arguments, sizeof v->arguments, "%s", o->arguments);
+    snprintf(v->light_arguments, sizeof v->light_arguments, "%s", o->light_arguments);
+    snprintf(v->asked_for, sizeof v->asked_for, "%s", o->world.scene ? o->world.scene : "");
     snprintf(v->environment_arguments, sizeof v->environment_arguments, "%s", o->environment_arguments);
 }
 
@@ -286,8 +288,9 @@ static void note_argument(struct view_options *o, const struct option *long_opti
     for (size_t i = 0; i < sizeof seen / sizeof *seen; i++)
         if (seen[i] == option) return;
     const bool environment = option >= WORLD_ENVIRONMENT && option <= WORLD_ENVIRONMENT_COMPRESSED;
-    char *text = environment ? o->environment_arguments : o->arguments;
-    const size_t capacity = environment ? sizeof o->environment_arguments : sizeof o->arguments, used = strlen(text);
+    const bool lights = option >= WORLD_LIGHTS && option <= WORLD_LIGHT_SCALE;
+    char *text = environment ? o->environment_arguments : lights ? o->light_arguments : o->arguments;
+    const size_t capacity = environment ? sizeof o->environment_arguments : lights ? sizeof o->light_arguments : sizeof o->arguments, used = strlen(text);
     const struct option *row = long_options;
     while (row->val != option) row++;
     snprintf(text + used, capacity - used, value ? " --%s '%s'" : " --%s", row->name, value);

@@ -179,6 +179,7 @@ void view_settings_note_scene(struct view_settings *settings, const char *source
 
 /* ---- all of it ---- */
 
+enum { VIEW_MARKED = 64, VIEW_OFF = 256 };
 enum { VIEW_MESSAGES = 64, VIEW_HISTORY = 240, VIEW_PASSES = 512 };
 
 struct view_messages {
@@ -312,7 +313,8 @@ struct view {
     bool remembers; /* settings are read and written */
 
     /* What the command line said of the scene: goes into the command that renders the picture. */
-    char arguments[2048], environment_arguments[1200];
+    char arguments[2048], light_arguments[256], environment_arguments[1200];
+    char asked_for[VIEW_PATH]; /* the scene */
     struct view_surroundings {
         bool changed; /* in the window */
         bool none;
@@ -344,6 +346,13 @@ struct view {
     } passes[VIEW_PASSES];
     uint32_t pass_count;
     uint32_t light; /* that is edited */
+    struct view_marked {
+        struct view_id ids[VIEW_MARKED]; /* lights that change together with the one that is edited, if that is among them */
+        uint32_t count;
+        struct view_id off[VIEW_OFF]; /* lights that were switched off, and how bright they were */
+        float intensity[VIEW_OFF];
+        uint32_t off_count;
+    } marked;
     struct view_thumbnails thumbnails;
     struct view_timeline timeline;
     struct view_files files;
@@ -484,6 +493,8 @@ static inline bool view_blends(const struct view *v) { return v->files.blend_wit
 /** The value of --animation. */
 void view_animation_text(const struct view *view, char *out, size_t capacity);
 void view_save_size(const struct view *view, uint32_t *width, uint32_t *height);
+/** Whether this is the scene of the command line: its options that add lights count for that one alone. */
+bool view_is_asked_for(const struct view *view, const char *source);
 /** Begins to load; what is on its way is given up. */
 bool view_load(struct view *view, const char *source);
 /** Until all images of the scene are on the device. */

@@ -95,11 +95,11 @@ bool view_edit_do(struct view *v, struct view_edit *edit) {
     if (!v->shown.scene || !applied(v, edit, true)) return false;
     edit->gesture = edits->gesture;
     edits->count = edits->done;
-    struct view_edit *last = edits->done > 0 ? &edits->list[edits->done - 1] : NULL;
     const bool there = edit->kind == VIEW_EDIT_LIGHT_THERE || edit->kind == VIEW_EDIT_DECAL_THERE;
-    if (last && !there && last->kind == edit->kind && last->gesture == edit->gesture && last->id.index == edit->id.index &&
-        last->id.generation == edit->id.generation) {
-        last->after = edit->after;
+    for (uint32_t i = edits->done; !there && i-- > 0 && edits->list[i].gesture == edit->gesture;) {
+        struct view_edit *one = &edits->list[i];
+        if (one->kind != edit->kind || one->id.index != edit->id.index || one->id.generation != edit->id.generation) continue;
+        one->after = edit->after;
         return true;
     }
     if (edits->count == VIEW_EDITS) {
@@ -114,14 +114,16 @@ bool view_edit_do(struct view *v, struct view_edit *edit) {
 /* What can no longer be done, as its object is gone, is left out. */
 bool view_edit_undo(struct view *v) {
     struct view_edits *edits = &v->select.edits;
-    while (v->shown.scene && edits->done > 0)
-        if (applied(v, &edits->list[--edits->done], false)) return true;
-    return false;
+    bool good = false;
+    while (v->shown.scene && edits->done > 0 && (!good || edits->list[edits->done - 1].gesture == edits->list[edits->done].gesture))
+        good |= applied(v, &edits->list[--edits->done], false);
+    return good;
 }
 
 bool view_edit_redo(struct view *v) {
     struct view_edits *edits = &v->select.edits;
-    while (v->shown.scene && edits->done < edits->count)
-        if (applied(v, &edits->list[edits->done++], true)) return true;
-    return false;
+    bool good = false;
+    while (v->shown.scene && edits->done < edits->count && (!good || edits->list[edits->done].gesture == edits->list[edits->done - 1].gesture))
+        good |= applied(v, &edits->list[edits->done++], true);
+    return good;
 }

@@ -111,6 +111,8 @@ bool view_ends_with(const char *text, const char *end) {
     return a >= b && strcasecmp(text + a - b, end) == 0;
 }
 
+bool view_is_asked_for(const struct view *v, const char *source) { return v->asked_for[0] && source && strcmp(v->asked_for, source) == 0; }
+
 bool view_load(struct view *v, const char *source) {
     struct view_loader *l = &v->loader;
     fnl_swapchain_info info = {0};
@@ -119,6 +121,7 @@ bool view_load(struct view *v, const char *source) {
     if (v->swapchain) fnl_swapchain_query_info(v->swapchain, &info);
     l->device = &v->device;
     l->world = v->world;
+    if (!view_is_asked_for(v, source)) l->world.scatter.count = 0; /* a saved scene has them already */
     l->host = v->host;
     l->frame = view_whole_frame(v);
     l->frame.width = l->frame.width ? l->frame.width : 1;

@@ -46,7 +46,7 @@ static bool click(struct view *v, const char *label) {
         return false;
     }
     if (!view_feed(v, &e, &ignored)) return false;
-    e = (struct view_event){.kind = VIEW_BUTTON, .down = true};
+    e = (struct view_event){.kind = VIEW_BUTTON, .down = true, .modifiers = v->modifiers};
     if (!view_feed(v, &e, &ignored) || !view_draw_frame(v, 1.0 / 60)) return false;
     e.down = false;
     return view_feed(v, &e, &ignored) && view_draw_frame(v, 1.0 / 60);

@@ -24,6 +24,7 @@ void view_select_nothing(struct view *v) {
 void view_select_reset(struct view *v) {
     view_select_nothing(v);
     v->select.edits.count = v->select.edits.done = 0;
+    v->marked.count = v->marked.off_count = 0;
     v->select.stamp++;
 }
 

@@ -73,6 +73,12 @@ grep -q 'none/x.glb' out || fail 'no word of the file'
 echo 'savescene x.png' >bad.txt
 replay bad builtin:onetile --size 64x36 && fail 'a scene was saved as a picture'
 
+# Lights of the command line are not added again to a scene that has them.
+printf 'report five.tsv\nsavescene lit.glb\ndrop lit.glb\nsettle\nreport again.tsv\ncommand again.sh\n' >again.txt
+replay again builtin:onetile --lights 5 --size 64x36 || fail 'the replay ended with an error'
+[ "$(value again.tsv lights)" = "$(value five.tsv lights)" ] || fail "$(value five.tsv lights) lights were saved, $(value again.tsv lights) opened"
+grep -q -e --lights again.sh && fail "the command adds lights to those that were saved: $(cat again.sh)"
+
 # Sequences are those of the command, to the bit.
 cat >sequence.txt <<'EOF'
 size 96 54

@@ -60,7 +60,7 @@ picked 'the floor' floor.tsv object 45 floor
 # ---- objects; a panel takes part of the window while it is shown ----
 # At depth d, a metre has 180 / (d tan 0.45) pixels; handles are 45 pixels long.
 
-{ pick 310 190; printf 'report board.tsv\nsave board.png\npanel inspect\nclick roughness\nreport rough.tsv\nsave rough.png\n'; key $TAB; key $Z 2; printf 'report undone.tsv\nsave undone.png\n'; key $Y 2; echo report redone.tsv
+{ pick 310 190; printf 'report board.tsv\nsave board.png\npanel inspect\nkey 341 up 0\nclick roughness\nreport rough.tsv\nsave rough.png\n'; key $TAB; key $Z 2; printf 'report undone.tsv\nsave undone.png\n'; key $Y 2; echo report redone.tsv
   key $Z 2; printf 'panel inspect\nclick visible\nreport hidden.tsv\nsave hidden.png\n'; key $TAB; pick 310 190; echo report through.tsv; key $Z 2; pick 310 190; echo report again.tsv
   key $R; drag 351.8198 148.1802 288.1802 148.1802; echo report turned.tsv; key $T; key $Z 2; echo report straight.tsv
   pick 416 185; echo report small.tsv; drag 441 180 461 180; printf 'report moved.tsv\n'; pick 436 185; echo report there.tsv
@@ -121,6 +121,23 @@ is 'its size' decal.tsv picked_size 2 0.4
 is 'the decal along x' decal-moved.tsv picked_position 1 "$(awk 'BEGIN { print 0.3 + 10 * 6 * sin(0.45) / cos(0.45) / 180 }')"
 picked 'no decal' no-decal.tsv nothing '' ''
 picked 'Escape' nothing.tsv nothing '' ''
+
+# ---- the panel of lights: what a light is, several at once, on and off ----
+
+{ printf 'panel lights\nclick 0 lamp\nclick kind\nclick spot\nclick range from the intensity\nreport spot.tsv\n'
+  printf 'key 341 down 2\nclick 1 beam\nkey 341 up 0\nclick casts shadows\nclick on\nreport off.tsv\nclick 0 lamp\nreport lamp-off.tsv\nclick on\nreport lamp-on.tsv\n'; } >panel.txt
+replay panel scene.gltf --camera 0 --size 640x360 --scale 0.5
+[ "$(field spot.tsv picked_light 1)" = spot ] || fail "its kind is $(field spot.tsv picked_light 1)"
+[ "$(field spot.tsv picked_range 1)" != inf ] || fail 'its range is not its own'
+picked 'the second light' off.tsv light 1 beam
+is 'switched off' off.tsv picked_intensity 1 0
+picked 'the first light' lamp-off.tsv light 0 lamp
+is 'switched off with the other' lamp-off.tsv picked_intensity 1 0
+is 'as bright as before' lamp-on.tsv picked_intensity 1 20
+{ printf 'panel lights\nclick 0 lamp\nkey 341 down 2\nclick 1 beam\nkey 341 up 0\nclick on\n'; key $Z 2; printf 'report back.tsv\nclick 0 lamp\nreport lamp-back.tsv\n'; } >together.txt
+replay together scene.gltf --camera 0 --size 640x360 --scale 0.5
+is 'undone' back.tsv picked_intensity 1 20
+is 'undone with the other' lamp-back.tsv picked_intensity 1 20
 
 # ---- an orthographic camera: 30 pixels a metre ----
 
