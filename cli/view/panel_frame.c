@@ -50,7 +50,7 @@ static void show_candidates(const fnl_frame_stats *s) {
             ui_text("not yet");
         ui_cell();
         if (c->frames > 0)
-            ui_text("%u frames", c->frames);
+            ui_text("%u %s", c->frames, view_plural(c->frames, "frame", "frames"));
         else
             ui_text("%s", c->milliseconds > 0 ? "remembered" : "");
     }
@@ -104,7 +104,7 @@ static void show_residency(const struct view *v) {
     snprintf(text, sizeof text, "shadow atlas %llu of %llu squares", (unsigned long long)count_of(s, "shadows.cells"), (unsigned long long)atlas_cells(v));
     ui_bar((float)fmin((double)count_of(s, "shadows.cells") / fmax((double)atlas_cells(v), 1), 1), text);
     ui_tooltip("Squares of 128 x 128 texels that pages of shadow maps fill");
-    ui_text("%llu shadow pages, %llu wanted", (unsigned long long)count_of(s, "shadows.pages"), (unsigned long long)count_of(s, "shadows.wanted"));
+    ui_text("%llu shadow %s, %llu wanted", (unsigned long long)count_of(s, "shadows.pages"), view_plural(count_of(s, "shadows.pages"), "page", "pages"), (unsigned long long)count_of(s, "shadows.wanted"));
     ui_text("  %llu drawn in this frame, %llu evicted", (unsigned long long)count_of(s, "shadows.drawn"), (unsigned long long)count_of(s, "shadows.evicted"));
     const uint64_t coarsened = count_of(s, "shadows.coarsened"), traced = count_of(s, "shadows.traced");
     if (coarsened || traced) ui_text("  %llu lights have coarser ones, %llu none", (unsigned long long)coarsened, (unsigned long long)traced);
@@ -144,9 +144,10 @@ void view_panel_statistics(struct view *v) {
     ui_same_line();
     if (ui_button("graph")) view_show_wide(v, VIEW_GRAPH);
     ui_tooltip("The frame graph: passes, what they read and write, barriers (F3)");
-    ui_text("%.1f MB on the device, %u draws, %llu of %llu objects", (double)s->device_bytes / 1e6, s->draws, (unsigned long long)s->items_visible,
-            (unsigned long long)s->items);
-    ui_text("%u of %u lights in view, %llu list entries", s->lights_in_view, s->lights_total, (unsigned long long)s->list_entries);
+    ui_text("%.1f MB on the device, %u %s, %llu of %llu %s", (double)s->device_bytes / 1e6, s->draws, view_plural(s->draws, "draw", "draws"), (unsigned long long)s->items_visible,
+            (unsigned long long)s->items, view_plural(s->items, "object", "objects"));
+    ui_text("%u of %u %s in view, %llu list %s", s->lights_in_view, s->lights_total, view_plural(s->lights_total, "light", "lights"), (unsigned long long)s->list_entries,
+            view_plural(s->list_entries, "entry", "entries"));
     show_visits(s);
     show_residency(v);
     if (ui_header("passes", true)) show_passes(v, most);

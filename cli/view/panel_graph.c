@@ -2,7 +2,6 @@
 /* The frame graph: passes from left to right, below them what they use, from the first use to the last, and the barriers in between. */
 #include "view/view.h"
 
-#include "bench_lane.h"
 #include "view/ui.h"
 
 #include <jansson.h>
@@ -10,8 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEAD = 18, ROW = 14 };
-static const uint32_t READ_COLOR = 0x3070e0ff, WRITE_COLOR = 0xf09020ff, BARRIER_COLOR = 0xff4030ff;
+enum { HEAD = 18, ROW = 16, GUTTER = 150 /* with the names of resources */ };
+#define READ_COLOR 0x3070e0ffu
+#define WRITE_COLOR 0xf09020ffu
+#define BARRIER_COLOR 0xff4030ffu
+#define IMAGE_COLOR 0x74b48cffu
+#define BUFFER_COLOR 0x8c8cc0ffu
 
 struct view_graph {
     char *text, *last; /* of the plan, as it was asked for now, and as it was parsed */
@@ -76,7 +79,7 @@ static struct view_graph *update(struct view *v) {
         v->timeline.graph = calloc(1, sizeof *v->timeline.graph);
         if (!v->timeline.graph) return NULL;
         v->timeline.graph->resource = -1;
-        v->timeline.graph->column = 14;
+        v->timeline.graph->column = 76;
     }
     struct view_graph *g = v->timeline.graph;
     if (!read_plan(v, g) || (g->last && strcmp(g->text, g->last) == 0)) return g;
@@ -152,20 +155,10 @@ static void hint_barrier(const json_t *barrier, const char *where, const char *p
 
 static uint32_t dimmed(uint32_t color) { return (color & 0xffffff00) | 0x40; }
 
-static uint32_t pass_color(const char *name) {
-    const char *role = lane_pass_role(name);
-    return strcmp(role, "shadows") == 0    ? 0x9a7fd1ff
-           : strcmp(role, "geometry") == 0 ? 0x5fa8d3ff
-           : strcmp(role, "lists") == 0    ? 0xe0b040ff
-           : strcmp(role, "shading") == 0  ? 0x6fbf73ff
-           : strcmp(role, "rest") == 0     ? 0xd98a6aff
-                                           : 0x909090ff;
-}
-
 /* Images and buffers; what outlives the frame is darker. */
 static uint32_t resource_color(const json_t *r) {
     const bool is_image = strcmp(text_of(r, "kind"), "image") == 0, lives = strcmp(text_of(r, "lifetime"), "transient") != 0;
-    return is_image ? (lives ? 0x48785cff : 0x74b48cff) : (lives ? 0x5a5a84ff : 0x8c8cc0ff);
+    return is_image ? (lives ? 0x48785cff : IMAGE_COLOR) : (lives ? 0x5a5a84ff : BUFFER_COLOR);
 }
 
 static void draw_passes(struct view_graph *g, const struct ui_canvas *canvas) {
@@ -173,11 +166,11 @@ static void draw_passes(struct view_graph *g, const struct ui_canvas *canvas) {
     json_t *pass;
     json_array_foreach(passes_of(g), i, pass) {
         const char *name = text_of(pass, "name");
-        const float x = (float)i * g->column;
+        const float x = GUTTER + (float)i * g->column;
         char label[280];
         if (x > canvas->left + canvas->width || x + g->column < canvas->left) continue;
         const bool chosen = strcmp(name, g->pass) == 0, part = g->resource < 0 || use_of(pass, (size_t)g->resource);
-        uint32_t color = chosen ? 0xffffffff : pass_color(name);
+        uint32_t color = chosen ? 0xffffffff : view_pass_color(name);
         if (!contains(name, g->filter) || !part) color = dimmed(color);
         snprintf(label, sizeof label, "pass %s", name);
         /* The heads stay in sight when the rows below are scrolled. */
@@ -198,7 +191,7 @@ static void draw_last_barriers(const struct view_graph *g, size_t resource, floa
         while (last > 0 && (size_t)number_of(json_array_get(passes_of(g), last - 1), "batch") != i) last--;
         json_array_foreach(json_object_get(batch, "barriers_after"), k, barrier) json_array_foreach(json_object_get(barrier, "resources"), m, index) {
             if ((size_t)json_integer_value(index) != resource) continue;
-            if (ui_canvas_rect(NULL, (float)last * g->column - 2, y - 1, 2, ROW, bright ? BARRIER_COLOR : dimmed(BARRIER_COLOR)))
+            if (ui_canvas_rect(NULL, GUTTER + (float)last * g->column - 2, y - 1, 2, ROW, bright ? BARRIER_COLOR : dimmed(BARRIER_COLOR)))
                 hint_barrier(barrier, "at the end of", "the batch");
         }
     }
@@ -208,7 +201,7 @@ static void draw_uses(const struct view_graph *g, const struct ui_canvas *canvas
     size_t i, k;
     json_t *pass, *barrier, *index;
     json_array_foreach(passes_of(g), i, pass) {
-        const float x = (float)i * g->column, mark = fminf(g->column - 2, 8);
+        const float x = GUTTER + (float)i * g->column, mark = fminf(g->column - 2, 8);
         if (x > canvas->left + canvas->width || x + g->column < canvas->left) continue;
         const json_t *use = use_of(pass, resource);
         if (use) {
@@ -233,8 +226,8 @@ static void draw_resources(struct view_graph *g, const struct ui_canvas *canvas,
     const json_t *pass = chosen_pass(g);
     for (size_t row = 0; row < count; row++) {
         const json_t *r = resource_at(g, rows[row]);
-        const float y = HEAD + (float)row * ROW, x = (float)number_of(r, "first_pass") * g->column;
-        const float width = ((float)number_of(r, "last_pass") + 1) * g->column - x - 1;
+        const float y = HEAD + (float)row * ROW, x = GUTTER + (float)number_of(r, "first_pass") * g->column;
+        const float width = GUTTER + ((float)number_of(r, "last_pass") + 1) * g->column - x - 1;
         char label[280];
         if (y > canvas->top + canvas->height || y + ROW < canvas->top + HEAD) continue;
         const bool bright = pass ? use_of(pass, rows[row]) != NULL : g->resource < 0 || g->resource == (int)rows[row];
@@ -248,7 +241,8 @@ static void draw_resources(struct view_graph *g, const struct ui_canvas *canvas,
             }
         }
         draw_uses(g, canvas, rows[row], y, bright);
-        ui_canvas_text(fmaxf(x, canvas->left) + 14, y - 1, 300, (dark ? 0xffffff00 : 0) | (bright ? 0xd0 : 0x50), text_of(r, "name"));
+        ui_canvas_rect(NULL, canvas->left, y - 1, GUTTER - 2, ROW, dark ? 0x0f0f0fff : 0xf0f0f0ff); /* over what has been scrolled below it */
+        ui_canvas_text(canvas->left + 4, y - 1, GUTTER - 8, (dark ? 0xffffff00 : 0) | (bright ? 0xff : 0x70), text_of(r, "name"));
     }
 }
 
@@ -282,25 +276,26 @@ void view_panel_graph(struct view *v) {
     ui_same_line();
     ui_item_width(90);
     ui_number("zoom##graph", &g->column, 5, 160, "%.0f");
-    ui_text("%zu passes, %zu resources, %.0f barriers, %.2f MB (%.2f MB without aliasing)", pass_count, resource_count, number_of(g->plan, "barriers"),
+    ui_text("%zu %s, %zu %s, %.0f %s, %.2f MB (%.2f MB without aliasing)", pass_count, view_plural(pass_count, "pass", "passes"), resource_count,
+            view_plural(resource_count, "resource", "resources"), number_of(g->plan, "barriers"), view_plural((uint64_t)number_of(g->plan, "barriers"), "barrier", "barriers"),
             number_of(g->plan, "transient_bytes") * 1e-6, number_of(g->plan, "unaliased_bytes") * 1e-6);
     size_t *rows = calloc(resource_count + 1, sizeof *rows), count = 0;
     for (size_t i = 0; rows && i < resource_count; i++)
         if (is_wanted(g, i)) rows[count++] = i;
     struct ui_canvas canvas;
-    ui_canvas_begin("graph", (float)pass_count * g->column + 4, HEAD + (float)count * ROW + 4, fmaxf(ui_height_left() - 62, 120), &canvas);
+    ui_canvas_begin("graph", GUTTER + (float)pass_count * g->column + 4, HEAD + (float)count * ROW + 4, fmaxf(ui_height_left() - 62, 120), &canvas);
     if (rows) draw_resources(g, &canvas, rows, count, v->settings.dark);
     draw_passes(g, &canvas);
     ui_canvas_end();
-    ui_colored(READ_COLOR, "read");
-    ui_same_line();
-    ui_colored(WRITE_COLOR, "written");
-    ui_same_line();
-    ui_colored(BARRIER_COLOR, "barrier");
-    ui_same_line();
-    ui_colored(0x74b48cff, "image");
-    ui_same_line();
-    ui_colored(0x8c8cc0ff, "buffer");
+    view_show_roles();
+    static const struct {
+        uint32_t color;
+        const char *name;
+    } marks[] = {{READ_COLOR, "read"}, {WRITE_COLOR, "written"}, {BARRIER_COLOR, "barrier"}, {IMAGE_COLOR, "image"}, {BUFFER_COLOR, "buffer"}};
+    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) {
+        ui_same_line_if_fits(marks[i].name);
+        ui_key_color(marks[i].color, marks[i].name);
+    }
     show_chosen(g);
     free(rows);
 }

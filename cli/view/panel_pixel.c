@@ -80,7 +80,7 @@ void view_panel_pixel(const struct view *v) {
     }
     pixel_describe_cell(p, text, sizeof text);
     ui_text("%s", text);
-    ui_text("%u lights visited, %u reach it", p->lights_visited, p->lights_reaching);
+    ui_text("%u %s visited, %u reach it", p->lights_visited, view_plural(p->lights_visited, "light", "lights"), p->lights_reaching);
     if (p->lights_left_out) ui_note("%u that give nothing on all of the tile are not in the list", p->lights_left_out);
     ui_text("%u add %.4g %.4g %.4g cd/m2", p->lights_contributing, (double)p->lit[0], (double)p->lit[1], (double)p->lit[2]);
     if (ui_header("surface", false)) show_surface(p);

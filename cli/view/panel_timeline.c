@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum { AXIS = 16, LANE = 20, STRIP = 56, GUTTER = 84 /* with the names of lanes */ };
-static const uint32_t AXIS_COLOR = 0x808080ff, SPIKE_COLOR = 0xff4030ff, TEXT_COLOR = 0x000000ff, CHOSEN_COLOR = 0xffffffff;
+static const uint32_t SPIKE_COLOR = 0xff4030ff, TEXT_COLOR = 0x000000ff, CHOSEN_COLOR = 0xffffffff;
 
 /* What a pass is for, in the order of stacks. */
 enum { ROLES = 6 };
@@ -24,6 +24,16 @@ static uint32_t role_of(const char *pass) {
     for (uint32_t i = 0; i < ROLES; i++)
         if (strcmp(roles[i].name, role) == 0) return i;
     return ROLES - 1;
+}
+
+uint32_t view_pass_color(const char *pass) { return roles[role_of(pass)].color; }
+
+void view_show_roles(void) {
+    for (uint32_t r = 0; r < ROLES; r++) {
+        const char *name = strcmp(roles[r].name, "read") == 0 ? "read back" : roles[r].name;
+        if (r) ui_same_line_if_fits(name);
+        ui_key_color(roles[r].color, name);
+    }
 }
 
 /* ---- the frame that is shown ---- */
@@ -115,7 +125,7 @@ static void show_pass(struct view *v) {
         ui_note("%s: not in the last frames", v->timeline.pass);
         return;
     }
-    ui_text("%s: %.3f ms; of %u frames least %.3f, median %.3f, most %.3f", v->timeline.pass, (double)s.times[s.count - 1], s.count, (double)s.low,
+    ui_text("%s: %.3f ms; of %u %s least %.3f, median %.3f, most %.3f", v->timeline.pass, (double)s.times[s.count - 1], s.count, view_plural(s.count, "frame", "frames"), (double)s.low,
             (double)s.median, (double)s.high);
     snprintf(label, sizeof label, "##times of %s", v->timeline.pass);
     ui_plot(label, s.times, s.count, 0, s.high, 36);
@@ -130,7 +140,9 @@ static double axis_step(double per_millisecond) {
     return wanted <= step ? step : wanted <= 2 * step ? 2 * step : wanted <= 5 * step ? 5 * step : 10 * step;
 }
 
-static void draw_axis(const struct ui_canvas *canvas, double length, double per_millisecond, float height) {
+static uint32_t word_color(const struct view *v) { return v->settings.dark ? 0xc0c0c0ff : 0x303030ff; }
+
+static void draw_axis(const struct view *v, const struct ui_canvas *canvas, double length, double per_millisecond, float height) {
     const double step = axis_step(per_millisecond), first = floor(fmax((double)canvas->left / per_millisecond, 0) / step) * step;
     const double last = fmin(length, (double)(canvas->left + canvas->width - GUTTER) / per_millisecond);
     char text[32];
@@ -139,7 +151,7 @@ static void draw_axis(const struct ui_canvas *canvas, double length, double per_
         const float x = GUTTER + (float)(at * per_millisecond);
         ui_canvas_line(x, 0, x, height, 0x80808060);
         snprintf(text, sizeof text, step < 0.1 ? "%.3f ms" : step < 1 ? "%.1f ms" : "%.0f ms", at);
-        ui_canvas_text(x + 2, 0, 66, AXIS_COLOR, text);
+        ui_canvas_text(x + 2, 0, 66, word_color(v), text);
     }
 }
 
@@ -160,7 +172,7 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
     struct ui_canvas canvas;
     const struct trace_span *over = NULL;
     ui_canvas_begin("lanes", GUTTER + width, height, height + (v->timeline.zoom > 1 ? 32 : 18), &canvas);
-    draw_axis(&canvas, length, per_millisecond, height);
+    draw_axis(v, &canvas, length, per_millisecond, height);
     for (uint32_t i = 0; i < frame->span_count; i++) {
         const struct trace_span *span = &frame->spans[i];
         const char *name = trace_name(h, span->name);
@@ -177,7 +189,7 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
     for (int lane = 0; lane < TRACE_LANE_COUNT; lane++) { /* over what has been scrolled below it */
         if (!has[lane]) continue;
         if (ui_canvas_rect(NULL, canvas.left, tops[lane], GUTTER - 2, LANE, v->settings.dark ? 0x202020ff : 0xe0e0e0ff)) over = NULL;
-        ui_canvas_text(canvas.left + 8, tops[lane] + 3, GUTTER - 10, AXIS_COLOR, lane_names[lane]);
+        ui_canvas_text(canvas.left + 8, tops[lane] + 3, GUTTER - 10, word_color(v), lane_names[lane]);
     }
     if (over) {
         const bool gpu = over->lane <= TRACE_COMPUTE;
@@ -251,14 +263,11 @@ static void draw_strip(struct view *v) {
         frame_sums(v, over, sums);
         for (uint32_t r = 0; r < ROLES; r++)
             if (sums[r] > 0) snprintf(text + strlen(text), sizeof text - strlen(text), "\n%s %.3f ms", roles[r].name, sums[r]);
-        ui_hint("%u frames back: %.3f ms in passes%s%s", over_age, over->gpu_milliseconds, is_spike(&frames, over->gpu_milliseconds) ? ", a spike" : "", text);
+        ui_hint("%u %s back: %.3f ms in passes%s%s", over_age, view_plural(over_age, "frame", "frames"), over->gpu_milliseconds, is_spike(&frames, over->gpu_milliseconds) ? ", a spike" : "", text);
         if (ui_clicked()) freeze(v, over);
     }
     ui_canvas_end();
-    for (uint32_t r = 0; r < ROLES; r++) {
-        if (r) ui_same_line();
-        ui_colored(roles[r].color, roles[r].name);
-    }
+    view_show_roles();
 }
 
 /* ---- the panel ---- */

@@ -605,10 +605,13 @@ void ui_canvas_text(float x, float y, float width, uint32_t color, const char *t
     const ImVec4 clip(at.x, at.y, end.x, at.y + ImGui::GetFontSize());
     ImGui::GetWindowDrawList()->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, color_of(color), text, nullptr, 0, &clip);
 }
-void ui_colored(uint32_t rgba, const char *text) {
-    ImGui::PushStyleColor(ImGuiCol_Text, color_of(rgba));
+void ui_key_color(uint32_t rgba, const char *text) {
+    const float side = std::floor(ImGui::GetTextLineHeight() * 0.8f), down = std::floor(ImGui::GetTextLineHeight() * 0.1f);
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(corner.x, corner.y + down), ImVec2(corner.x + side, corner.y + down + side), color_of(rgba));
+    ImGui::Dummy(ImVec2(side, ImGui::GetTextLineHeight()));
+    ImGui::SameLine(0, 4 * ui.scale);
     ImGui::TextUnformatted(text);
-    ImGui::PopStyleColor();
 }
 bool ui_clicked(void) { return ImGui::IsMouseClicked(0); }
 void ui_hint(const char *format, ...) {

@@ -94,7 +94,7 @@ void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_note(const char *format, ...) __attribute__((format(printf, 1, 2))); /* less loud, wraps */
 void ui_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_align_text(void); /* of the text that follows, with buttons beside it */
-void ui_colored(uint32_t rgba, const char *text); /* 0xrrggbbaa */
+void ui_key_color(uint32_t rgba, const char *text); /* a square of this color, 0xrrggbbaa, and what it means */
 void ui_separator(void);
 void ui_same_line(void);
 /** As ui_same_line, if a button with this label still fits; else a new line. */

@@ -101,6 +101,7 @@ void view_compare_swap(struct view *v) {
     c->frame = v->frame;
     c->good = v->good;
     c->own_shadows = v->own_shadows;
+    c->times[0].count = c->times[1].count = 0;
     v->frame = b.frame;
     v->good = b.good;
     v->own_shadows = b.own_shadows;
@@ -382,14 +383,35 @@ void view_compare_update(struct view *v) {
 
 /* ---- over the picture ---- */
 
+struct spread {
+    float low, median, high; /* a quarter of the frames is below low, and a quarter above high */
+    uint32_t count;
+};
+
+static int by_size(const void *a, const void *b) {
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static struct spread spread_of(const struct view_times *times) {
+    float sorted[VIEW_TIMES];
+    const uint32_t count = times->count < VIEW_TIMES ? times->count : VIEW_TIMES;
+    if (count == 0) return (struct spread){0};
+    memcpy(sorted, times->last, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, by_size);
+    return (struct spread){sorted[count / 4], count % 2 ? sorted[count / 2] : 0.5f * (sorted[count / 2 - 1] + sorted[count / 2]), sorted[count - 1 - count / 4], count};
+}
+
 static void label(const struct view *v, bool of_b, float x, bool left_of) {
-    char method[160], text[200];
+    char method[160], text[260], time[80];
+    const struct spread s = spread_of(&v->compare.times[of_b]);
     view_compare_method(v, of_b, method, sizeof method);
     if (!method[0]) snprintf(method, sizeof method, "the same");
+    snprintf(time, sizeof time, s.count > 1 ? "%.2f ms (%.2f to %.2f)" : "%.2f ms", (double)s.median, (double)s.low, (double)s.high);
     if (of_b) /* nearest to the middle what is shortest: the rest may be behind a panel */
-        snprintf(text, sizeof text, "B  %.2f ms  %s", v->compare.milliseconds, method);
+        snprintf(text, sizeof text, "B  %s  %s", time, method);
     else
-        snprintf(text, sizeof text, "%s  %.2f ms  A", method, v->stats.gpu_milliseconds);
+        snprintf(text, sizeof text, "%s  %s  A", method, time);
     ui_back_label(x, view_area(v).y + 8 * v->scale, left_of, text);
 }
 
@@ -410,10 +432,23 @@ void view_compare_back(struct view *v) {
     label(v, true, x + gap, false);
 }
 
+/* Times of other options or another size do not count; where the camera is makes no difference. */
+static void note_time(struct view *v, bool of_b, double milliseconds) {
+    struct view_times *times = &v->compare.times[of_b];
+    fnl_frame frame = of_b ? v->compare.frame : v->frame;
+    frame.width = (uint32_t)((float)v->width * v->part);
+    frame.height = (uint32_t)((float)v->height * v->part);
+    if (memcmp(&frame, &v->compare.timed[of_b], sizeof frame) != 0) times->count = 0;
+    v->compare.timed[of_b] = frame;
+    times->last[times->count++ % VIEW_TIMES] = (float)milliseconds;
+}
+
 void view_compare_note(struct view *v) {
     fnl_frame_stats stats;
-    if (v->compare.renderer && v->compare.mode != VIEW_COMPARE_OFF && fnl_renderer_query_stats(v->compare.renderer, &stats) == FNL_OK)
-        v->compare.milliseconds = stats.gpu_milliseconds;
+    if (v->compare.mode == VIEW_COMPARE_OFF || !v->compare.renderer || fnl_renderer_query_stats(v->compare.renderer, &stats) != FNL_OK) return;
+    v->compare.milliseconds = stats.gpu_milliseconds;
+    note_time(v, false, v->stats.gpu_milliseconds);
+    note_time(v, true, stats.gpu_milliseconds);
 }
 
 /* ---- the slider ---- */
@@ -445,7 +480,9 @@ void view_compare_report(const struct view *v, FILE *file) {
     fprintf(file, "slider\t%.9g\n", (double)c->slider);
     for (int b = 0; b < 2; b++) {
         view_compare_method(v, b, method, sizeof method);
+        const struct spread s = spread_of(&c->times[b]);
         fprintf(file, "method_%c\t%s\t%.4f\n", "ab"[b], method, b ? c->milliseconds : v->stats.gpu_milliseconds);
+        fprintf(file, "times_%c\t%u\t%.4f\t%.4f\t%.4f\n", "ab"[b], s.count, (double)s.low, (double)s.median, (double)s.high);
     }
     if (!c->is_shown) return;
     fprintf(file, "psnr\t%.4f\nmax_difference\t%.9g\ndiffering_pixels\t%llu\n", c->numbers.psnr, c->numbers.max,

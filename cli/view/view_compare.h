@@ -21,6 +21,7 @@ enum view_compare_mode {
     VIEW_COMPARE_COUNT
 };
 
+enum { VIEW_TIMES = 64 };
 struct view_compare {
     enum view_compare_mode mode;
     bool begun;            /* B has been something else than a copy of A to come */
@@ -29,6 +30,11 @@ struct view_compare {
     fnl_frame frame, good; /* as view.frame and view.good */
     fnl_renderer *renderer;
     double milliseconds; /* of B's passes */
+    struct view_times {
+        float last[VIEW_TIMES]; /* milliseconds of frames with the same options and size */
+        uint32_t count;         /* of all so far */
+    } times[2];
+    fnl_frame timed[2]; /* these */
     float slider;        /* where B begins, 0 .. 1 of the width */
     bool drags;
     /* The difference. */

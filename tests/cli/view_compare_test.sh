@@ -139,6 +139,9 @@ equal b.png right.png 'with the slider at 0 all is not B'
 for report in split difference; do
     awk -F'\t' '/^method/ && $3 > 0 { n++ } END { exit n != 2 }' $report.tsv || fail "$report: a side has no milliseconds: $(grep method $report.tsv)"
 done
+for side in a b; do # of this side's frames alone, in order
+    awk -F'\t' -v key=times_$side '$1 == key && $2 == 2 && $3 > 0 && $3 <= $4 && $4 <= $5 { n++ } END { exit n != 1 }' split.tsv || fail "the spread of times: $(grep times split.tsv)"
+done
 awk -v x="$(value dragged.tsv slider)" 'BEGIN { exit !(x > 0.24 && x < 0.26) }' || fail "the slider was not dragged: $(value dragged.tsv slider)"
 part dragged.png 0 0 24 $height dragged-left.png
 part a.png 0 0 24 $height a-24.png
