@@ -261,7 +261,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     if (!settle_choice(o, renderer, &frame)) return false;
     bool counts = o->stats || !o->quiet;
     uint32_t collected = frame.aa == FNL_ANTIALIASING_TAA && !o->has_frames ? TAA_FRAMES - 1 : 0;
-    uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts + (counts && frame.msaa > 1);
+    uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts + (counts && frame.msaa != 1);
     fnl_frame timed = frame;
     if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     if (counts) timed.pixel.asked = false;
@@ -283,7 +283,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
             return false;
     }
     if (!render_settle_pools(renderer, &frame, &report->stats)) return false;
-    if (counts && frame.msaa > 1) {
+    if (counts && frame.msaa != 1) {
         fnl_frame_stats plain;
         progress_show("rendering", total - 1, total);
         frame.count_lights = false;

@@ -164,7 +164,7 @@ void report_print(const struct render_report *r) {
     printf("%s, %s\n", r->device.name, r->device.driver);
     char lists[64];
     printf("%ux%u, %s, %s, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width,
-           r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading), lists_text(s->lists, lists, sizeof lists), r->frame.msaa,
+           r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading), lists_text(s->lists, lists, sizeof lists), s->msaa,
            r->scene.triangle_count, r->scene.instance_count, s->lights_total);
     if (s->view_count) printf("%u views; the numbers of lights and triangles below are those of the first, --stats has all\n", s->view_count);
     if (s->choice[0]) printf("auto: %s\n", s->choice);

@@ -41,7 +41,7 @@ static json_t *make_view(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     return json_pack("{s:i,s:i,s:s,s:s,s:i,s:o,s:o,s:o,s:f,s:o}", "width", (int)r->frame.width, "height", (int)r->frame.height,
                      "shading", fnl_value_name(FNL_ENUM_SHADING, s->shading), "lists", fnl_value_name(FNL_ENUM_LISTS, s->lists), "msaa",
-                     (int)r->frame.msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "candidates", make_candidates(s), "picture",
+                     (int)s->msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "candidates", make_candidates(s), "picture",
                      counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera",
                      make_camera(&r->frame.camera));
 }

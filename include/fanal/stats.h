@@ -155,6 +155,8 @@ typedef struct fnl_frame_stats {
         of passes. */
     fnl_shading shading;
     fnl_light_lists lists;
+    /** Samples per pixel: those of the frame, or what FNL_MSAA_AUTO became. */
+    uint32_t msaa;
     /** auto has not decided yet; false with pin_choice. */
     bool choosing;
     /** Pipelines of auto's candidates that are still being compiled in the background; until then it does not measure. */

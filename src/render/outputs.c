@@ -114,7 +114,8 @@ void frame_note_stats(struct frame_state *f) {
                            .clusters_total = scene->cluster_count,
                            .geometry = f->draws.mesh_draws.id ? FNL_GEOMETRY_MESH : FNL_GEOMETRY_VERTEX,
                            .occlusion = frame_culls_hidden(f->frame),
-                           .lists = f->drawn_lists};
+                           .lists = f->drawn_lists,
+                           .msaa = f->frame->msaa};
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
