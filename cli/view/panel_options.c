@@ -36,6 +36,7 @@ static void show_names(struct view *v, const fnl_option *o, const char *label, c
 static void show_choices(struct view *v, const fnl_option *o, const char *label, const char *value) {
     char text[16];
     if (!ui_combo(label, value)) return;
+    if (o->has_auto && ui_choice("auto", strcmp(value, "auto") == 0)) set(v, o->key, "auto");
     for (uint32_t i = 0; i < o->choice_count; i++) {
         snprintf(text, sizeof text, "%u", o->choices[i]);
         if (ui_choice(text, strcmp(text, value) == 0)) set(v, o->key, text);

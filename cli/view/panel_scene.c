@@ -70,13 +70,16 @@ void view_show_variants(struct view *v) {
 
 /* ---- what stands around it ---- */
 
+/* The studio that frames show where nothing else is: not the scene's. */
+static bool stands_in_studio(const struct view *v) { return v->surroundings.none && v->frame.studio && v->shown.info.light_count == 0 && !v->shown.info.has_ambient; }
+
 static bool show_made_environments(struct view *v) {
     static const char *const names[VIEW_ENVIRONMENTS] = {"Studio", "Sky", "Overcast"};
     struct view_surroundings *s = &v->surroundings;
     bool chosen = false;
     for (uint32_t i = 0; i < VIEW_ENVIRONMENTS; i++) {
         const float top = (float)i / VIEW_ENVIRONMENTS, bottom = (float)(i + 1) / VIEW_ENVIRONMENTS;
-        const bool shown = !s->none && strcmp(s->source, view_environments[i]) == 0;
+        const bool shown = s->none ? i == 0 && stands_in_studio(v) : strcmp(s->source, view_environments[i]) == 0;
         if (i) ui_same_line();
         if (!ui_picture_button(names[i], VIEW_THUMBNAIL_IMAGE, top, bottom, VIEW_THUMBNAIL_WIDTH, VIEW_THUMBNAIL_HEIGHT, shown)) continue;
         snprintf(s->source, sizeof s->source, "%s", view_environments[i]);
@@ -90,10 +93,14 @@ void view_show_surroundings(struct view *v) {
     struct view_surroundings *s = &v->surroundings;
     fnl_environment_params *params = &s->params;
     float degrees = params->rotation * (180 / 3.14159265f);
-    bool changed = show_made_environments(v), none = s->none;
+    bool changed = show_made_environments(v), none = s->none && !stands_in_studio(v);
     if (ui_checkbox("No environment", &none)) {
-        s->none = none;
-        if (!none && !s->source[0]) snprintf(s->source, sizeof s->source, "%s", view_environments[0]);
+        v->frame.studio = v->compare.frame.studio = !none; /* where there is no light */
+        s->none = none || !s->source[0];
+        if (!none && !stands_in_studio(v) && !s->source[0]) {
+            snprintf(s->source, sizeof s->source, "%s", view_environments[0]);
+            s->none = false;
+        }
         changed = true;
     }
     if (!s->none) {

@@ -53,16 +53,19 @@ static void show_exposure(struct view *v) {
 }
 
 static void show_antialiasing(struct view *v) {
-    static const char *const samples[] = {"1", "2", "4", "8"};
+    static const char *const samples[] = {"auto", "1", "2", "4", "8"};
     char msaa[16];
     if (!ui_menu("Antialiasing", false)) return;
     show_edited(v);
     fnl_frame_get(view_edited(v), "msaa", msaa, sizeof msaa);
     ui_text("Samples per pixel (MSAA)");
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 5; i++) {
+        char label[24];
+        snprintf(label, sizeof label, "%s##samples", samples[i]);
         if (i) ui_same_line();
-        if (ui_radio(samples[i], strcmp(msaa, samples[i]) == 0)) set(v, "msaa", samples[i]);
+        if (ui_radio(label, strcmp(msaa, samples[i]) == 0)) set(v, "msaa", samples[i]);
     }
+    ui_tooltip("auto: 4 if the path and the device can, otherwise 1");
     ui_separator();
     ui_text("Filter");
     view_show_choices(v, "aa");

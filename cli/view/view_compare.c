@@ -220,6 +220,12 @@ static fnl_result draw_difference(struct view *v, const fnl_frame *frame, const 
     fnl_frame own = fnl_frame_default();
     own.shading = FNL_SHADING_FORWARD;
     own.lists = FNL_LISTS_ALL;
+    own.shadows = FNL_SHADOWS_OFF;
+    own.msaa = 1;
+    own.aa = FNL_ANTIALIASING_NONE;
+    own.studio = false;
+    own.ground = FNL_GROUND_OFF;
+    own.background = FNL_BACKGROUND_SCENE;
     own.width = target ? 1 : frame->width;
     own.height = target ? 1 : frame->height;
     own.outputs = frame->outputs;

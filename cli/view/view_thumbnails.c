@@ -15,6 +15,10 @@ static bool render(struct view *v, const char *source, fnl_image *out) {
     frame.shading = FNL_SHADING_FORWARD;
     frame.lists = FNL_LISTS_ALL;
     frame.shadows = FNL_SHADOWS_OFF;
+    frame.msaa = 1;
+    frame.aa = FNL_ANTIALIASING_NONE;
+    frame.ground = FNL_GROUND_OFF;
+    frame.background = FNL_BACKGROUND_SCENE;
     frame.width = VIEW_THUMBNAIL_WIDTH;
     frame.height = VIEW_THUMBNAIL_HEIGHT;
     frame.outputs = FNL_OUTPUT_COLOR;
