@@ -33,6 +33,7 @@ static bool worth(const struct choice_case *at, struct choice c) {
 }
 
 /* Lists in the order of their chances. */
+static const fnl_light_lists none[] = {FNL_LISTS_ALL}; /* of no lights: all are equal, and this kind needs no pool */
 static const fnl_light_lists few[] = {FNL_LISTS_ALL,  FNL_LISTS_TILED,    FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
                                       FNL_LISTS_FINE, FNL_LISTS_BACKFACE, FNL_LISTS_ENHANCED,  FNL_LISTS_WORLD};
 static const fnl_light_lists some[] = {FNL_LISTS_TILED,  FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
@@ -43,6 +44,10 @@ static const fnl_light_lists many[] = {FNL_LISTS_HALFZ, FNL_LISTS_CLUSTERED, FNL
                                        FNL_LISTS_BVH,   FNL_LISTS_SPARSE,    FNL_LISTS_CLUSTERED_CPU};
 
 static const fnl_light_lists *lists_for(const struct choice_case *at, uint32_t *count) {
+    if (at->light_count == 0) {
+        *count = COUNT_OF(none);
+        return none;
+    }
     if (at->light_count <= FEW_LIGHTS) {
         *count = COUNT_OF(few);
         return few;
@@ -136,6 +141,7 @@ uint64_t chooser_key(const struct choice_case *at) {
     uint64_t parts[] = {at->scene,
                         (uint64_t)at->asked.shading,
                         (uint64_t)at->asked.lists,
+                        at->light_count > 0,
                         step_of(at->light_count),
                         step_of(at->pixel_count),
                         at->msaa,
@@ -319,25 +325,29 @@ static void begin_stage(struct chooser *c, bool again) {
     drop_slow(c);
 }
 
+static void decide(struct chooser *c, const char *how) {
+    c->state = CHOOSER_DECIDED;
+    c->frames = c->slow_frames = c->pending_count = 0;
+    c->last = CHOOSER_CANDIDATES;
+    snprintf(c->reason, sizeof c->reason, "%s", how);
+}
+
 static void start(struct chooser *c, const struct choice_case *at, struct choice first) {
     c->state = CHOOSER_MEASURING;
     c->at = *at;
     c->choice = first;
     c->milliseconds = 0;
     c->before_count = c->candidate_count = c->pending_count = c->frames = c->measured_count = c->slow_frames = 0;
-    c->lists_left = at->asked.shading == FNL_SHADING_AUTO && at->asked.lists == FNL_LISTS_AUTO;
-    if (at->asked.shading == FNL_SHADING_AUTO)
+    c->lists_left = at->asked.shading == FNL_SHADING_AUTO && at->asked.lists == FNL_LISTS_AUTO && at->light_count > 0;
+    if (at->asked.shading == FNL_SHADING_AUTO) {
         add_orders(c, at);
-    else
+    } else if (at->light_count > 0) {
         add_lists(c, at, at->asked.shading);
+    } else {
+        decide(c, "there are no lights: brute force costs nothing");
+        return;
+    }
     begin_stage(c, false);
-}
-
-static void decide(struct chooser *c, const char *how) {
-    c->state = CHOOSER_DECIDED;
-    c->frames = c->slow_frames = c->pending_count = 0;
-    c->last = CHOOSER_CANDIDATES;
-    snprintf(c->reason, sizeof c->reason, "%s", how);
 }
 
 /* `out` has room for all candidates. */
@@ -406,6 +416,7 @@ static bool ratio_beyond(double a, double b, double factor) { return a > b * fac
 static bool case_differs(const struct choice_case *a, const struct choice_case *b) {
     return a->asked.shading != b->asked.shading || a->asked.lists != b->asked.lists || a->scene != b->scene ||
            a->msaa != b->msaa || a->depth_first != b->depth_first || a->close != b->close || a->moves != b->moves ||
+           (a->light_count > 0) != (b->light_count > 0) ||
            ratio_beyond((double)a->light_count + 8, (double)b->light_count + 8, 2) ||
            ratio_beyond((double)a->pixel_count, (double)b->pixel_count, 1.5);
 }

@@ -106,6 +106,33 @@ static void test_the_first_frame_has_the_likely_or_the_remembered_lists(void **s
     }
 }
 
+/* Without lights `auto` is brute force, in memory and pipelines too. */
+static void test_no_lights_cost_no_lists(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+    fnl_frame frame = auto_frame(&stage);
+    fnl_frame_stats first, last;
+    frame.outputs = FNL_OUTPUT_COLOR;
+    frame.lists = FNL_LISTS_ALL;
+    for (int i = 0; i < 4; i++) assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+    assert_int_equal(fnl_renderer_query_stats(stage.renderer, &first), FNL_OK);
+    const struct gpu_pipeline_stats before = gpu_pipeline_stats(test_device);
+    frame.lists = FNL_LISTS_AUTO;
+    for (int i = 0; i < 12; i++) {
+        assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+        assert_int_equal(fnl_renderer_query_stats(stage.renderer, &last), FNL_OK);
+        assert_int_equal(last.lists, FNL_LISTS_ALL);
+        assert_false(last.choosing);
+        assert_int_equal(last.candidate_count, 0);
+    }
+    const struct gpu_pipeline_stats after = gpu_pipeline_stats(test_device);
+    assert_int_equal(after.made, before.made);
+    assert_int_equal(after.asked, before.asked);
+    assert_int_equal(last.device_bytes, first.device_bytes);
+    assert_int_equal(last.list_bytes, first.list_bytes);
+    stage_close(&stage);
+}
+
 /* Lights move from the frame after their change on, until they have stood still for a while; a camera that moves is no matter. */
 static void test_frames_say_whether_lights_move(void **state) {
     UNUSED(state);
@@ -394,6 +421,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_frames, harness_check),
         cmocka_unit_test_teardown(test_the_first_frame_has_the_likely_or_the_remembered_lists, harness_check),
+        cmocka_unit_test_teardown(test_no_lights_cost_no_lists, harness_check),
         cmocka_unit_test_teardown(test_frames_say_whether_lights_move, harness_check),
         cmocka_unit_test_teardown(test_frames_say_whether_close_is_good_enough, harness_check),
         cmocka_unit_test_teardown(test_new_lights_count_in_the_very_next_frame, harness_check),

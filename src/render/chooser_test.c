@@ -130,6 +130,41 @@ static void test_brute_force_is_tried_with_few_lights_only(void **state) {
     }
 }
 
+/* Without lights nothing is measured of lists: brute force, decided in the first frame; only paths still are. The first light is another case. */
+static void test_no_lights_need_no_lists(void **state) {
+    UNUSED(state);
+    static struct chooser c;
+    for (int close = 0; close < 2; close++) {
+        c = (struct chooser){0};
+        struct machine m = machine_make(&c);
+        struct choice_case at = some_case(0);
+        struct choice candidate;
+        m.lists[FNL_LISTS_ALL] = 1000; /* whatever it would take */
+        assert_int_equal(settle(&m, &at), 1);
+        assert_false(chooser_asks(&c, &candidate));
+        for (int i = 0; i < 300; i++) {
+            at.forward = (vec3){0, 0, i % 2 ? 1 : -1};
+            assert_int_equal(step(&m, &at, false).lists, FNL_LISTS_ALL);
+            assert_int_equal(c.state, CHOOSER_DECIDED);
+        }
+        assert_int_equal(c.memory_count + c.trial_count, 0);
+        assert_non_null(strstr(c.reason, "no lights"));
+        at.light_count = 1;
+        settle(&m, &at);
+        assert_true(m.tried[FNL_LISTS_TILED] && c.choice.lists != FNL_LISTS_ALL);
+        at.light_count = 0;
+        assert_int_equal(step(&m, &at, false).lists, FNL_LISTS_ALL);
+        at.asked.shading = FNL_SHADING_AUTO;
+        at.close = close;
+        m.orders[FNL_SHADING_FORWARD] = 3;
+        m.lists[FNL_LISTS_ALL] = 0;
+        memset(m.tried, 0, sizeof m.tried);
+        settle(&m, &at);
+        assert_int_equal(c.choice.shading, FNL_SHADING_FORWARD);
+        for (uint32_t i = 0; i < FNL_LISTS_COUNT; i++) assert_int_equal(m.tried[i], i == FNL_LISTS_ALL);
+    }
+}
+
 /* Lists that the processor builds while the GPU does something else cost nothing; what takes longer than the GPU does is the frame's time. */
 static void test_the_longer_of_both_times_counts(void **state) {
     UNUSED(state);
@@ -196,7 +231,7 @@ static void test_likely_pairs_are_those_that_are_tried(void **state) {
                 assert_int_equal((likely & FNL_LIKELY_CLOSE) != 0, shading == FNL_SHADING_VISIBILITY);
                 tried += m.tried[l];
             }
-            assert_true(tried >= 2 && tried <= CHOOSER_CANDIDATES);
+            assert_true(tried >= (at.light_count ? 2u : 1u) && tried <= CHOOSER_CANDIDATES);
         }
     assert_int_equal(fnl_shading_likely(FNL_SHADING_AUTO, FNL_LISTS_TILED, 100, 1), 0);
     assert_int_equal(fnl_shading_likely(FNL_SHADING_COUNT, FNL_LISTS_TILED, 100, 1), 0);
@@ -586,6 +621,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_which_passes_are_compared),
         cmocka_unit_test(test_the_fastest_wins_whatever_it_is),
+        cmocka_unit_test(test_no_lights_need_no_lists),
         cmocka_unit_test(test_the_longer_of_both_times_counts),
         cmocka_unit_test(test_lists_of_lights_that_stand_still),
         cmocka_unit_test(test_brute_force_is_tried_with_few_lights_only),
