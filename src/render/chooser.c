@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 enum {
+    PREPASS_LIGHTS = 8, /* up to here a G-buffer often costs more than it saves: docs/techniques/auto.md has times */
     FEW_LIGHTS = 64,     /* up to here visiting all may be best */
     MANY_LIGHTS = 16384, /* beyond, some lists that test blocks of cells against each light are not tried */
     SETTLE_FRAMES = 240, /* a decision stands at least as long when only the view changes */
@@ -98,6 +99,12 @@ struct choice chooser_guess(const struct choice_case *at) {
             if (fnl_shading_supports(pair.shading, pair.lists, at->msaa) && !(is_deferred(pair.shading) && at->msaa > 1))
                 c.shading = pair.shading;
         }
+        const fnl_light_lists lists = c.lists == FNL_LISTS_AUTO ? likely_lists(at, FNL_SHADING_FORWARD_PREPASS) : c.lists;
+        if (at->light_count <= PREPASS_LIGHTS && fnl_shading_supports(FNL_SHADING_FORWARD_PREPASS, lists, at->msaa))
+            c.shading = FNL_SHADING_FORWARD_PREPASS;
+        /* It shades pixels of one surface once, whatever the samples. */
+        const fnl_light_lists close = c.lists == FNL_LISTS_AUTO ? likely_lists(at, FNL_SHADING_VISIBILITY) : c.lists;
+        if (at->close && at->msaa > 1 && fnl_shading_supports(FNL_SHADING_VISIBILITY, close, at->msaa)) c.shading = FNL_SHADING_VISIBILITY;
     }
     if (c.lists == FNL_LISTS_AUTO) c.lists = likely_lists(at, c.shading);
     return c;

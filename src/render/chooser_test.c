@@ -165,6 +165,31 @@ static void test_no_lights_need_no_lists(void **state) {
     }
 }
 
+/* What a single picture takes. */
+static void test_the_guess_goes_by_the_number_of_lights(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t lights, msaa;
+        fnl_shading shading;
+        fnl_light_lists lists;
+    } cases[] = {{0, 1, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL},     {4, 1, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL},
+                 {8, 1, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL},     {9, 1, FNL_SHADING_DEFERRED, FNL_LISTS_TILED},
+                 {1000, 1, FNL_SHADING_DEFERRED, FNL_LISTS_TILED},       {0, 4, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL},
+                 {1000, 4, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_TILED}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct choice_case at = some_case(cases[i].lights);
+        at.msaa = cases[i].msaa;
+        at.asked.shading = FNL_SHADING_AUTO;
+        const struct choice guess = chooser_guess(&at);
+        assert_int_equal(guess.shading, cases[i].shading);
+        assert_int_equal(guess.lists, cases[i].lists);
+        at.close = true;
+        assert_int_equal(chooser_guess(&at).shading, at.msaa > 1 ? FNL_SHADING_VISIBILITY : guess.shading);
+        at.asked.shading = FNL_SHADING_FORWARD; /* what is asked for stays */
+        assert_int_equal(chooser_guess(&at).shading, FNL_SHADING_FORWARD);
+    }
+}
+
 /* Lists that the processor builds while the GPU does something else cost nothing; what takes longer than the GPU does is the frame's time. */
 static void test_the_longer_of_both_times_counts(void **state) {
     UNUSED(state);
@@ -338,7 +363,7 @@ static void test_close_paths_where_they_are_allowed(void **state) {
         assert_int_equal(c.choice.shading, FNL_SHADING_FORWARD);
 
         at.close = true;
-        assert_int_not_equal(chooser_guess(&at).shading, FNL_SHADING_VISIBILITY); /* before it is measured */
+        assert_int_equal(chooser_guess(&at).shading, msaa > 1 ? FNL_SHADING_VISIBILITY : FNL_SHADING_DEFERRED); /* before it is measured */
         settle(&m, &at);
         assert_int_equal(c.choice.shading, FNL_SHADING_VISIBILITY);
         assert_int_equal(step(&m, &at, true).shading, FNL_SHADING_VISIBILITY);
@@ -622,6 +647,7 @@ int main(void) {
         cmocka_unit_test(test_which_passes_are_compared),
         cmocka_unit_test(test_the_fastest_wins_whatever_it_is),
         cmocka_unit_test(test_no_lights_need_no_lists),
+        cmocka_unit_test(test_the_guess_goes_by_the_number_of_lights),
         cmocka_unit_test(test_the_longer_of_both_times_counts),
         cmocka_unit_test(test_lists_of_lights_that_stand_still),
         cmocka_unit_test(test_brute_force_is_tried_with_few_lights_only),
