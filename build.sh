@@ -16,7 +16,7 @@ usage: ./build.sh VERB [OPTIONS]
        --coverage     also says of each checklist line whether tests show it, wholly or in part
        --sanitize     in build/sanitize, with AddressSanitizer and UndefinedBehaviorSanitizer
        --clang        in build/clang, compiled by clang
-  bench             as demo, but measures the likely pairs of shading order and light lists on the hall, two minutes without a GPU:
+  bench             as demo, but measures the likely pairs of shading order and light lists on the hall, a few minutes without a GPU:
                     build/bench/report.html (build/fanal bench --all measures every pair)
        --record       instead, the experiments of bench/experiments.txt, kept in bench/results/ and shown in docs/performance.md
   shaders           what GPUs' compilers make of the shaders, without a GPU: registers, occupancy, spills; and what changed since the last record

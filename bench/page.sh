@@ -19,15 +19,27 @@ tables() {
         return count
     }
     function shown(ms) { return ms < 10 ? sprintf("%.2f", ms) : ms < 100 ? sprintf("%.1f", ms) : sprintf("%.0f", ms) }
+    FNR == 1 { pass++; seen_head = 0 }
     /^#/ { next }
-    !columns { columns = split_csv($0, head); for (i = 1; i <= columns; i++) at[head[i]] = i; next }
+    !seen_head { seen_head = 1; columns = split_csv($0, head); for (i = 1; i <= columns; i++) at[head[i]] = i; next }
+    pass == 1 { # which columns differ from line to line
+        split_csv($0, f)
+        for (i = 1; i <= columns; i++) { if (i in one && one[i] != f[i]) differs[i] = 1; one[i] = f[i] }
+        next
+    }
     {
         split_csv($0, f)
         title = f[at["scene"]] " at " f[at["width"]] "x" f[at["height"]] (f[at["msaa"]] > 1 ? ", " f[at["msaa"]] " samples per pixel" : "")
         if (!(title in cases)) { cases[title] = ++case_count; titles[case_count] = title }
         k = cases[title]
         lists = f[at["lists"]]
-        name = "`" f[at["shading"]] "` | " (lists == "brute force" ? lists : "`" lists "`") (f[at["options"]] == "" ? "" : ", " f[at["options"]])
+        # What is set stands in one column (older files), or in those between lists and lights, of which those that differ tell rows apart.
+        options = "options" in at ? f[at["options"]] : ""
+        if (!("options" in at))
+            for (i = at["lists"] + 1; i < at["lights"]; i++)
+                if (differs[i]) options = options (options == "" ? "" : ",") head[i] "=" f[i]
+        if (lists == "brute-force") lists = "brute force"
+        name = "`" f[at["shading"]] "` | " (lists == "brute force" ? lists : "`" lists "`") (options == "" ? "" : ", " options)
         if (!((k, name) in rows)) { rows[k, name] = ++row_count[k]; names[k, row_count[k]] = name }
         lights = f[at["lights"]]
         if (!((k, lights) in seen)) { seen[k, lights] = ++light_count[k]; lights_of[k, light_count[k]] = lights }
@@ -72,7 +84,7 @@ tables() {
             printf "\n"
         }
     }
-    function key(k, r, lights) { return (k, r, lights) in time ? time[k, r, lights] : 1e30 }' "$1"
+    function key(k, r, lights) { return (k, r, lights) in time ? time[k, r, lights] : 1e30 }' "$1" "$1"
 }
 
 # Of other renderers, measured by hand: a row for each of them, a column for each number of lights, and over the fastest of ours with the same filter.

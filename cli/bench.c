@@ -47,7 +47,8 @@ static void print_help(void) {
          "  --lights N,...             lights of a built-in scene altogether (as it has); a file gets N more\n"
          "  --sizes WxH,...            pixels (1280x720; on a CPU 640x360)\n"
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
-         "  --shadows, --transparency, --decals, --gbuffer, --msaa-method, --aa, --cull, --geometry, --occlusion VALUES|all    options\n"
+         "  --shadows KINDS|all        how shadows are found: a case of its own for each (off, and maps where there are lights)\n"
+         "  --transparency, --decals, --gbuffer, --msaa-method, --aa, --cull, --geometry, --occlusion VALUES|all    options\n"
          "                             of the same names in 'fanal render'\n"
          "  --ideal                    adds fine-pruned lists to each path where it can use them: their frame without the time to\n"
          "                             build them is the ideal, and every time is printed as a multiple of it too\n"
@@ -68,7 +69,8 @@ static void print_help(void) {
          "  --hmd FILE                 with --stereo: those of a headset, as in 'fanal render'\n");
     puts("Run\n"
          "  -o, --output DIR           folder for the results, created if missing; if it holds results, give --resume or --overwrite\n"
-         "  --frames N                 timed frames per combination (10; on a CPU 4)\n"
+         "  --frames N                 timed frames per combination (10; on a CPU 4; up to four times as many where other\n"
+         "                             programs disturb them)\n"
          "  --warm-up N                untimed frames before them (2)\n"
          "  --checks N                 points of the path at which pictures are compared; 0: none (1, with a path 3)\n"
          "  --reference KIND           the lists whose picture the others are compared with (brute-force)\n"
@@ -155,7 +157,7 @@ static bool parse_vary(struct bench_options *o, const char *text) {
 }
 
 static bool parse_set(struct bench_options *o, const char *text) {
-    fnl_frame scratch = fnl_frame_default();
+    fnl_frame scratch = bench_frame();
     size_t length = strlen(o->matrix.set), left = sizeof o->matrix.set - length;
     if (strchr(text, ',')) return argument_bad("set", text, "one KEY=VALUE");
     if (!bench_ways_apply("set", text, &scratch)) return false;
@@ -360,8 +362,12 @@ static bool complete_options(struct bench_options *o) {
     m->every_shading |= o->all && m->shading_count == 0;
     m->every_lists |= o->all && m->lists_count == 0;
     if (m->size_count == 0) memcpy(m->sizes[m->size_count++], usual[cpu].size, sizeof usual[cpu].size);
+    bool shadows = strstr(m->set, "shadows=") == m->set || strstr(m->set, ",shadows=");
+    for (uint32_t v = 0; v < m->vary_count; v++) shadows |= strcmp(m->varied[v].option.key, "shadows") == 0;
+    m->usual_shadows = !shadows && bench_vary_add(m, "shadows", "shadows", "off,maps");
     if (m->msaa_count == 0) m->msaa[m->msaa_count++] = 1;
-    if (s->frames == UINT32_MAX) s->frames = usual[cpu].frames;
+    s->more = s->frames == UINT32_MAX;
+    if (s->more) s->frames = usual[cpu].frames;
     if (s->checks == UINT32_MAX) s->checks = s->camera_path ? 3 : 1;
     return good;
 }
@@ -441,11 +447,25 @@ static int read_over_suite(struct bench_options *o, int argc, char **argv) {
     return read_arguments(o, argc, argv);
 }
 
+/* What a shell reads as these arguments; cut off where there is no more room. */
+static void quote_command(int argc, char **argv, char *text, size_t capacity) {
+    size_t used = (size_t)snprintf(text, capacity, "fanal");
+    for (int i = 0; i < argc && used < capacity; i++) {
+        const bool plain = *argv[i] && !argv[i][strspn(argv[i], "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/%@")];
+        used += (size_t)snprintf(text + used, capacity - used, plain ? " " : " '");
+        for (const char *c = argv[i]; *c && used < capacity; c++) used += (size_t)snprintf(text + used, capacity - used, *c == '\'' ? "'\\''" : "%c", *c);
+        if (!plain && used < capacity) used += (size_t)snprintf(text + used, capacity - used, "'");
+    }
+}
+
 int command_bench(int argc, char **argv) {
     struct bench_options o = default_options();
+    char command[sizeof o.settings.command];
+    quote_command(argc, argv, command, sizeof command); /* getopt sorts them */
     int early = read_arguments(&o, argc, argv);
     if (early < 0 && o.suite) early = read_over_suite(&o, argc, argv);
     if (early >= 0) return early;
+    memcpy(o.settings.command, command, sizeof command);
     const char *const *scenes = (const char *const *)argv + optind;
     int scene_count = argc - optind;
     if (o.suite && scene_count == 0)

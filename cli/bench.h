@@ -33,12 +33,14 @@ struct bench_plan {
 
 struct bench_settings {
     uint32_t frames, warm_up; /* timed frames; frames before them */
+    bool more;                /* up to BENCH_FRAMES_FACTOR times as many frames where times are not to be trusted */
     uint32_t checks;          /* points of the camera's path that are compared with the reference; 0: none */
     fnl_light_lists reference;
     bool stereo;             /* two eyes in place of the camera */
     const char *hmd;         /* their headset; NULL: the camera's field of view */
     const char *camera_path; /* NULL: the camera stands still; "orbit", "turntable", each with ":N" or not; or a file */
     const char *device, *output, *variant, *environment; /* the last two: NULL where not given */
+    char command[2048];                                  /* as it was typed, quoted for a shell */
     bool resume, overwrite, validate, no_cache, quiet;
     bool all; /* a suite measures what takes long as well */
     fnl_load_params loading;
@@ -83,6 +85,7 @@ struct bench_matrix {
     char set[512]; /* options of every candidate: "key=value,key=value" */
     bool every_shading, every_lists;
     bool ideal; /* each path is measured with perfect lists too */
+    bool usual_shadows; /* each case is measured without shadows and, where there are lights, with maps, as `fanal render` draws it */
     uint32_t vary_count;
     struct bench_vary varied[BENCH_VARY_MAX];
     uint32_t shading_count, lists_count, light_count, size_count, msaa_count;
@@ -95,6 +98,8 @@ bool bench_plan_matrix(const struct bench_matrix *matrix, const char *const *sce
 
 /* ---- ways (bench_ways.c): options besides shading and lists ---- */
 
+/** What candidates begin with: fixed here, so that results stay comparable when the defaults of frames change. */
+fnl_frame bench_frame(void);
 /** Finds an option that candidates may set. False with a message that begins with --`option`. */
 bool bench_ways_find(const char *option, const char *key, fnl_option *out);
 /** Lets an option take values in turn: "a,b,c" or "all". False with a message. */
@@ -202,6 +207,41 @@ double bench_dais_crossing(const json_t *rows, const json_t *first, const char *
 bool bench_shadows_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
 bench_suite_tabulator bench_table_shadows;
 
+/* ---- how far times can be trusted (bench_trust.c) ---- */
+
+enum { BENCH_FRAMES_FACTOR = 4 };
+
+/**
+ * Of samples: `low` to `high` is the interval in which the true median is with 95 % confidence, whatever their distribution. With fewer than six samples that
+ * needs all of them and more: then it spans them all.
+ */
+struct bench_spread {
+    double median, min, p5, p95, mad, low, high;
+};
+/** False when memory ran out or there are no samples. */
+bool bench_spread_of(const double *times, uint32_t count, struct bench_spread *out);
+/** Whether p95 is more than 1.5 times p5. */
+bool bench_is_unsteady(const struct bench_spread *spread);
+/** Whether other programs keep more than a tenth of the processors busy. */
+bool bench_is_busy(double others, uint32_t processors);
+/**
+ * How many frames to time altogether: `asked`; on a busy machine, or where times are unsteady, as many more at a time until the median is known within
+ * 3 % to either side, up to BENCH_FRAMES_FACTOR times as many.
+ */
+uint32_t bench_frames_wanted(const struct bench_spread *spread, uint32_t measured, uint32_t asked, bool busy);
+
+/* ---- the machine (bench_machine.c) ---- */
+
+/** {processor, cores, kernel, load_before}: the load average of the last minute, or null. */
+json_t *bench_machine(void);
+/** Seconds of processors: of all programs (NaN: not known), and of this one. */
+struct bench_busy {
+    double at, all, own;
+};
+struct bench_busy bench_busy_now(void);
+/** How many processors other programs kept busy on average; 0 where it is not known. */
+double bench_others(const struct bench_busy *from, const struct bench_busy *to);
+
 /* ---- pictures (bench_picture.c) ---- */
 
 /** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */
@@ -260,9 +300,9 @@ bool bench_same_frame(const json_t *a, const json_t *b);
 
 /* ---- what follows from them (bench_conclude.c) ---- */
 
-/** Replaces root.conclusions: for each case the fastest candidate and its lead; then pictures that differ. */
+/** Replaces root.conclusions: for each case the fastest candidate and its lead; then pictures that differ. And root.warnings: why not to trust times. */
 void bench_conclude(struct bench_data *data);
-/** Whether one of two results is ahead: half of the frames of each were within their MAD of the median; where these overlap it may be chance. */
+/** Whether one of two results is ahead: the intervals of their medians (bench_spread) do not overlap. */
 bool bench_clear(const json_t *fast, const json_t *slow);
 /** Prints tables of all results. */
 void bench_print(const struct bench_data *data);

@@ -76,7 +76,7 @@ static bool render(struct subject *s, fnl_frame_stats *stats) {
 
 bool bench_metered_frame(fnl_renderer *renderer, const fnl_scene *scene, uint32_t width, uint32_t height, fnl_frame *out) {
     fnl_frame_stats stats;
-    *out = fnl_frame_default();
+    *out = bench_frame();
     out->width = width;
     out->height = height;
     out->lists = FNL_LISTS_CLUSTERED;

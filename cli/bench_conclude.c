@@ -44,9 +44,8 @@ static const json_t **sorted_case(const json_t *results, const json_t *first, si
 }
 
 bool bench_clear(const json_t *fast, const json_t *slow) {
-    double spread = bench_number(json_object_get(fast, "frame_ms"), "mad", 0) +
-                    bench_number(json_object_get(slow, "frame_ms"), "mad", 0);
-    return bench_median(slow, "frame_ms") - bench_median(fast, "frame_ms") > spread;
+    return bench_number(json_object_get(slow, "frame_ms"), "low", bench_median(slow, "frame_ms")) >
+           bench_number(json_object_get(fast, "frame_ms"), "high", bench_median(fast, "frame_ms"));
 }
 
 /* Three digits that count, without an exponent. */
@@ -92,6 +91,34 @@ static json_t *conclude_case(const json_t *results, const json_t *first) {
     return json_string(text);
 }
 
+/* Why times are not to be trusted; an empty array where they are. */
+static json_t *warnings_of(const json_t *root) {
+    const json_t *results = json_object_get(root, "results"), *result;
+    const uint32_t cores = (uint32_t)bench_number(json_object_get(root, "machine"), "cores", 1);
+    json_t *warnings = json_array();
+    char text[512];
+    double others = 0;
+    size_t i, unsteady = 0;
+    json_array_foreach(results, i, result) {
+        const json_t *times = json_object_get(result, "frame_ms");
+        const struct bench_spread spread = {.p5 = bench_number(times, "p5", 0), .p95 = bench_number(times, "p95", 0)};
+        unsteady += bench_is_unsteady(&spread);
+        others = fmax(others, bench_number(result, "others", 0));
+    }
+    if (bench_is_busy(others, cores)) {
+        snprintf(text, sizeof text, "The machine was busy: other programs used up to %.1f of its %u processors while frames were timed.", others, cores);
+        json_array_append_new(warnings, json_string(text));
+    }
+    if (unsteady) {
+        snprintf(text, sizeof text,
+                 "In %zu of %zu results the slow frames took more than 1.5 times as long as the fast ones (95th and 5th percentile). Trust a lead only if "
+                 "the intervals of both medians do not overlap, or measure again on an idle machine.",
+                 unsteady, json_array_size(results));
+        json_array_append_new(warnings, json_string(text));
+    }
+    return warnings;
+}
+
 void bench_conclude(struct bench_data *data) {
     json_t *results = json_object_get(data->root, "results"), *lines = json_array(), *result;
     size_t i;
@@ -109,6 +136,7 @@ void bench_conclude(struct bench_data *data) {
         json_array_append_new(lines, json_string(text));
     }
     json_object_set_new(data->root, "conclusions", lines);
+    json_object_set_new(data->root, "warnings", warnings_of(data->root));
 }
 
 /* ---- for the terminal ---- */
@@ -138,7 +166,7 @@ static void print_case(const json_t *results, const json_t *first) {
         if ((int)strlen(text) > width) width = (int)strlen(text);
     }
     bench_describe_case(results, first, text, sizeof text);
-    printf("\n%s\n  %-*s %10s %8s %10s %10s %10s %10s %10s  %s\n", text, width, "medians", "frame, ms", "+-", "of ideal",
+    printf("\n%s\n  %-*s %10s %19s %10s %10s %10s %10s %10s  %s\n", text, width, "medians", "frame, ms", "between", "of ideal",
            "lists, ms", "shade, ms", "lights/px", "of least", "picture");
     for (size_t i = 0; sorted && i < count; i++) {
         const json_t *r = sorted[i];
@@ -148,8 +176,11 @@ static void print_case(const json_t *results, const json_t *first) {
         if (useful > 0) snprintf(ratio, sizeof ratio, "%.2fx", per_pixel / useful);
         if (json_object_get(r, "over_ideal")) snprintf(ideal, sizeof ideal, "%.2fx", bench_number(r, "over_ideal", 0));
         bench_describe(r, text, sizeof text);
-        printf("  %-*s %10.3f %8.3f %10s %10.3f %10.3f %10.2f %10s  %s\n", width, text, bench_median(r, "frame_ms"),
-               bench_number(json_object_get(r, "frame_ms"), "mad", 0), ideal, bench_median(r, "lists_ms"),
+        char between[48];
+        snprintf(between, sizeof between, "%.3f..%.3f", bench_number(json_object_get(r, "frame_ms"), "low", NAN),
+                 bench_number(json_object_get(r, "frame_ms"), "high", NAN));
+        printf("  %-*s %10.3f %19s %10s %10.3f %10.3f %10.2f %10s  %s\n", width, text, bench_median(r, "frame_ms"),
+               between, ideal, bench_median(r, "lists_ms"),
                bench_median(r, "shading_ms"), per_pixel, ratio,
                json_is_true(equal)    ? "equal"
                : json_is_false(equal) ? "DIFFERS"
@@ -218,6 +249,8 @@ void bench_print(const struct bench_data *data) {
     }
     print_skipped(json_object_get(data->root, "skipped"));
     print_suite(json_object_get(data->root, "suite"));
+    fflush(stdout);
+    json_array_foreach(json_object_get(data->root, "warnings"), i, line) fprintf(stderr, "fanal: warning: %s\n", json_string_value(line));
     putchar('\n');
     json_array_foreach(json_object_get(data->root, "conclusions"), i, line) { puts(json_string_value(line)); }
 }

@@ -64,7 +64,7 @@ const char *lane_pass_role(const char *name) { return role_names[role_of(name)];
 /* ---- life ---- */
 
 bool lane_init(struct lane *lane, const struct bench_case *where, const struct bench_candidate *candidate, uint32_t frames) {
-    *lane = (struct lane){.candidate = candidate, .frame = fnl_frame_default(), .capacity = frames};
+    *lane = (struct lane){.candidate = candidate, .frame = bench_frame(), .capacity = frames};
     lane->frame.width = where->width;
     lane->frame.height = where->height;
     lane->frame.msaa = where->msaa;
@@ -155,34 +155,14 @@ void lane_note_counts(struct lane *lane, const fnl_frame_stats *stats) {
 
 /* ---- results ---- */
 
-static int compare_doubles(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Between the two nearest ranks. */
-static double quantile(const double *sorted, uint32_t count, double part) {
-    double place = part * (count - 1), low = floor(place);
-    uint32_t i = (uint32_t)low;
-    return i + 1 < count ? sorted[i] + (sorted[i + 1] - sorted[i]) * (place - low) : sorted[count - 1];
-}
-
 static double rounded(double milliseconds) { return round(milliseconds * 1e6) / 1e6; } /* to the nanosecond */
 
 /* Median, spread; MAD is the median of the distances from the median. */
 static json_t *summarise(const double *times, uint32_t count) {
-    double *sorted = malloc(count * sizeof *sorted);
-    if (!sorted) return NULL;
-    memcpy(sorted, times, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, compare_doubles);
-    double median = quantile(sorted, count, 0.5), low = sorted[0], p5 = quantile(sorted, count, 0.05),
-           p95 = quantile(sorted, count, 0.95);
-    for (uint32_t i = 0; i < count; i++) sorted[i] = fabs(sorted[i] - median);
-    qsort(sorted, count, sizeof *sorted, compare_doubles);
-    json_t *json = json_pack("{s:f,s:f,s:f,s:f,s:f}", "median", rounded(median), "min", rounded(low), "p5", rounded(p5),
-                             "p95", rounded(p95), "mad", rounded(quantile(sorted, count, 0.5)));
-    free(sorted);
-    return json;
+    struct bench_spread s;
+    if (!bench_spread_of(times, count, &s)) return NULL;
+    return json_pack("{s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "median", rounded(s.median), "low", rounded(s.low), "high", rounded(s.high), "min",
+                     rounded(s.min), "p5", rounded(s.p5), "p95", rounded(s.p95), "mad", rounded(s.mad));
 }
 
 static void set_integer(json_t *object, const char *key, uint64_t value) {
@@ -210,7 +190,7 @@ static void add_counts(const struct lane *lane, json_t *result) {
     double total = fmax((double)s->triangles_total, 1);
     set_integer(result, "triangles_total", s->triangles_total);
     set_integer(result, "triangles_drawn", drawn);
-    json_object_set_new(result, "triangles_culled", json_real(1 - (double)drawn / total));
+    json_object_set_new(result, "triangles_culled_share", json_real(1 - (double)drawn / total));
     json_object_set(result, "counters", lane->counters);
     set_integer(result, "image_bytes_read", lane->image_bytes_read);
     set_integer(result, "image_bytes_written", lane->image_bytes_written);
@@ -281,7 +261,7 @@ void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_in
     if (lane->counted) add_counts(lane, result);
     if (!lane->kept) add_comparison(lane, result);
     set_integer(result, "frames", lane->measured);
-    json_object_set_new(result, "complete", json_boolean(lane->measured == wanted_frames));
+    json_object_set_new(result, "complete", json_boolean(lane->measured >= wanted_frames));
     json_object_del(result, "samples");
     if (lane->measured < wanted_frames) json_object_set_new(result, "samples", samples_of(lane));
     json_object_set_new(result, "shared_renderer", json_boolean(shared));

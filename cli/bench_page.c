@@ -66,6 +66,7 @@ static json_t *public_root(const json_t *root) {
     static const char *const parts[] = {"skipped", "results"};
     json_t *copy = json_deep_copy(root), *settings = json_object_get(copy, "settings");
     const json_t *results = json_object_get(root, "results");
+    json_object_del(copy, "command");
     for (int i = 0; i < 2; i++) rename_scenes(results, json_object_get(copy, parts[i]));
     const char *path = json_string_value(json_object_get(settings, "camera_path")), *slash = path ? strrchr(path, '/') : NULL;
     if (slash) json_object_set_new(settings, "camera_path", json_string(slash + 1));

@@ -74,11 +74,11 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
  * what the others are to be compared with, as long as it takes no more than a few times as long: of the orders that `auto` takes, with the default
  * one; of orders that are named, with each.
  */
-enum { BRUTE_LIGHTS = 4096 };
+enum { BRUTE_LIGHTS = 4096, MAPS_LIGHTS = 65536 };
 static bool lists_likely(const struct bench_matrix *m, fnl_shading shading, fnl_light_lists lists, uint32_t lights,
                          uint32_t msaa) {
     if (lists == FNL_LISTS_ALL && lights <= BRUTE_LIGHTS &&
-        (m->shading_count || m->every_shading || shading == fnl_frame_default().shading))
+        (m->shading_count || m->every_shading || shading == bench_frame().shading))
         return true;
     return fnl_shading_likely(shading, lists, lights, msaa) & FNL_LIKELY_LISTS;
 }
@@ -107,12 +107,12 @@ static bool set_fixed(fnl_frame *frame, const char *set, fnl_shading shading, fn
 }
 
 /* Every combination of the options that were asked for; those that a path or list does not heed add nothing. */
-static bool plan_ways(const struct bench_matrix *m, struct bench_plan *plan, struct bench_case *to, fnl_shading shading,
+static bool plan_ways(const struct bench_matrix *m, struct bench_plan *plan, struct bench_case *to, uint32_t lights, fnl_shading shading,
                       fnl_light_lists lists) {
     uint32_t combinations = 1;
     for (uint32_t v = 0; v < m->vary_count; v++) combinations *= m->varied[v].count;
     for (uint32_t i = 0; i < combinations; i++) {
-        fnl_frame frame = fnl_frame_default();
+        fnl_frame frame = bench_frame();
         char options[1024];
         bool good = set_fixed(&frame, m->set, shading, lists, to->msaa);
         for (uint32_t v = 0, rest = i; v < m->vary_count && good; v++) {
@@ -120,6 +120,7 @@ static bool plan_ways(const struct bench_matrix *m, struct bench_plan *plan, str
             good = set_heeded(&frame, &vary->option, vary->values[rest % vary->count], shading, lists, to->msaa);
             rest /= vary->count;
         }
+        if (m->usual_shadows && (lights == 0 || lights > MAPS_LIGHTS)) frame.shadows = FNL_SHADOWS_OFF;
         bench_ways_print(&frame, true, options, sizeof options);
         struct bench_candidate candidate = {shading, lists, options};
         if (!good || !bench_plan_candidate(plan, to, &candidate)) return false;
@@ -159,10 +160,10 @@ static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, con
             if (!m->lists_count && !m->every_lists && !lists_likely(m, shading, kind, lights, wanted->msaa)) continue;
             if (!m->lists_count && !lists_matter(shading) && one) continue;
             one = true;
-            if (!plan_ways(m, plan, to, shading, kind)) return false;
+            if (!plan_ways(m, plan, to, lights, shading, kind)) return false;
         }
         if (m->ideal && one && lists_matter(shading) && fnl_shading_supports(shading, FNL_LISTS_FINE, wanted->msaa) &&
-            !plan_ways(m, plan, to, shading, FNL_LISTS_FINE))
+            !plan_ways(m, plan, to, lights, shading, FNL_LISTS_FINE))
             return false;
     }
     return to != NULL;

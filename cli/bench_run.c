@@ -4,6 +4,7 @@
 #include "arguments.h"
 #include "bench.h"
 #include "bench_lane.h"
+#include "program.h"
 #include "progress.h"
 #include "stereo.h"
 
@@ -13,6 +14,8 @@
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
+
+enum { FORMAT_VERSION = 1 }; /* of results.json: docs/bench.schema.json */
 
 /* ---- log ---- */
 
@@ -50,7 +53,8 @@ struct bench_run {
     fnl_camera eyes[HEADSET_EYES];
     fnl_vec3 gaze;
     struct lane *lanes;
-    uint32_t lane_count, opened, case_index;
+    uint32_t lane_count, opened, case_index, wanted; /* wanted: frames of each lane, more on a busy machine */
+    struct bench_busy busy; /* when the case began */
     bool shared;         /* one renderer for all lanes, because memory is short */
     double case_started, saved; /* seconds of progress */
     bool failed;
@@ -75,7 +79,7 @@ static double seconds_left(const struct bench_run *run) {
     mean = walls / frames;
     for (uint32_t i = 0; i < run->lane_count; i++) {
         const struct lane *lane = &run->lanes[i];
-        uint32_t timed = run->settings->frames - lane->measured;
+        uint32_t timed = run->wanted > lane->measured ? run->wanted - lane->measured : 0;
         if (!lane->failed) left += timed * (lane->measured ? lane->wall * 1e-3 : mean) * (run->shared ? 2 : 1);
     }
     if (run->opened < run->lane_count) left += elapsed / run->opened * (run->lane_count - run->opened);
@@ -235,7 +239,7 @@ static void make_reference(struct bench_run *run, struct lane *lane, uint32_t po
     struct lane drawn = *lane; /* a failure is the reference's, not the lane's */
     fnl_frame frame = frame_at(run, lane, point);
     frame.lists = run->settings->reference;
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = bench_frame();
     bench_ways_reset_lists(&frame);
     /* Vertex and mesh shaders may differ in the last bits of places, so the latter are compared with their own. */
     frame.culling = frame.geometry == FNL_GEOMETRY_VERTEX ? usual.culling : FNL_CULLING_CLUSTERS;
@@ -343,7 +347,9 @@ static void keep_result(struct bench_run *run, struct lane *lane) {
         lane->told = true;
     } else if (lane->measured > 0) {
         if (before) json_object_update_missing(key, before); /* counts and comparison of an earlier run */
-        lane_add_result(lane, key, &info, run->shared, run->settings->frames);
+        const struct bench_busy now = bench_busy_now();
+        lane_add_result(lane, key, &info, run->shared, run->wanted);
+        json_object_set_new(key, "others", json_real(bench_others(&run->busy, &now)));
         if (before) {
             json_object_clear(before);
             json_object_update(before, key);
@@ -424,7 +430,7 @@ static void check_point(struct bench_run *run, uint32_t point, bool compare, boo
 static void time_round(struct bench_run *run, uint32_t round) {
     char what[64];
     bool any = false;
-    snprintf(what, sizeof what, "frame %u of %u", round + 1, run->settings->frames);
+    snprintf(what, sizeof what, "frame %u of %u", round + 1, run->wanted);
     pose(run, round);
     for (uint32_t i = 0; i < run->lane_count && !stopped(run); i++) {
         uint32_t turn = round % 2 ? run->lane_count - 1 - i : i;
@@ -437,6 +443,21 @@ static void time_round(struct bench_run *run, uint32_t round) {
     if (!any || progress_seconds() - run->saved < 1) return;
     for (uint32_t i = 0; i < run->lane_count; i++) keep_result(run, &run->lanes[i]);
     save_results(run, false);
+}
+
+/* Of all lanes, so that they go on taking turns. */
+static uint32_t frames_wanted(const struct bench_run *run) {
+    const struct bench_busy now = bench_busy_now();
+    const bool busy = bench_is_busy(bench_others(&run->busy, &now), (uint32_t)sysconf(_SC_NPROCESSORS_ONLN));
+    uint32_t wanted = run->wanted;
+    for (uint32_t i = 0; i < run->lane_count && run->settings->more; i++) {
+        struct bench_spread spread;
+        const struct lane *lane = &run->lanes[i];
+        if (lane->failed || !bench_spread_of(lane->times[LANE_FRAME], lane->measured, &spread)) continue;
+        const uint32_t own = bench_frames_wanted(&spread, lane->measured, run->settings->frames, busy);
+        if (own > wanted) wanted = own;
+    }
+    return wanted;
 }
 
 static void run_lanes(struct bench_run *run) {
@@ -456,7 +477,12 @@ static void run_lanes(struct bench_run *run) {
         if (point != before) check_point(run, point, checks > 0, i == 0);
         before = point;
     }
-    for (uint32_t round = 0; round < s->frames && !stopped(run); round++) time_round(run, round);
+    for (uint32_t i = 0; i < run->lane_count; i++)
+        if (run->lanes[i].measured > run->wanted) run->wanted = run->lanes[i].measured;
+    for (uint32_t round = 0; round < run->wanted && !stopped(run); round++) {
+        time_round(run, round);
+        if (round + 1 == run->wanted) run->wanted = frames_wanted(run);
+    }
     run->sink.keep = false;
 }
 
@@ -471,6 +497,8 @@ static void announce_case(const struct bench_run *run, const struct bench_case *
 static void run_case(struct bench_run *run, const struct bench_case *c) {
     run->lanes = calloc(c->candidate_count + 1, sizeof *run->lanes);
     run->lane_count = run->opened = 0;
+    run->wanted = run->settings->frames;
+    run->busy = bench_busy_now();
     run->case_started = progress_seconds();
     if (!run->lanes) {
         run->failed = true;
@@ -478,7 +506,7 @@ static void run_case(struct bench_run *run, const struct bench_case *c) {
     }
     for (uint32_t i = 0; i < c->candidate_count; i++)
         if (!is_measured(run, c, &c->candidates[i]) &&
-            !lane_init(&run->lanes[run->lane_count++], c, &c->candidates[i], run->settings->frames))
+            !lane_init(&run->lanes[run->lane_count++], c, &c->candidates[i], run->settings->frames * (run->settings->more ? BENCH_FRAMES_FACTOR : 1)))
             run->failed = true;
     if (run->lane_count > 0 && !run->failed) {
         if (!prepare_scene(run, c) || !prepare_path(run, c)) {
@@ -540,11 +568,14 @@ static bool begin_data(struct bench_run *run) {
     struct tm utc;
     snprintf(program, sizeof program, "fanal %s", fnl_version());
     strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", gmtime_r(&now, &utc));
-    json_t *version = json_pack("{s:s}", "version", program);
+    json_t *version = json_pack("{s:s,s:s}", "version", program, "commit", program_commit);
     bool good = json_object_size(root) == 0 || (json_object_get(root, "results") && agrees(root, "device", device) &&
                                                 agrees(root, "settings", settings) && agrees(root, "program", version));
     if (good) {
+        json_object_set_new(root, "format", json_integer(FORMAT_VERSION));
         json_object_set(root, "program", version);
+        json_object_set_new(root, "command", json_string(run->settings->command));
+        json_object_set_new(root, "machine", bench_machine());
         json_object_set_new(root, "date", json_string(date));
         json_object_set(root, "device", device);
         json_object_set(root, "settings", settings);

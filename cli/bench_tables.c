@@ -139,7 +139,7 @@ void bench_table_geometry(const struct bench_data *data, json_t *tables) {
         json_array_append_new(row, json_string(label));
         json_array_append_new(row, json_integer((json_int_t)total));
         json_array_append_new(row, isfinite(drawn) ? json_integer((json_int_t)drawn) : json_null());
-        json_array_append_new(row, real_or_null(100 * bench_number(result, "triangles_culled", NAN)));
+        json_array_append_new(row, real_or_null(100 * bench_number(result, "triangles_culled_share", NAN)));
         json_array_append_new(row, real_or_null(frame));
         json_array_append_new(row, real_or_null(100 * spread_of(result, "frame_ms")));
         json_array_append_new(row, real_or_null(geometry));

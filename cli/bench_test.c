@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of `fanal bench` that need no device: comparing pictures, paths, conclusions, files. */
 #include "bench_lane.h"
-#include "tests/frame_plain.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -13,6 +12,8 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+
+const char program_commit[] = "unknown"; /* of program.h */
 
 static char folder[] = "/tmp/fanal-bench-XXXXXX";
 
@@ -133,9 +134,9 @@ static void test_circles(void **state) {
 /* ---- results ---- */
 
 static json_t *make_result(const char *lists, double median, double mad, const char *equal) {
-    return json_pack("{s:s,s:n,s:i,s:i,s:i,s:s,s:s,s:s,s:i,s:{s:f,s:f},s:o,s:i,s:f}", "scene", "a,\"b\".gltf",
+    return json_pack("{s:s,s:n,s:i,s:i,s:i,s:s,s:s,s:s,s:i,s:{s:f,s:f,s:f,s:f},s:o,s:i,s:f}", "scene", "a,\"b\".gltf",
                      "asked_lights", "width", 64, "height", 36, "msaa", 1, "shading", "deferred", "lists", lists, "options",
-                     "", "lights", 9, "frame_ms", "median", median, "mad", mad, "equal",
+                     "", "lights", 9, "frame_ms", "median", median, "mad", mad, "low", median - mad, "high", median + mad, "equal",
                      strcmp(equal, "yes") == 0  ? json_true()
                      : strcmp(equal, "no") == 0 ? json_false()
                                                 : json_null(),
@@ -234,6 +235,110 @@ static void test_scenes_go_by_short_names(void **state) {
     json_decref(results);
 }
 
+/* ---- how far times can be trusted ---- */
+
+static struct bench_spread spread_of(const double *times, uint32_t count) {
+    struct bench_spread spread;
+    assert_true(bench_spread_of(times, count, &spread));
+    return spread;
+}
+
+/* The interval of the median leaves out as many samples at each end as the binomial distribution allows: with 6 none, 9 one, 20 five. */
+static void test_intervals_of_medians(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t count, outside;
+    } cases[] = {{1, 0}, {4, 0}, {6, 0}, {9, 1}, {10, 1}, {20, 5}, {50, 17}, {100, 39}, {2000, 955}};
+    static double times[2000];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const uint32_t count = cases[i].count;
+        for (uint32_t k = 0; k < count; k++) times[k] = (double)(k * 7919u % count); /* all from 0 on, in disorder */
+        if (count % 7919 == 0) continue;
+        const struct bench_spread s = spread_of(times, count);
+        assert_true(s.min == 0 && fabs(s.median - 0.5 * (count - 1)) < 1e-9);
+        assert_int_equal((uint32_t)s.low, cases[i].outside);
+        assert_int_equal((uint32_t)s.high, count - 1 - cases[i].outside);
+    }
+    struct bench_spread none;
+    assert_false(bench_spread_of(times, 0, &none));
+}
+
+/* How many frames, by made-up samples. */
+static void test_busy_machines_get_more_frames(void **state) {
+    (void)state;
+    static const double calm[] = {10, 10.1, 10, 9.9}, wild[] = {10, 10, 10, 25}, loose[] = {10, 11, 12, 13};
+    static const double settled[] = {10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 25, 25};
+    const struct bench_spread steady = spread_of(calm, 4), unsteady = spread_of(wild, 4), wide = spread_of(loose, 4), known = spread_of(settled, 16);
+    assert_true(bench_is_unsteady(&unsteady) && !bench_is_unsteady(&steady) && !bench_is_unsteady(&wide));
+    assert_true(bench_is_busy(0.5, 2) && !bench_is_busy(0.5, 16) && !bench_is_busy(0, 1));
+    assert_int_equal(bench_frames_wanted(&steady, 2, 4, true), 4);    /* what was asked for in any case */
+    assert_int_equal(bench_frames_wanted(&steady, 4, 4, false), 4);
+    assert_int_equal(bench_frames_wanted(&steady, 4, 4, true), 4);    /* busy, but the median is known */
+    assert_int_equal(bench_frames_wanted(&wide, 4, 4, false), 4);     /* a wide interval alone is few frames */
+    assert_int_equal(bench_frames_wanted(&wide, 4, 4, true), 8);
+    assert_int_equal(bench_frames_wanted(&unsteady, 4, 4, false), 8);
+    assert_int_equal(bench_frames_wanted(&unsteady, 14, 4, false), 16);
+    assert_int_equal(bench_frames_wanted(&unsteady, 16, 4, true), 16); /* there is an end */
+    assert_true(bench_is_unsteady(&known));
+    assert_int_equal(bench_frames_wanted(&known, 12, 4, true), 12);   /* slow ones remain, but the median is known */
+}
+
+/* What a reader is told of it; and a lead counts only if the intervals do not overlap. */
+static void test_warnings(void **state) {
+    (void)state;
+    struct bench_data data = {json_pack("{s:[],s:{s:i}}", "results", "machine", "cores", 2), json_object()};
+    json_t *results = json_object_get(data.root, "results"), *a = make_result("tiled", 4, 0.1, "yes"), *b = make_result("clustered", 2, 0.1, "yes");
+    json_object_update_new(json_object_get(a, "frame_ms"), json_pack("{s:f,s:f,s:f,s:f}", "low", 3.9, "high", 4.1, "p5", 3.9, "p95", 4.2));
+    json_object_update_new(json_object_get(b, "frame_ms"), json_pack("{s:f,s:f,s:f,s:f}", "low", 1.9, "high", 2.1, "p5", 1.9, "p95", 2.2));
+    json_array_append_new(results, a);
+    json_array_append_new(results, b);
+    bench_conclude(&data);
+    assert_int_equal(json_array_size(json_object_get(data.root, "warnings")), 0);
+    assert_true(bench_clear(b, a));
+    json_object_set_new(a, "others", json_real(1.25));
+    json_object_set_new(json_object_get(b, "frame_ms"), "high", json_real(3.95));
+    json_object_set_new(json_object_get(b, "frame_ms"), "p95", json_real(2.9));
+    bench_conclude(&data);
+    const json_t *warnings = json_object_get(data.root, "warnings");
+    assert_int_equal(json_array_size(warnings), 2);
+    assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)), "up to 1.2 of its 2 processors"));
+    assert_non_null(strstr(json_string_value(json_array_get(warnings, 1)), "In 1 of 2 results"));
+    assert_false(bench_clear(b, a));
+    json_decref(data.root);
+    json_decref(data.pictures);
+}
+
+/* With shadows and without are cases of their own, and the headlines say which. */
+static void test_shadows_are_cases(void **state) {
+    (void)state;
+    struct bench_data data = {json_pack("{s:[]}", "results"), json_object()};
+    json_t *results = json_object_get(data.root, "results"), *plain = make_result("tiled", 4, 0.1, "yes"), *mapped = make_result("tiled", 9, 0.1, "yes");
+    json_object_set_new(mapped, "options", json_string("shadows=maps,tiles.size=8"));
+    json_object_set_new(mapped, "settings", json_pack("{s:s,s:s}", "shadows", "maps", "tiles.size", "8"));
+    json_array_append_new(results, plain);
+    json_array_append_new(results, mapped);
+    bench_conclude(&data);
+    assert_string_equal(conclusion(&data, 0), "On a,\"b\".gltf with 9 lights at 64x36, without shadows, deferred with tiled lists alone was measured: 4 ms.");
+    assert_string_equal(conclusion(&data, 1),
+                        "On a,\"b\".gltf with 9 lights at 64x36, shadows by maps, deferred with tiled lists (tiles.size=8) alone was measured: 9 ms.");
+    json_decref(data.root);
+    json_decref(data.pictures);
+    /* Where there are no lights there is nothing to cast them. */
+    static const char *const scenes[] = {"builtin:hall"};
+    struct bench_matrix m = {.usual_shadows = true, .size_count = 1, .msaa_count = 1, .light_count = 2, .lights = {0, 4}, .shading_count = 1, .lists_count = 1,
+                             .shading = {FNL_SHADING_DEFERRED}, .lists = {FNL_LISTS_TILED}, .sizes = {{64, 36}}, .msaa = {1}};
+    struct bench_plan plan = {.skipped = json_array()};
+    const uint32_t own = 300;
+    assert_true(bench_vary_add(&m, "shadows", "shadows", "off,maps"));
+    assert_true(bench_plan_matrix(&m, scenes, &own, 1, &plan));
+    assert_int_equal(plan.case_count, 2);
+    assert_int_equal(plan.cases[0].candidate_count, 1);
+    assert_string_equal(plan.cases[0].candidates[0].options, "");
+    assert_int_equal(plan.cases[1].candidate_count, 2);
+    assert_string_equal(plan.cases[1].candidates[1].options, "shadows=maps");
+    bench_plan_free(&plan);
+}
+
 /* ---- frames of an earlier run ---- */
 
 static void note_frame(struct lane *lane, double milliseconds) {
@@ -310,7 +415,8 @@ static void test_files_round_trip(void **state) {
                               json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
     assert_true(bench_save(folder, &data, true));
     char *csv = read_file("results.csv"), *page = read_file("report.html");
-    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,9,"));
+    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,9,"));
+    assert_null(strstr(csv, "options"));
     assert_non_null(strstr(csv, ",4,"));
     assert_non_null(strstr(csv, ",0.25,"));
     /* A column for each counter that some result has, in the order of the library. */
@@ -344,7 +450,7 @@ static void test_files_round_trip(void **state) {
 
 static void test_candidate_options(void **state) {
     (void)state;
-    fnl_frame frame = frame_plain();
+    fnl_frame frame = bench_frame();
     char text[1024], ways[1024];
     bench_ways_print(&frame, true, text, sizeof text);
     assert_string_equal(text, "");
@@ -360,7 +466,7 @@ static void test_candidate_options(void **state) {
     bench_ways_print(&frame, true, text, sizeof text);
     assert_string_equal(text, "transparency=linked,occlusion=on,clusters.slices=16,clusters.far=50,gbuffer.layout=siege,"
                               "deferred.msaa-method=all,coarse.tolerance=0.1");
-    fnl_frame again = frame_plain();
+    fnl_frame again = bench_frame();
     assert_true(bench_ways_apply("set", text, &again));
     again.width = frame.width;
     again.shading = frame.shading;
@@ -465,7 +571,7 @@ static void test_likely_ways_are_those_of_auto(void **state) {
                 wanted += likely;
             }
         assert_int_equal(plan.cases->candidate_count, wanted);
-        assert_true(wanted >= 10 && wanted <= 30);
+        assert_true(count ? wanted >= 10 && wanted <= 30 : wanted == 3); /* without lights lists do not matter */
         assert_int_equal(json_array_size(plan.skipped), 0);
         bench_plan_free(&plan);
     }
@@ -675,11 +781,11 @@ struct measured {
 
 static void add_measured(json_t *results, const struct measured *m) {
     json_array_append_new(
-        results, json_pack("{s:s,s:n,s:i,s:i,s:i,s:s,s:s,s:s,s:i,s:i,s:f,s:f,s:{s:f,s:f},s:{s:f,s:f},s:[{s:s,s:f}]}", "scene", m->scene,
+        results, json_pack("{s:s,s:n,s:i,s:i,s:i,s:s,s:s,s:s,s:i,s:i,s:f,s:f,s:{s:f,s:f,s:f,s:f},s:{s:f,s:f},s:[{s:s,s:f}]}", "scene", m->scene,
                            "asked_lights", "width", m->width, "height", m->width / 2, "msaa", m->msaa, "shading", m->shading,
                            "lists", "clustered", "options", m->options, "triangles", m->triangles, "triangles_drawn", m->drawn,
-                           "triangles_culled", 1 - (double)m->drawn / m->triangles, "triangles_per_second",
-                           1000 / m->frame * m->triangles, "frame_ms", "median", m->frame, "mad", m->mad, "geometry_ms", "median",
+                           "triangles_culled_share", 1 - (double)m->drawn / m->triangles, "triangles_per_second",
+                           1000 / m->frame * m->triangles, "frame_ms", "median", m->frame, "mad", m->mad, "low", m->frame - m->mad, "high", m->frame + m->mad, "geometry_ms", "median",
                            m->frame / 2, "mad", 0.0, "passes", "name", m->pass_name, "median", m->pass));
 }
 
@@ -777,6 +883,10 @@ int main(void) {
         cmocka_unit_test(test_paths),
                                        cmocka_unit_test(test_circles),
         cmocka_unit_test(test_conclusions),
+        cmocka_unit_test(test_intervals_of_medians),
+        cmocka_unit_test(test_busy_machines_get_more_frames),
+        cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_shadows_are_cases),
         cmocka_unit_test(test_ideals_are_of_one_frame),
         cmocka_unit_test(test_files_round_trip),
         cmocka_unit_test(test_candidate_options),

@@ -8,6 +8,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+fnl_frame bench_frame(void) {
+    fnl_frame frame = fnl_frame_default();
+    frame.msaa = 1;
+    frame.aa = FNL_ANTIALIASING_NONE;
+    frame.shadows = FNL_SHADOWS_OFF;
+    frame.studio = false;
+    frame.ground = FNL_GROUND_OFF;
+    frame.background = FNL_BACKGROUND_SCENE;
+    return frame;
+}
+
 /* Cases and candidates have these themselves, and results come of those. */
 static bool is_reserved(const char *key) {
     static const char *const keys[] = {"width", "height", "shading", "lists", "msaa", "debug", "timers", "count-lights", "pin-choice"};
@@ -39,7 +50,7 @@ bool bench_way_heeded(const fnl_option *o, const char *value, fnl_shading shadin
 /* ---- texts ---- */
 
 void bench_ways_print(const fnl_frame *frame, bool exact, char *text, size_t capacity) {
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = bench_frame();
     fnl_option o;
     size_t length = 0;
     *text = 0;
@@ -68,13 +79,13 @@ bool bench_ways_apply(const char *option, const char *text, fnl_frame *frame) {
 }
 
 void bench_ways_of(const char *options, char *text, size_t capacity) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = bench_frame();
     *text = 0;
     if (bench_ways_apply("set", options, &frame)) bench_ways_print(&frame, false, text, capacity);
 }
 
 void bench_ways_reset_lists(fnl_frame *frame) {
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = bench_frame();
     frame->list = usual.list;
     frame->tiles = usual.tiles;
     frame->clusters = usual.clusters;
@@ -83,7 +94,7 @@ void bench_ways_reset_lists(fnl_frame *frame) {
 }
 
 void bench_ways_without_lists(const char *options, char *text, size_t capacity) {
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = bench_frame();
     *text = 0;
     if (!bench_ways_apply("set", options, &frame)) return;
     bench_ways_reset_lists(&frame);
@@ -108,7 +119,7 @@ void bench_ways_describe(const struct bench_candidate *candidate, json_t *result
 /* ---- what is varied ---- */
 
 static bool add_value(struct bench_vary *vary, const char *option, const char *value) {
-    fnl_frame scratch = fnl_frame_default();
+    fnl_frame scratch = bench_frame();
     if (!options_set(&scratch, option, vary->option.key, value)) return false;
     if (vary->count == BENCH_VALUES_MAX) {
         fprintf(stderr, "fanal: error: --%s: more than %d values\n", option, BENCH_VALUES_MAX);

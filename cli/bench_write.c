@@ -30,17 +30,25 @@ json_t *bench_key(const struct bench_case *where, const struct bench_candidate *
     return key;
 }
 
-bool bench_same_case(const json_t *a, const json_t *b) {
+static bool same_keys(const json_t *a, const json_t *b) {
     for (size_t i = 0; i < sizeof case_keys / sizeof *case_keys; i++)
         if (!json_equal(json_object_get(a, case_keys[i]), json_object_get(b, case_keys[i]))) return false;
     return true;
 }
 
+/* "maps"; "" for none. */
+static const char *shadows_of(const json_t *result) {
+    const char *kind = json_string_value(json_object_get(json_object_get(result, "settings"), "shadows"));
+    return kind ? kind : "";
+}
+
+bool bench_same_case(const json_t *a, const json_t *b) { return same_keys(a, b) && strcmp(shadows_of(a), shadows_of(b)) == 0; }
+
 json_t *bench_find(const struct bench_data *data, const struct bench_case *where, const struct bench_candidate *what) {
     json_t *key = bench_key(where, what), *found = NULL, *result;
     size_t i;
     json_array_foreach(json_object_get(data->root, "results"), i, result) {
-        bool same = bench_same_case(result, key);
+        bool same = same_keys(result, key);
         for (size_t k = 0; k < sizeof candidate_keys / sizeof *candidate_keys; k++)
             same = same && json_equal(json_object_get(result, candidate_keys[k]), json_object_get(key, candidate_keys[k]));
         if (same) found = result;
@@ -57,6 +65,11 @@ static const char *string_of(const json_t *object, const char *key) {
 /* "deferred with tiled lists (tiles.size=8)"; or "with brute force". */
 static void describe(const char *shading, const char *lists, const char *options, char *text, size_t capacity) {
     bool brute = strcmp(lists, fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_ALL)) == 0;
+    char copy[1024], shown[1024] = "", *rest = copy;
+    snprintf(copy, sizeof copy, "%s", options);
+    for (char *part; (part = strsep(&rest, ","));) /* shadows belong to the case */
+        if (strncmp(part, "shadows=", 8) != 0) snprintf(shown + strlen(shown), sizeof shown - strlen(shown), "%s%s", *shown ? "," : "", part);
+    options = shown;
     snprintf(text, capacity, "%s with %s%s%s%s%s", shading, brute ? "brute force" : lists, brute ? "" : " lists", *options ? " (" : "", options,
              *options ? ")" : "");
 }
@@ -76,8 +89,15 @@ void bench_describe_case(const json_t *results, const json_t *result, char *text
     bench_scene_name(results, string_of(result, "scene"), scene, sizeof scene);
     if (count >= 0) snprintf(lights, sizeof lights, " with %.0f light%s", count, count == 1 ? "" : "s");
     if (samples > 1) snprintf(msaa, sizeof msaa, ", MSAA %.0f", samples);
-    snprintf(text, capacity, "%s%s at %.0fx%.0f%s", scene, lights, bench_number(result, "width", 0),
-             bench_number(result, "height", 0), msaa);
+    const char *kind = shadows_of(result);
+    char shadows[64] = "";
+    bool several = false;
+    const json_t *other;
+    size_t i;
+    json_array_foreach(results, i, other) several = several || *shadows_of(other);
+    if (several) snprintf(shadows, sizeof shadows, *kind ? ", shadows by %s" : ", without shadows", kind);
+    snprintf(text, capacity, "%s%s at %.0fx%.0f%s%s", scene, lights, bench_number(result, "width", 0), bench_number(result, "height", 0), msaa,
+             shadows);
 }
 
 /* The last `parts` parts of a path. */
@@ -203,14 +223,14 @@ static void append_field(struct text *t, const json_t *value) {
 /* A column is a key, or "times.statistic". */
 /* clang-format off */
 static const char *const columns[] = {
-    "scene", "width", "height", "msaa", "shading", "lists", "options", "lights", "lights_in_view", "frames",
-    "frame_ms.median", "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad",
+    "scene", "width", "height", "msaa", "shading", "lists", "lights", "lights_in_view", "frames",
+    "frame_ms.median", "frame_ms.low", "frame_ms.high", "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad",
     "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95", "gpu_ms.mad",
     "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad",
     "wall_ms.median", "lists_ms.median", "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "shadows_ms.median", "geometry_ms.median", "rest_ms.median",
     "without_lists_ms.median", "ideal_ms", "over_ideal",
     "evaluations", "evaluations_useful", "per_pixel", "useful_per_pixel", "max_per_pixel",
-    "list_bytes", "list_used_bytes", "list_entries", "cells", "overflow_cells", "dropped", "triangles", "triangles_drawn", "triangles_culled", "triangles_per_second",
+    "list_bytes", "list_used_bytes", "list_entries", "cells", "overflow_cells", "dropped", "triangles", "triangles_drawn", "triangles_culled_share", "triangles_per_second",
     "image_bytes_read", "image_bytes_written",
     "equal", "differing_pixels", "max_difference"};
 /* clang-format on */
@@ -250,7 +270,7 @@ static json_t *counter_columns(const json_t *root) {
 
 /* What a result sets, or the default. */
 static void append_setting(struct text *t, const json_t *result, const char *key) {
-    const fnl_frame usual = fnl_frame_default();
+    const fnl_frame usual = bench_frame();
     const json_t *value = json_object_get(json_object_get(result, "settings"), key);
     char text[64] = "";
     if (!value) fnl_frame_get(&usual, key, text, sizeof text);
@@ -271,12 +291,13 @@ static bool save_csv(const char *folder, const json_t *root) {
         for (char *dot = strchr(name, '.'); dot; dot = NULL) *dot = '_';
         if (c) append(&t, ",", 1);
         append(&t, name, strlen(name));
+        if (strcmp(name, "lists") != 0) continue;
+        json_array_foreach(settings, k, key) {
+            append(&t, ",", 1);
+            append_field(&t, key);
+        }
     }
     json_array_foreach(counters, k, key) {
-        append(&t, ",", 1);
-        append_field(&t, key);
-    }
-    json_array_foreach(settings, k, key) {
         append(&t, ",", 1);
         append_field(&t, key);
     }
@@ -289,16 +310,13 @@ static bool save_csv(const char *folder, const json_t *root) {
             if (statistic) *statistic++ = 0;
             const json_t *value = json_object_get(result, name);
             if (c) append(&t, ",", 1);
-            if (strcmp(name, "lists") == 0 && strcmp(string_of(result, name), fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_ALL)) == 0)
-                append(&t, "brute force", 11);
-            else
-                append_field(&t, statistic ? json_object_get(value, statistic) : value);
+            append_field(&t, statistic ? json_object_get(value, statistic) : value);
+            if (strcmp(name, "lists") == 0) json_array_foreach(settings, k, key) append_setting(&t, result, json_string_value(key));
         }
         json_array_foreach(counters, k, key) {
             append(&t, ",", 1);
             append_field(&t, json_object_get(json_object_get(result, "counters"), json_string_value(key)));
         }
-        json_array_foreach(settings, k, key) append_setting(&t, result, json_string_value(key));
         append(&t, "\r\n", 2);
     }
     bool good = !t.failed && bench_save_file(folder, "results.csv", t.bytes, t.length);

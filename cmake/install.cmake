@@ -19,7 +19,7 @@ if(TARGET fanal_cli)
   if(FANAL_VIEW)
     install(FILES cli/fanal.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
   endif()
-  install(FILES docs/stats.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/fanal) # of what `fanal render --stats` writes
+  install(FILES docs/stats.schema.json docs/bench.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/fanal) # of what `fanal render --stats` and `fanal bench` write
 endif()
 install(EXPORT fanal NAMESPACE fanal:: FILE fanal-targets.cmake DESTINATION ${package_folder})
 

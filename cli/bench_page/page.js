@@ -30,6 +30,7 @@ function number(value) {
   if (size >= 100) return String(Math.round(value));
   return value.toFixed(Math.min(8, Math.max(0, 2 - Math.floor(Math.log10(size)))));
 }
+const between = (times) => (times.low === undefined ? '–' : number(times.low) + '–' + number(times.high));
 const whole = (value) => (value === undefined || value === null ? '–' : String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, '\u202f'));
 function bytes(value) {
   if (value === undefined || value === null) return '–';
@@ -40,8 +41,12 @@ function bytes(value) {
   return number(value) + ' GiB';
 }
 const listsName = (lists) => (lists === 'brute-force' ? 'brute force' : lists);
-const scheme = (r) => listsName(r.lists) + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
-const caseName = (r) => r.scene + ', ' + r.width + '\u00a0×\u00a0' + r.height + (r.msaa > 1 ? ', MSAA ' + r.msaa : '');
+/* Shadows belong to the case. */
+const optionsOf = (r) => (r.options || '').split(',').filter((part) => part && !part.startsWith('shadows='));
+const scheme = (r) => listsName(r.lists) + (optionsOf(r).length ? ' (' + optionsOf(r).join(', ') + ')' : '');
+const shadowsOf = (r) => ((r.options || '').match(/(?:^|,)shadows=([^,]*)/) || ['', ''])[1];
+const caseName = (r) => r.scene + ', ' + r.width + '\u00a0×\u00a0' + r.height + (r.msaa > 1 ? ', MSAA ' + r.msaa : '') +
+  (results.some(shadowsOf) ? (shadowsOf(r) ? ', shadows by ' + shadowsOf(r) : ', without shadows') : '');
 const lightsOf = (r) => r.lights;
 const plural = (count, noun) => whole(count) + ' ' + noun + (count === 1 ? '' : 's');
 
@@ -270,7 +275,7 @@ function logAxis(title, log, at, format) {
 }
 const lightsAxis = (log, counts) => logAxis('lights', log, counts, (value) => (value >= 10000 ? Math.round(value / 1000) + 'k' : String(Math.round(value))));
 /* Names as axis labels: one part of the options a line, so that they fit a phone. */
-const labelOf = (r) => [listsName(r.lists)].concat(r.options ? r.options.split(',') : []);
+const labelOf = (r) => [listsName(r.lists)].concat(optionsOf(r));
 const barHeight = (rows, perRow, label) => 86 + rows.reduce((sum, r) => sum + Math.max(perRow, 15 * label(r).length + 8), 0);
 const nameAxis = () => ({grid: {display: false}, ticks: {color: variable('--text'), autoSkip: false, font: {size: 12}}});
 
@@ -399,7 +404,7 @@ const orderLook = (name) => {
   const all = unique(results.map((r) => r.shading)), i = all.indexOf(name), p = palette();
   return {color: p[i % p.length], marker: markers[i % markers.length], dash: dashes[(i + Math.floor(i / p.length)) % dashes.length]};
 };
-addPlot('orders', 'Shading paths', 'Each with the lists that it is fastest with here: medians of the whole frame; whiskers span from the 5th to the 95th percentile.',
+addPlot('orders', 'Shading paths', 'Each with the lists that it is fastest with here: medians of the whole frame; the true median is in the interval "between" with 95 % confidence (of all frames, if there are fewer than six). Whiskers span from the 5th to the 95th percentile.',
   (body) => {
   const key = 'frame_ms', fastest = (rows) => rows.slice().sort(byTime(key))[0], at = inCase().filter((r) => lightsOf(r) === state.lights);
   const bestOf = (rows) => unique(rows.map((r) => r.shading)).map((name) => fastest(rows.filter((r) => r.shading === name))).sort(byTime(key));
@@ -407,7 +412,7 @@ addPlot('orders', 'Shading paths', 'Each with the lists that it is fastest with 
   const brute = (r) => at.find((o) => o.shading === r.shading && o.lists === 'brute-force' && (o.ways || '') === (r.ways || ''));
   barPlot(body, 'Time of shading paths', rows, 'ms', [{
     label: 'whole frame, ms', value: (r) => median(r, key), colors: (r) => orderLook(r.shading).color, spread: (r) => [r[key].p5, r[key].p95]
-  }], {label: (r) => [r.shading, 'with ' + listsName(r.lists)].concat(r.options ? r.options.split(',') : []), log: most > 30 * median(rows[0], key)});
+  }], {label: (r) => [r.shading, 'with ' + listsName(r.lists)].concat(optionsOf(r)), log: most > 30 * median(rows[0], key)});
   if (many()) {
     const orders = unique(inCase().map((r) => r.shading));
     body.append(roleLegend(orders, (name) => orderLook(name).color, Object.fromEntries(orders.map((name) => [name, name]))));
@@ -416,8 +421,8 @@ addPlot('orders', 'Shading paths', 'Each with the lists that it is fastest with 
       rows: lightCounts().map((n) => fastest(inCase().filter((r) => r.shading === name && lightsOf(r) === n))).filter(Boolean)
     })), key, 'ms');
   }
-  body.append(table('orders-fastest', [plural(state.lights, 'light'), '<fastest with', 'frame, ms', '± MAD', 'of the fastest', 'of its ideal', 'brute force takes'], ranked(rows, (r) =>
-    [r.shading, scheme(r), number(median(r, key)), number(r[key].mad), number(median(r, key) / median(rows[0], key)) + '×', overIdeal(r),
+  body.append(table('orders-fastest', [plural(state.lights, 'light'), '<fastest with', 'frame, ms', 'between', 'of the fastest', 'of its ideal', 'brute force takes'], ranked(rows, (r) =>
+    [r.shading, scheme(r), number(median(r, key)), between(r[key]), number(median(r, key) / median(rows[0], key)) + '×', overIdeal(r),
       brute(r) && brute(r) !== r ? number(median(brute(r), key) / median(r, key)) + '×' : '–'])));
 });
 
@@ -442,9 +447,9 @@ addPlot('time', 'Light lists', 'Medians; whiskers span from the 5th to the 95th 
     const time = median(at(name, counts[counts.length - 1]), key);
     return Number.isNaN(time) ? Infinity : time;
   };
-  const cell = (r) => (r ? number(r[key].median) + ' ± ' + number(r[key].mad) + (ideal.length && r.over_ideal ? ' (' + overIdeal(r) + ')' : '') : '–');
+  const cell = (r) => (r ? number(r[key].median) + ' (' + between(r[key]) + ')' + (ideal.length && r.over_ideal ? ' (' + overIdeal(r) + ')' : '') : '–');
   const names = unique(lines().map(scheme)).sort((a, b) => last(a) - last(b));
-  body.append(table('time', ['ms, median ± MAD'].concat(counts.map((n) => plural(n, 'light'))),
+  body.append(table('time', ['ms, median (between)'].concat(counts.map((n) => plural(n, 'light'))),
     ranked(names, (name) => [name].concat(counts.map((n) => cell(at(name, n)))))));
 });
 
@@ -595,16 +600,23 @@ function drawControls() {
     select('Shading', unique(inCase().map((r) => r.shading)), state.shading, (value) => { state.shading = value; redraw(); }),
     select('Lights', countsOf(lines()), state.lights, (value) => { state.lights = value; redraw(); }, (n) => whole(n)));
 }
+const frameCounts = () => {
+  const counts = results.map((r) => r.frames), least = Math.min(...counts), most = Math.max(...counts);
+  return results.length ? (least < most ? least + ' to ' + most : String(least)) : String(data.settings.frames);
+};
 function drawHead() {
   const s = data.settings, d = data.device;
   const facts = [
-    ['Device', d.name], ['Driver', d.driver + ', Vulkan ' + d.vulkan], ['Kind', d.type], ['Program', data.program.version],
+    ['Device', d.name], ['Driver', d.driver + ', Vulkan ' + d.vulkan], ['Kind', d.type],
+    ['Machine', data.machine.processor + ', ' + plural(data.machine.cores, 'core') + ', ' + data.machine.kernel],
+    ['Load before', number(data.machine.load_before)], ['Program', data.program.version + ', commit ' + data.program.commit],
     ['Measured', data.date], ['Scenes', unique(results.map((r) => r.scene)).join(', ')],
-    ['Frames', s.frames + ' of each in turn, after ' + s.warm_up + ' to warm up' + (s.camera_path ? ', along ' + s.camera_path : '')]
+    ['Frames', frameCounts() + ' of each in turn, after ' + s.warm_up + ' to warm up' + (s.camera_path ? ', along ' + s.camera_path : '')]
   ];
   document.getElementById('head').append(...facts.map(([name, value]) =>
     element('div', null, element('dt', null, name), element('dd', null, value))));
 }
+const groupCount = () => unique(results.map((r) => caseName(r) + '|' + lightsOf(r))).length;
 /* Of each case the fastest way, the next, and brute force. */
 function drawCases() {
   const key = 'frame_ms', groups = new Map();
@@ -612,11 +624,11 @@ function drawCases() {
     const name = caseName(r) + '|' + lightsOf(r);
     groups.set(name, (groups.get(name) || []).concat(r));
   }
-  const way = (r) => r.shading + ' with ' + (r.lists === 'brute-force' ? 'brute force' : r.lists + ' lists') + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
-  const clear = (a, b) => median(b, key) - median(a, key) > a[key].mad + b[key].mad;
-  return table('cases', ['<case', 'lights', '<fastest', 'ms', '± MAD', '<next', 'times as fast', 'than brute force'], [...groups.values()].map((rows) => {
+  const way = (r) => r.shading + ' with ' + (r.lists === 'brute-force' ? 'brute force' : r.lists + ' lists') + (optionsOf(r).length ? ' (' + optionsOf(r).join(', ') + ')' : '');
+  const clear = (a, b) => b[key].low > a[key].high;
+  return table('cases', ['<case', 'lights', '<fastest', 'ms', 'between', '<next', 'times as fast', 'than brute force'], [...groups.values()].map((rows) => {
     const [first, next] = rows.sort(byTime(key)), brute = rows.find((r) => r.lists === 'brute-force'), times = (r) => number(median(r, key) / median(first, key)) + '×';
-    return [caseName(first), whole(lightsOf(first)), way(first), number(median(first, key)), number(first[key].mad), next ? way(next) : '–',
+    return [caseName(first), whole(lightsOf(first)), way(first), number(median(first, key)), between(first[key]), next ? way(next) : '–',
       next ? times(next) + (clear(first, next) ? '' : ', within the spread') : '–', brute && brute !== first ? times(brute) : '–'];
   }));
 }
@@ -632,9 +644,11 @@ function drawConclusions() {
   if (cut) notes.push(plural(cut, 'result') + ' of fewer frames than asked for: --resume goes on.');
   const rest = all.slice(3);
   return element('section', {id: 'conclusions'},
+    ...(data.warnings || []).map((text) => element('p', {class: 'warning'}, text)),
+    groupCount() > 1 ? drawCases() : null,
     element('ul', {class: 'lead'}, ...all.slice(0, 3).map(line), element('li', {class: equal === compared ? 'good' : 'bad'}, said)),
     rest.length ? element('details', null, element('summary', null, rest.length + ' more'), element('ul', {class: 'lead'}, ...rest.map(line))) : null,
-    notes.length ? element('p', {class: 'note'}, notes.join(' ')) : null, drawCases());
+    notes.length ? element('p', {class: 'note'}, notes.join(' ')) : null, groupCount() > 1 ? null : drawCases());
 }
 function wrap(text, width) {
   const out = [''];

@@ -39,6 +39,7 @@ HTML
 run() { # FOLDER STATUS ARGUMENTS…
     local folder=$work/$1 wanted=$2
     shift 2
+    [[ " $* " == *" --suite "* || " $* " == *" --shadows "* ]] || set -- --shadows off "$@"
     "$fanal" bench "$@" -o "$folder" >"$work/out" 2>&1
     local status=$?
     [ $status = "$wanted" ] || fail "bench $*: exit $status: $(head -c 400 "$work/out")"
@@ -51,6 +52,16 @@ run one 0 "builtin:sky?seed=3" --sizes 64x36 --msaa 1,4 --shading deferred,visib
 # Axes that show a 0: lights in each plot of lines; lists of brute force in the balance and in memory, its lights per pixel.
 for width in 390 1100; do look "$work/many" $width 6 5; done
 look "$work/one" 390
+# Several cases: their table comes before the sentences, with shadows and without apart. A busy machine is told of first.
+run shadows 0 builtin:spheres --sizes 32x18 --lights 4 --shading deferred,forward --lists brute,tiled --shadows off,maps --frames 2
+look "$work/shadows" 390
+jq -e '.tables.cases.rows == 2 and ([.tables.cases.text[][0]] | join(" ") | contains("without shadows") and contains("shadows by maps")) and
+    (.lead | index("fastestmsbetween") < index("was fastest"))' "$work/found.json" >/dev/null || fail "the table of cases does not come first: $(jq -c '.lead' "$work/found.json")"
+jq '.warnings = ["The machine was busy: a made-up load."]' "$work/shadows/results.json" >"$work/results.json"
+awk -v json="$(jq -c . "$work/results.json" | sed 's/\\/\\\\/g')" '/id="data">/ { print; print json; skip = 1; next } /<\/script>/ { skip = 0 } !skip { print }' \
+    "$work/shadows/report.html" >"$work/busy.html" && mv "$work/busy.html" "$work/shadows/report.html"
+look "$work/shadows" 390
+jq -e '.lead | startswith("The machine was busy: a made-up load.")' "$work/found.json" >/dev/null || fail "the page does not begin with its warning: $(jq -c '.lead' "$work/found.json")"
 run tables 0 --suite visibility "builtin:hall?overdraw=1" --sizes 32x18 --msaa 1 --lights 4 --shading deferred,visibility --frames 2
 look "$work/tables" 390
 grep -qE '"orders": *\{' "$work/found.json" && grep -qE '"ids": *\{' "$work/found.json" || fail 'the tables of a suite are not on the page'

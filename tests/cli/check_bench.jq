@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 # Checks the files of `fanal bench` against one another: results.json, and results.csv, which is $csv. There are $RESULTS results, $SKIPPED pairs
 # left out, $EQUAL pictures, and $FRAMES frames of each (not given: at least one). Prints what is wrong; nothing if all is right.
-def keys: ["scene", "width", "height", "msaa", "shading", "lists", "options", "lights", "frames", "lists_ms.median", "frame_ms.median",
+def keys: ["scene", "width", "height", "msaa", "shading", "lists", "lights", "frames", "lists_ms.median", "frame_ms.median",
     "evaluations", "equal"];
 def fields: gsub("\"[^\"]*\""; "quoted") | split(","); # no key above has a quoted name
 # As the CSV spells a value.
-def spelt($key): if $key == "lists" and . == "brute-force" then "brute force" elif . == null then "" else tostring end;
+def spelt($key): if . == null then "" else tostring end;
 # What the numbers of a result must keep, whatever they are.
 def numbers($index): "result \($index): " + (
     (select(.lists == "brute-force" and .lists_ms.median != 0) | "brute force spent \(.lists_ms.median) ms on lists: a pass is taken for one that builds lists"),

@@ -32,7 +32,7 @@ empty_list("wide"; "elements that reach beyond the right edge"),
 (select(($files.skipped | length) > 0 and rows("skipped") != ($files.skipped | length)) |
     "the table of what was left out has \(rows("skipped")) rows, not \($files.skipped | length)"),
 # A row for each case, one for each order of the case at hand.
-(([$files.results[] | [.scene, .width, .msaa, .lights]] | unique | length) as $wanted | select(rows("cases") != $wanted) |
+(([$files.results[] | [.scene, .width, .msaa, .lights, .settings.shadows]] | unique | length) as $wanted | select(rows("cases") != $wanted) |
     "the table of cases has \(rows("cases")) rows, not \($wanted)"),
 (([$files.results[].shading] | unique | length) as $wanted | select((rows("orders-fastest") | . >= 1 and . <= $wanted) | not) |
     "the table of orders has \(rows("orders-fastest")) rows for \($wanted) orders"),

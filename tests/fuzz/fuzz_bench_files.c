@@ -3,6 +3,8 @@
 #include "cli/bench.h"
 #include "tests/fuzz/fuzz.h"
 
+const char program_commit[] = "unknown"; /* of cli/program.h */
+
 static void check_path(const uint8_t *bytes, size_t size) {
     struct bench_path path;
     fnl_camera base = fnl_camera_default();

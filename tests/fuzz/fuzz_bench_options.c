@@ -4,6 +4,8 @@
 #include "tests/fuzz/fuzz.h"
 #include "../frame_plain.h"
 
+const char program_commit[] = "unknown"; /* of cli/program.h */
+
 static void check_plan(const struct bench_plan *plan) {
     for (uint32_t i = 0; i < plan->case_count; i++) {
         const struct bench_case *c = &plan->cases[i];
