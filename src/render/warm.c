@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** Pipelines ahead of the frames that need them. */
+/** Pipelines and uploads ahead of the frames that need them. */
 #include "base/check.h"
 #include "fanal/vulkan.h"
 #include "passes/debug/inspect.h"
@@ -73,6 +73,21 @@ static fnl_result ask(fnl_renderer *r, const fnl_frame *frame, const struct fram
     return result != FNL_OK ? result : ended;
 }
 
+/* What `auto` is going to measure: else the frames after the first would ask for it one by one. */
+static fnl_result ask_candidates(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target, uint64_t *ticket) {
+    fnl_frame candidate = *frame;
+    struct choice choice;
+    uint64_t last;
+    while (chooser_asks(&r->chooser, &choice)) {
+        candidate.shading = choice.shading;
+        candidate.lists = choice.lists;
+        TRY(ask(r, &candidate, target, &last));
+        chooser_asked(&r->chooser, last);
+        *ticket = MAX(*ticket, last);
+    }
+    return FNL_OK;
+}
+
 fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_vulkan_target *target, bool wait,
                              uint32_t *out_pending) {
     TRY(check_handle(__func__, "renderer", r));
@@ -88,6 +103,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     fnl_frame whole = frame;
     if (frame.view_count) frame.camera = frame.views[0];
     frame.view_count = frame.pixel.view = 0; /* the view that is declared */
+    const bool chooses = wait && !frame.pin_choice && (frame.shading == FNL_SHADING_AUTO || frame.lists == FNL_LISTS_AUTO);
     frame.pin_choice = true; /* nothing is measured */
     const struct choice asked = r->asked;
     const bool measures = r->measures;
@@ -126,6 +142,8 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
         ticket = MAX(ticket, last);
     }
     r->asking_together = 0;
+    if (chooses && result == FNL_OK) result = ask_candidates(r, &frame, target ? &frame_target : NULL, &ticket);
+    if (wait && result == FNL_OK) result = gpu_upload_flush(r->device);
     r->asked = asked;
     r->measures = measures;
     if (result != FNL_OK) {

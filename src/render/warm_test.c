@@ -87,6 +87,60 @@ static void test_the_first_frame_makes_no_pipeline(void **state) {
     }
 }
 
+/* After it no frame makes a pipeline, in the background either, and nothing of the scene is uploaded. */
+static void test_frames_after_it_make_and_upload_nothing(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *scene;
+        fnl_shading shading;
+        fnl_light_lists lists;
+        uint32_t msaa;
+        fnl_antialiasing aa;
+        fnl_shadows shadows;
+    } all[] = {
+        {"builtin:spheres?lights=4", FNL_SHADING_DEFERRED, FNL_LISTS_AUTO, 1, FNL_ANTIALIASING_NONE, FNL_SHADOWS_OFF},
+        {"builtin:spheres?lights=0", FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_AUTO, 4, FNL_ANTIALIASING_NONE, FNL_SHADOWS_MAPS},
+        {"builtin:room?lights=4", FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_TILED, 4, FNL_ANTIALIASING_SMAA, FNL_SHADOWS_MAPS},
+        {"builtin:spheres?lights=20", FNL_SHADING_VISIBILITY, FNL_LISTS_CLUSTERED, 1, FNL_ANTIALIASING_TAA, FNL_SHADOWS_SAMPLED},
+    };
+    for (size_t i = 0; i < COUNT_OF(all); i++) {
+        fnl_device_params params = fnl_device_params_default();
+        params.cache_folder = "";
+        params.host = *gpu_host(harness_device());
+        fnl_device *device;
+        fnl_scene *scene;
+        fnl_renderer *renderer;
+        assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
+        assert_int_equal(fnl_scene_load(&params.host, all[i].scene, NULL, &scene), FNL_OK);
+        assert_int_equal(fnl_renderer_create(device, scene, &renderer), FNL_OK);
+        fnl_frame frame = frame_plain();
+        frame.width = 48;
+        frame.height = 27;
+        frame.shading = all[i].shading;
+        frame.lists = all[i].lists;
+        frame.msaa = all[i].msaa;
+        frame.aa = all[i].aa;
+        frame.shadows = all[i].shadows;
+        assert_int_equal(fnl_renderer_warm(renderer, &frame, NULL, true, NULL), FNL_OK);
+        const uint64_t bytes = renderer->device_scene->bytes_uploaded;
+        const struct gpu_pipeline_stats warm = gpu_pipeline_stats(device);
+        assert_true(bytes > 0 && warm.made > 10);
+        assert_int_equal(warm.done, warm.asked);
+        for (int k = 0; k < 4; k++) {
+            fnl_frame_stats stats;
+            assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_OK);
+            assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+            assert_int_equal(stats.pipelines_made, 0);
+            assert_int_equal(stats.pipelines_total, warm.made);
+            assert_int_equal(gpu_pipeline_stats(device).asked, warm.asked);
+            assert_int_equal(renderer->device_scene->bytes_uploaded, bytes);
+        }
+        fnl_renderer_destroy(&renderer);
+        fnl_scene_destroy(&scene);
+        fnl_device_destroy(&device);
+    }
+}
+
 /* Asked again and again it says how much is missing, and in the end nothing. */
 static void test_in_the_background(void **state) {
     UNUSED(state);
@@ -181,6 +235,7 @@ static void test_the_last_frame_stays(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_the_first_frame_makes_no_pipeline, harness_check),
+        cmocka_unit_test_teardown(test_frames_after_it_make_and_upload_nothing, harness_check),
         cmocka_unit_test_teardown(test_in_the_background, harness_check),
         cmocka_unit_test_teardown(test_for_a_target, harness_check),
         cmocka_unit_test_teardown(test_the_last_frame_stays, harness_check),
