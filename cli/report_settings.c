@@ -32,14 +32,14 @@ static json_t *make_picture(const struct render_options *o) {
     const fnl_environment_params *environment = &o->world.environment_params;
     json_t *outputs = json_array();
     for (int i = 0; i < o->output_count; i++) json_array_append_new(outputs, json_string(o->outputs[i]));
-    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:f,s:b,s:b,s:o,s:o}", "output", outputs, "format",
+    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:o,s:b,s:b,s:o,s:o}", "output", outputs, "format",
                      text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", text(o->world.camera), "views", text(o->views), "camera_path",
                      text(o->camera_path), "eye", vector(o->world.has_eye, o->world.eye), "look_at", vector(o->world.has_look_at, o->world.look_at), "fov",
                      number(o->world.fov > 0, (double)o->world.fov * 57.295779513082321), "near", number(o->world.near > 0, (double)o->world.near), "up",
                      vector(o->world.up.x != 0 || o->world.up.y != 0 || o->world.up.z != 0, o->world.up), "background",
                      vector(o->world.has_background, o->world.background), "ambient", vector(o->world.has_ambient, o->world.ambient), "environment",
                      text(o->world.environment), "environment_rotation", (double)environment->rotation * 57.295779513082321, "environment_intensity",
-                     (double)environment->intensity, "environment_hidden", !environment->background, "environment_compressed", environment->compressed, "anisotropy",
+                     number(!environment->intensity_auto, (double)environment->intensity), "environment_hidden", !environment->background, "environment_compressed", environment->compressed, "anisotropy",
                      number(o->world.has_anisotropy, (double)o->world.anisotropy), "aov", names(o->aovs, render_aov_name));
 }
 

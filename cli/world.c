@@ -143,8 +143,10 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         o->environment_params.rotation = (float)(number * 3.14159265358979323846 / 180);
         return true;
     case WORLD_ENVIRONMENT_INTENSITY:
+        o->environment_params.intensity_auto = strcmp(value, "auto") == 0;
+        if (o->environment_params.intensity_auto) return true;
         if (!argument_number("environment-intensity", value, &number)) return false;
-        if (!(number >= 0 && number <= 1e6)) return argument_bad("environment-intensity", value, "a factor from 0 to 1e6");
+        if (!(number >= 0 && number <= 1e6)) return argument_bad("environment-intensity", value, "a factor from 0 to 1e6, or auto");
         o->environment_params.intensity = (float)number;
         return true;
     case WORLD_ENVIRONMENT_HIDDEN:
@@ -291,7 +293,7 @@ static bool add_probes(const struct world_options *o, fnl_scene *scene) {
 static bool set_environment(const fnl_environment_params *params, fnl_scene *scene) {
     const fnl_environment_params usual = fnl_environment_params_default();
     const bool changes = params->rotation != usual.rotation || params->intensity != usual.intensity || params->background != usual.background ||
-                         params->compressed != usual.compressed;
+                         params->intensity_auto || params->compressed != usual.compressed;
     fnl_scene_info info;
     if (!params->source && (!changes || fnl_scene_query_info(scene, &info) != FNL_OK || !info.has_environment)) return true;
     return fnl_scene_set_environment(scene, params) == FNL_OK;

@@ -101,7 +101,7 @@ enum {
     "  --ambient R,G,B            constant ambient light, cd/m^2\n"                                                         \
     "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:sky, builtin:overcast\n" \
     "  --environment-rotation D   turns it, or the file's, about the vertical axis, degrees (0)\n"                      \
-    "  --environment-intensity X  multiplies its light, or the file's (1)\n"                                    \
+    "  --environment-intensity X  multiplies its light, or the file's (1), or auto\n"                            \
     "  --environment-hidden       it gives light, but the background is seen behind the scene\n"                            \
     "  --environment-compressed   keeps it as BC6H: an eighth of the memory, 1.4 to 2.9 % off\n" \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"

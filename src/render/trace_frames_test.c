@@ -102,7 +102,7 @@ static void test_animated_frames(void **state) {
 /* ---- environments ---- */
 
 /* A ball in a sky, whose sun is a light: paths choose directions by the lobe, frames read prefiltered maps. dB of the tone-mapped pictures. */
-static double ball_in_the_sky(const char *source, float metallic, float roughness) {
+static double ball_in_the_sky(const char *source, float ev, float metallic, float roughness) {
     fnl_scene *scene = coarse_scene();
     fnl_environment_params environment = fnl_environment_params_default();
     fnl_material_params material = fnl_material_params_default();
@@ -116,7 +116,7 @@ static double ball_in_the_sky(const char *source, float metallic, float roughnes
     coarse_add_sphere(scene, id, 1);
     struct stage s = stage_open_scene(scene);
     s.frame.width = s.frame.height = 20;
-    s.frame.ev = 0;
+    s.frame.ev = ev;
     s.frame.camera = fnl_camera_default();
     s.frame.camera.position = (fnl_vec3){0, 0.6f, 1.5f}; /* it fills the picture: edges have other samples */
     s.frame.camera.target = (fnl_vec3){0, 0, 0};
@@ -142,8 +142,8 @@ static void test_environments_against_paths_EN_8(void **state) {
     UNUSED(state);
     static const float roughnesses[] = {0.2f, 0.6f, 1};
     for (uint32_t i = 0; i < COUNT_OF(roughnesses); i++) {
-        assert_true(ball_in_the_sky("builtin:sky", 1, roughnesses[i]) > 35);
-        assert_true(ball_in_the_sky("builtin:studio", 0, roughnesses[i]) > 35);
+        assert_true(ball_in_the_sky("builtin:sky", 14, 1, roughnesses[i]) > 35);
+        assert_true(ball_in_the_sky("builtin:studio", 1, 0, roughnesses[i]) > 35);
     }
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/builtin.h"
 
-#include <errno.h>
+#include "scene/query.h"
 
 #define LIGHTS(count)                                                                                                       \
     { "lights", 0, BUILTIN_LIGHTS_MAX, count }
@@ -214,43 +214,6 @@ static const struct builtin_scene *find_scene(const fnl_host *host, const char *
     return NULL;
 }
 
-static fnl_result read_value(const fnl_host *host, const char *text, const struct builtin_key *key, const char *value,
-                             size_t length, uint64_t *out) {
-    char digits[24];
-    bool good = length > 0 && length < sizeof digits;
-    for (size_t i = 0; good && i < length; i++) good = value[i] >= '0' && value[i] <= '9';
-    if (good) {
-        memcpy(digits, value, length);
-        digits[length] = 0;
-        errno = 0;
-        *out = strtoull(digits, NULL, 10);
-        good = errno == 0 && *out >= key->low && *out <= key->high;
-    }
-    if (good) return FNL_OK;
-    log_error(host, "builtin:%s: %s=%.*s is not a whole number from %llu to %llu", text, key->name, (int)MIN(length, 64),
-              value, (unsigned long long)key->low, (unsigned long long)key->high);
-    return FNL_ERROR_INVALID;
-}
-
-/** Reads one "key=value" of `length` characters. */
-static fnl_result read_pair(const fnl_host *host, const char *text, const struct builtin_scene *scene, const char *pair,
-                            size_t length, uint64_t *values) {
-    const char *equals = memchr(pair, '=', length);
-    size_t name_length = equals ? (size_t)(equals - pair) : length;
-    char known[256] = "";
-    for (uint32_t i = 0; i < key_count(scene); i++) {
-        const struct builtin_key *key = &scene->keys[i];
-        if (equals && strlen(key->name) == name_length && memcmp(key->name, pair, name_length) == 0)
-            return read_value(host, text, key, equals + 1, length - name_length - 1, &values[i]);
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s=%llu..%llu", i ? ", " : "", key->name,
-                 (unsigned long long)key->low, (unsigned long long)key->high);
-    }
-    log_error(host, "builtin:%s: '%.*s' is not a key of %s with a value; there are: %s", text, (int)MIN(length, 64), pair,
-              scene->name, known);
-    return FNL_ERROR_INVALID;
-}
-
 /* A directional light of so many lux. */
 static void add_sun(struct builtin *b, uint64_t lux) {
     fnl_light_params light = fnl_light_params_default();
@@ -299,16 +262,18 @@ static fnl_result make_scene(const fnl_host *host, const char *text, const struc
 fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out) {
     fnl_host resolved = host_resolve(host);
     *out = NULL;
-    const char *query = strchr(text, '?');
-    const struct builtin_scene *what = find_scene(&resolved, text, query ? (size_t)(query - text) : strlen(text));
+    const struct builtin_scene *what = find_scene(&resolved, text, query_name_length(text));
     if (!what) return FNL_ERROR_INVALID;
-    uint64_t values[COUNT_OF(what->keys)];
-    for (uint32_t i = 0; i < COUNT_OF(what->keys); i++) values[i] = what->keys[i].fallback;
-    for (const char *pair = query ? query + 1 : ""; *pair;) {
-        size_t length = strcspn(pair, "&");
-        TRY(read_pair(&resolved, text, what, pair, length, values));
-        pair += length;
-        if (*pair == '&') pair++;
+    enum { KEYS = COUNT_OF(what->keys) };
+    struct query_key keys[KEYS];
+    double given[KEYS];
+    uint64_t values[KEYS];
+    const uint32_t count = key_count(what);
+    for (uint32_t i = 0; i < count; i++) {
+        keys[i] = (struct query_key){what->keys[i].name, (double)what->keys[i].low, (double)what->keys[i].high, false};
+        given[i] = -1;
     }
+    TRY(query_read(&resolved, text, what->name, keys, count, given));
+    for (uint32_t i = 0; i < KEYS; i++) values[i] = i < count && given[i] >= 0 ? (uint64_t)given[i] : what->keys[i].fallback;
     return make_scene(&resolved, text, what, values, out);
 }

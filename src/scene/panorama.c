@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Panoramas: those that are made by code, and the bright sources in them. */
+/* Panoramas and the bright sources in them. */
 #include "scene/scene_environment.h"
 
 #include <stdlib.h>
@@ -9,6 +9,11 @@ static size_t byte_count(const struct panorama *p) { return (size_t)p->width * p
 void panorama_finish(const fnl_host *host, struct panorama *p) {
     if (p->texels) host_free(host, p->texels, byte_count(p));
     *p = (struct panorama){0};
+}
+
+void panorama_bound(struct panorama *p) {
+    const size_t count = (size_t)p->width * p->height * 3;
+    for (size_t i = 0; i < count; i++) p->texels[i] = fminf(p->texels[i], 65504);
 }
 
 static float longitude_of(const struct panorama *p, float x) { return ((x + 0.5f) / (float)p->width - 0.5f) * 2 * PI; }
@@ -74,6 +79,16 @@ static double whole_light(const struct panorama *p, const float *luminances, flo
             for (uint32_t r = 0; r < rows; r++)
                 for (uint32_t x = 0; x < p->width; x++) sums[r] += (double)fminf(at[(size_t)r * p->width + x], most);
         for (uint32_t r = 0; r < rows; r++) sum += sums[r] * (double)texel_angle(p, first + r);
+    }
+    return sum;
+}
+
+double panorama_flux(const struct panorama *p) {
+    double sum = 0;
+    for (uint32_t y = 0; y < p->height; y++) {
+        double row = 0;
+        for (uint32_t x = 0; x < p->width; x++) row += (double)texel_luminance(p->texels + 3 * ((size_t)y * p->width + x));
+        sum += row * (double)texel_angle(p, y);
     }
     return sum;
 }
@@ -191,118 +206,4 @@ fnl_result panorama_part(const fnl_host *host, struct panorama *p, struct panora
     if (stack) host_free(host, stack, texel_count * sizeof *stack);
     if (luminances) host_free(host, luminances, texel_count * sizeof *luminances);
     return result;
-}
-
-/* ---- made by code ---- */
-
-/* A rectangle on the sphere with soft edges, and its light. */
-struct soft_box {
-    vec3 out, side, up, color;
-    float strength, half_width, half_height, edge; /* the last three: tangents */
-};
-
-/* Angles in degrees, `azimuth` anticlockwise from +X to -Z. */
-static struct soft_box soft_box(vec3 color, float strength, float azimuth, float elevation, float half_width, float half_height, float edge) {
-    const float a = azimuth * (PI / 180), e = elevation * (PI / 180);
-    const vec3 out = vec3_make(cosf(e) * cosf(a), sinf(e), -cosf(e) * sinf(a)), side = vec3_make(sinf(a), 0, cosf(a));
-    return (struct soft_box){out, side, vec3_cross(side, out), color, strength, tanf(half_width * (PI / 180)), tanf(half_height * (PI / 180)), edge};
-}
-
-/* 1 inside. */
-static float soft_box_part(const struct soft_box *box, vec3 d) {
-    const float along = vec3_dot(d, box->out);
-    if (along <= 0) return 0;
-    const float x = fabsf(vec3_dot(d, box->side)) / along, y = fabsf(vec3_dot(d, box->up)) / along;
-    const float in_x = CLAMP((box->half_width - x) / box->edge, 0.0f, 1.0f), in_y = CLAMP((box->half_height - y) / box->edge, 0.0f, 1.0f);
-    return in_x * in_x * (3 - 2 * in_x) * in_y * in_y * (3 - 2 * in_y);
-}
-
-/* What a sky is made of: the same for all directions. */
-struct sky {
-    struct soft_box boxes[4];
-    vec3 sun;
-    float sun_cosine, gradation_zenith, glow_zenith, glow_edge;
-};
-
-/* A dark room with a large light to the left of a viewer at +Z, a fainter one to the right, one overhead and a strip behind. */
-static struct sky studio_begin(void) {
-    return (struct sky){.boxes = {soft_box(vec3_make(1, 0.97f, 0.92f), 7, 215, 35, 24, 20, 0.08f),
-                                  soft_box(vec3_make(0.93f, 0.97f, 1), 2.5f, -25, 20, 18, 26, 0.08f),
-                                  soft_box(vec3_make(1, 1, 1), 3.5f, 90, 85, 30, 30, 0.12f),
-                                  soft_box(vec3_make(0.95f, 0.98f, 1), 5, 90, 15, 50, 5, 0.05f)}};
-}
-
-static vec3 studio(const struct sky *sky, vec3 d) {
-    const float wall = d.y > 0 ? 0.25f + 0.2f * d.y : 0.25f + 0.25f * d.y * d.y;
-    vec3 light = vec3_scale(vec3_make(1, 1.01f, 1.04f), wall);
-    for (uint32_t i = 0; i < COUNT_OF(sky->boxes); i++) {
-        const struct soft_box *box = &sky->boxes[i];
-        light = vec3_add(light, vec3_scale(box->color, box->strength * soft_box_part(box, d)));
-    }
-    return light;
-}
-
-/* The standard overcast sky of the CIE (S 011), above a ground that reflects a fifth. */
-static vec3 overcast(const struct sky *sky_shape, vec3 d) {
-    UNUSED(sky_shape);
-    const float zenith = 1.3f, sky = zenith * (1 + 2 * fmaxf(d.y, 0)) / 3;
-    const float ground = 0.2f * zenith * 7 / 9, part = CLAMP(0.5f + d.y * 25, 0.0f, 1.0f);
-    return vec3_scale(vec3_make(0.96f, 1, 1.05f), ground + (sky - ground) * part);
-}
-
-/* A clear sky of the CIE (S 011, type 12) with a sun 40 degrees high, which fills 2 degrees so that it has texels. */
-static struct sky clear_sky_begin(void) {
-    const float height = 40 * PI / 180, azimuth = 60 * PI / 180, zenith_sun = PI / 2 - height;
-    return (struct sky){.sun = vec3_make(cosf(height) * cosf(azimuth), sinf(height), cosf(height) * sinf(azimuth)),
-                        .sun_cosine = cosf(1 * PI / 180),
-                        .gradation_zenith = 1 - expf(-0.32f),
-                        .glow_zenith = 1 + 10 * (expf(-3 * zenith_sun) - expf(-3 * PI / 2)) + 0.45f * cosf(zenith_sun) * cosf(zenith_sun),
-                        .glow_edge = expf(-3 * PI / 2)};
-}
-
-static vec3 clear_sky(const struct sky *s, vec3 d) {
-    const float cosine = CLAMP(vec3_dot(d, s->sun), -1.0f, 1.0f), from_sun = acosf(cosine), up = fmaxf(d.y, 0.02f);
-    const float gradation = 1 - expf(-0.32f / up), from_sun_cosine = cosf(from_sun);
-    const float glow = 1 + 10 * (expf(-3 * from_sun) - s->glow_edge) + 0.45f * from_sun_cosine * from_sun_cosine;
-    const float sky = 0.28f * gradation * glow / (s->gradation_zenith * s->glow_zenith), haze = expf(-3 * up);
-    const vec3 blue = vec3_make(0.55f + 0.4f * haze, 0.85f + 0.12f * haze, 1.45f - 0.35f * haze);
-    const float part = CLAMP(0.5f + d.y * 40, 0.0f, 1.0f);
-    vec3 light = vec3_lerp(vec3_make(0.14f, 0.13f, 0.11f), vec3_scale(blue, sky), part);
-    const float inside = CLAMP((vec3_dot(d, s->sun) - s->sun_cosine) / (1 - s->sun_cosine) * 4, 0.0f, 1.0f);
-    return vec3_add(light, vec3_scale(vec3_make(1, 0.93f, 0.82f), 2900 * inside));
-}
-
-static struct sky no_shape(void) { return (struct sky){0}; }
-
-fnl_result panorama_make(const fnl_host *host, const char *name, struct panorama *out) {
-    static const struct {
-        const char *name;
-        struct sky (*begin)(void);
-        vec3 (*radiance)(const struct sky *sky, vec3 direction);
-    } made[] = {{"studio", studio_begin, studio}, {"sky", clear_sky_begin, clear_sky}, {"overcast", no_shape, overcast}};
-    uint32_t which = 0;
-    while (which < COUNT_OF(made) && strcmp(made[which].name, name) != 0) which++;
-    if (which == COUNT_OF(made)) {
-        log_error(host, "builtin:%s: no such environment; there are builtin:studio, builtin:sky and builtin:overcast", name);
-        return FNL_ERROR_UNSUPPORTED;
-    }
-    enum { WIDTH = 1024 };
-    struct panorama p = {.width = WIDTH, .height = WIDTH / 2};
-    const struct sky sky = made[which].begin();
-    float cosines[WIDTH], sines[WIDTH]; /* of longitudes */
-    p.texels = host_allocate(host, byte_count(&p));
-    if (!p.texels) return FNL_ERROR_MEMORY;
-    for (uint32_t x = 0; x < p.width; x++) {
-        const float longitude = longitude_of(&p, (float)x);
-        cosines[x] = cosf(longitude), sines[x] = sinf(longitude);
-    }
-    for (uint32_t y = 0; y < p.height; y++) {
-        const float latitude = latitude_of(&p, (float)y), cosine = cosf(latitude), sine = sinf(latitude);
-        for (uint32_t x = 0; x < p.width; x++) {
-            const vec3 light = made[which].radiance(&sky, vec3_make(sine * cosines[x], cosine, sine * sines[x]));
-            memcpy(p.texels + 3 * ((size_t)y * p.width + x), &light, sizeof light);
-        }
-    }
-    *out = p;
-    return FNL_OK;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/scene_environment.h"
 
+#include "scene/query.h"
 #include "scene/scene.h"
 
 enum { MOST_WIDTH = 4096 };
@@ -9,7 +10,8 @@ fnl_environment_params fnl_environment_params_default(void) {
     return (fnl_environment_params){.intensity = 1, .background = true, .lights = true};
 }
 
-static inline float bounded(float value) { return value > 0 ? (value < 65504 ? value : 65504) : 0; /* NaN: 0 */ }
+/* Finite, and so that sums over all texels are. */
+static inline float bounded(float value) { return value > 0 ? (value < 1e20f ? value : 1e20f) : 0; /* NaN: 0 */ }
 
 static float decoded(const fnl_image *image, size_t index) {
     if (image->format == FNL_PIXEL_FORMAT_RGBA8) return decode_srgb((float)((const uint8_t *)image->pixels)[index] / 255);
@@ -35,14 +37,115 @@ static fnl_result panorama_take(const fnl_host *host, const char *name, const fn
     return FNL_OK;
 }
 
-static fnl_result read_panorama(const fnl_host *host, const fnl_environment_params *params, struct panorama *out) {
+static fnl_result load_panorama(const fnl_host *host, const fnl_environment_params *params, struct panorama *out) {
     if (!params->source) return panorama_take(host, "the environment's image", params->image, out);
-    if (strncmp(params->source, "builtin:", 8) == 0) return panorama_make(host, params->source + 8, out);
     fnl_image image;
     TRY(fnl_image_load(host, params->source, &image));
     const fnl_result result = panorama_take(host, params->source, &image, out);
     fnl_image_free(host, &image);
     return result;
+}
+
+/* The picture and, where they are wanted, the bright sources that go from it: with their whole light, before what remains is bounded. */
+static fnl_result read_panorama(const fnl_host *host, const fnl_environment_params *params, struct scene_environment *out) {
+    if (params->source && strncmp(params->source, "builtin:", 8) == 0) {
+        TRY(panorama_make(host, params->source + 8, params->lights, &out->panorama, out->sources, &out->source_count));
+    } else {
+        TRY(load_panorama(host, params, &out->panorama));
+        if (params->lights) TRY(panorama_part(host, &out->panorama, out->sources, &out->source_count));
+    }
+    panorama_bound(&out->panorama);
+    return panorama_shrink(host, &out->panorama, MOST_WIDTH);
+}
+
+/* ---- beside the scene's lights ---- */
+
+static bool is_of_environment(const struct scene_environment *e, const fnl_scene *scene, uint32_t light) {
+    for (uint32_t i = 0; i < e->source_count; i++)
+        if (e->lights[i].index == light && e->lights[i].generation == scene->lights.data[light].generation) return true;
+    return false;
+}
+
+static float luminance(vec3 color) { return 0.2126f * color.x + 0.7152f * color.y + 0.0722f * color.z; }
+
+static float strength_of(const fnl_light_params *light) {
+    return light->intensity * luminance(vec3_make(light->color[0], light->color[1], light->color[2]));
+}
+
+/* The scene's brightest directional light, or NULL. */
+static const fnl_light_params *find_sun(const fnl_scene *scene) {
+    const fnl_light_params *out = NULL;
+    for (uint32_t i = 0; i < scene->suns.count; i++) {
+        const uint32_t light = scene->suns.data[i];
+        const fnl_light_params *params = &scene->lights.data[light].params;
+        if (params->kind != FNL_LIGHT_DIRECTIONAL || is_of_environment(&scene->environment, scene, light)) continue;
+        if (!out || strength_of(params) > strength_of(out)) out = params;
+    }
+    return out;
+}
+
+static bool has_key(const char *text, const char *key) {
+    const size_t length = strlen(key);
+    for (const char *at = strpbrk(text, "?&"); at; at = strpbrk(at + 1, "?&"))
+        if (strncmp(at + 1, key, length) == 0 && at[1 + length] == '=') return true;
+    return false;
+}
+
+/* "builtin:sky" beside a sun of the scene: without a sun of its own, bright where that one is. The result is `source`, or text in `buffer`. */
+static const char *beside_sun(const fnl_scene *scene, const fnl_environment_params *params, size_t size, char *buffer) {
+    const char *source = params->source, *name = source ? source + 8 : "";
+    if (!source || strncmp(source, "builtin:sky", 11) != 0 || query_name_length(name) != 3 || has_key(name, "sun") || strlen(source) + 64 > size) return source;
+    const fnl_light_params *sun = find_sun(scene);
+    if (!sun) return source;
+    const bool placed = has_key(name, "elevation") || has_key(name, "azimuth");
+    size_t used = (size_t)snprintf(buffer, size, "%s%csun=0", source, strchr(name, '?') ? '&' : '?');
+    if (placed) return buffer;
+    /* In hundredths of degrees, so that no locale has a say. Turned back by the environment's rotation. */
+    const float degrees = 180 / PI, elevation = asinf(CLAMP(-sun->direction.y, -1.0f, 1.0f)) * degrees;
+    const float azimuth = remainderf((atan2f(-sun->direction.z, -sun->direction.x) + params->rotation) * degrees, 360);
+    const int up = (int)lrintf(100 * fmaxf(elevation, -6)), turn = (int)lrintf(100 * azimuth);
+    used += (size_t)snprintf(buffer + used, size - used, "&elevation=%s%d.%02d", up < 0 ? "-" : "", abs(up) / 100, abs(up) % 100);
+    snprintf(buffer + used, size - used, "&azimuth=%s%d.%02d", turn < 0 ? "-" : "", abs(turn) / 100, abs(turn) % 100);
+    return buffer;
+}
+
+/* Lux that the scene's lights give on average to surfaces that face anywhere: directional ones a quarter of theirs; others spread over the scene's box. */
+static double light_of_scene(const fnl_scene *scene) {
+    const struct box box = scene_bounds(scene);
+    const vec3 size = vec3_max(vec3_sub(box.high, box.low), vec3_make(0, 0, 0));
+    const double area = 2 * (double)(size.x * size.y + size.y * size.z + size.z * size.x);
+    double suns = 0, flux = 0;
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        const struct scene_light *light = &scene->lights.data[i];
+        if (light->removed || is_of_environment(&scene->environment, scene, i)) continue;
+        const double strength = (double)strength_of(&light->params);
+        if (light_is_parallel(light->params.kind)) suns += strength / 4;
+        else if (light->params.kind == FNL_LIGHT_SPOT) flux += strength * 2 * (double)PI * (1 - cos((double)light->params.outer_cone_angle));
+        else flux += strength * 4 * (double)PI;
+    }
+    return suns + (area > 0 ? flux / area : 0);
+}
+
+/* The mean luminance of all directions, sources too, as the picture has it. */
+static double mean_of(const struct scene_environment *e) {
+    double sum = panorama_flux(&e->panorama);
+    for (uint32_t i = 0; i < e->source_count; i++) sum += (double)luminance(e->sources[i].illuminance);
+    return sum / (4 * (double)PI);
+}
+
+/* What the intensity must be for the environment to give as much as the scene's lights; 1 without any. */
+static double matching_intensity(const fnl_scene *scene) {
+    const double lights = light_of_scene(scene), own = mean_of(&scene->environment) * (double)PI * (double)scene->environment.own.intensity;
+    return lights > 0 && own > 0 ? lights / own : 1;
+}
+
+/* Pictures are often in relative values, whose mean is about 1: beside lamps and suns they are black. */
+static void warn_of_relative(const fnl_scene *scene, const char *source) {
+    if (source && strncmp(source, "builtin:", 8) == 0 && strcmp(source, "builtin:studio") != 0) return;
+    const double mean = mean_of(&scene->environment), wanted = matching_intensity(scene);
+    if (mean > 20 || wanted < 30 || scene->environment.intensity != 1) return;
+    log_warning(&scene->host, "%s: its values look relative (mean %.2g, not cd/m^2), and the scene's lights give %.0f times as much: an intensity of %.0f, or auto, makes both alike",
+                source ? source : "the environment's image", mean, wanted, wanted);
 }
 
 /* ---- its lights ---- */
@@ -82,7 +185,7 @@ static fnl_light_params light_of(const struct panorama_source *source, const str
     const vec3 color = vec3_scale(source->illuminance, 1 / strength);
     memcpy(light.color, &color, sizeof color);
     light.intensity = strength * scene_environment_scale(e);
-    light.source_radius = source->half_angle;
+    light.source_angle = source->half_angle;
     return light;
 }
 
@@ -137,9 +240,7 @@ static bool same_picture(const struct scene_environment *e, const fnl_environmen
 static fnl_result replace(fnl_scene *scene, const fnl_environment_params *params) {
     const fnl_host *host = &scene->host;
     struct scene_environment made = {.version = scene->environment.version + 1, .parted = params->lights, .own = {quat_identity(), 1, SCENE_NONE}};
-    fnl_result result = read_panorama(host, params, &made.panorama);
-    if (result == FNL_OK && params->lights) result = panorama_part(host, &made.panorama, made.sources, &made.source_count);
-    if (result == FNL_OK) result = panorama_shrink(host, &made.panorama, MOST_WIDTH);
+    fnl_result result = read_panorama(host, params, &made);
     if (result == FNL_OK) result = scene_reserve_lights(scene, made.source_count);
     if (result == FNL_OK && params->source) {
         const size_t size = strlen(params->source) + 1;
@@ -211,7 +312,19 @@ fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_par
         return FNL_OK;
     }
     TRY(check(CALL(&scene->host), scene, params));
-    return set(scene, params, NULL);
+    fnl_environment_params wanted = *params;
+    char source[512];
+    wanted.source = beside_sun(scene, params, sizeof source, source);
+    struct scene_environment *e = &scene->environment;
+    const uint64_t before = e->version;
+    TRY(set(scene, &wanted, NULL));
+    if (params->intensity_auto) {
+        e->intensity = fminf(params->intensity * (float)matching_intensity(scene), 1e6f);
+        scene_environment_moved(scene);
+    } else if (e->version != before) {
+        warn_of_relative(scene, params->source);
+    }
+    return FNL_OK;
 }
 
 fnl_result fnl_scene_query_environment(const fnl_scene *scene, fnl_environment_params *out) {

@@ -9,7 +9,7 @@
 
 #define ENVIRONMENT_LIGHTS_MAX 8u
 
-/** A panorama: RGB floats, finite, 0 .. 65504. */
+/** A panorama: RGB floats, finite, not negative; at most 65504, which half floats hold, once bright sources have been taken out. */
 struct panorama {
     uint32_t width, height;
     float *texels;
@@ -43,8 +43,15 @@ struct scene_environment {
 };
 
 void panorama_finish(const fnl_host *host, struct panorama *p);
-/** One of fanal/environment.h; FNL_ERROR_UNSUPPORTED where there is none of that name. */
-fnl_result panorama_make(const fnl_host *host, const char *name, struct panorama *out);
+/**
+ * One of fanal/environment.h, by what follows "builtin:". `apart`: its light or sun is in `source`, if it has one, rather than in the picture.
+ * FNL_ERROR_UNSUPPORTED where there is none of that name.
+ */
+fnl_result panorama_make(const fnl_host *host, const char *name, bool apart, struct panorama *out, struct panorama_source *source, uint32_t *source_count);
+/** The luminance of all directions, times their solid angles. */
+double panorama_flux(const struct panorama *p);
+/** Values above 65504 become 65504. */
+void panorama_bound(struct panorama *p);
 /** The direction of a texel's centre, and which texel (fractional, from the first one's centre) a unit direction is at. */
 vec3 panorama_direction(const struct panorama *p, float x, float y);
 void panorama_place(const struct panorama *p, vec3 direction, float *x, float *y);
