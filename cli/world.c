@@ -348,6 +348,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     environment.background &= !o->has_background || o->environment;
     if (!set_environment(&environment, *scene)) return false;
     if (!add_probes(o, *scene)) return false;
+    if (o->has_ambient && !o->environment && fnl_scene_set_environment(*scene, NULL) != FNL_OK) return false; /* ambient light takes its place */
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;

@@ -12,6 +12,7 @@
 #define SEED                                                                                                                \
     { "seed", 0, UINT32_MAX, 1 }
 
+/* Skies by dusk, 3 lux and more, let the lamps be seen. Indoors an environment stands for what comes in by windows and from walls. */
 static const struct builtin_scene scenes[] = {
     {"city",
      {LIGHTS(4096),
@@ -21,19 +22,27 @@ static const struct builtin_scene scenes[] = {
       {"triangles", 0, BUILTIN_TRIANGLES_MAX, 0},
       DECALS,
       SUN},
-     builtin_make_city},
-    {"hall", {LIGHTS(1024), SEED, DECALS, {"overdraw", 0, 1, 0}, SUN}, builtin_make_hall},
-    {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}, SUN}, builtin_make_interior},
-    {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
-    {"room", {LIGHTS(3), SEED, {"cave", 0, 100, 0}, {"moving", 0, 1, 0}, SUN}, builtin_make_room},
-    {"spheres", {LIGHTS(64), SEED, {"segments", 4, 1024, 48}, SUN}, builtin_make_spheres},
-    {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
-    {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps},
-    {"grass", {LIGHTS(512), SEED, SUN}, builtin_make_grass},
-    {"onetile", {LIGHTS(1000), SEED}, builtin_make_onetile},
-    {"nearplane", {LIGHTS(256), SEED}, builtin_make_nearplane},
-    {"sky", {LIGHTS(256), SEED}, builtin_make_sky},
-    {"glass", {LIGHTS(256), SEED, {"crossing", 0, 1, 0}}, builtin_make_glass},
+     builtin_make_city,
+     "builtin:sky?elevation=-6&azimuth=-90",
+     1,
+     1},
+    {"hall", {LIGHTS(1024), SEED, DECALS, {"overdraw", 0, 1, 0}, SUN}, builtin_make_hall, NULL, 0, 0},
+    {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}, SUN}, builtin_make_interior, NULL, 0, 0},
+    {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall, "builtin:sky?elevation=-4&azimuth=60", 1, 0},
+    {"room",
+     {LIGHTS(3), SEED, {"cave", 0, 100, 0}, {"moving", 0, 1, 0}, SUN},
+     builtin_make_room,
+     "builtin:sky?elevation=1&azimuth=170&sun=0",
+     1,
+     0.06f},
+    {"spheres", {LIGHTS(64), SEED, {"segments", 4, 1024, 48}, SUN}, builtin_make_spheres, "builtin:studio", 12, 0.5f},
+    {"pole", {LIGHTS(256), SEED}, builtin_make_pole, "builtin:sky?elevation=-5&azimuth=-60", 0.6f, 0},
+    {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps, "builtin:sky?elevation=-6&azimuth=-100", 0.5f, 0},
+    {"grass", {LIGHTS(512), SEED, SUN}, builtin_make_grass, "builtin:sky?elevation=-6&azimuth=-70", 0.4f, 1},
+    {"onetile", {LIGHTS(1000), SEED}, builtin_make_onetile, NULL, 0, 0},
+    {"nearplane", {LIGHTS(256), SEED}, builtin_make_nearplane, "builtin:studio", 2, 0},
+    {"sky", {LIGHTS(256), SEED}, builtin_make_sky, "builtin:sky?elevation=-6&azimuth=-60", 1, 0},
+    {"glass", {LIGHTS(256), SEED, {"crossing", 0, 1, 0}}, builtin_make_glass, "builtin:studio", 1, 0},
 };
 
 const struct builtin_scene *builtin_scene_at(uint32_t index) { return index < COUNT_OF(scenes) ? &scenes[index] : NULL; }
@@ -223,18 +232,28 @@ static void add_sun(struct builtin *b, uint64_t lux) {
     if (lux > 0) builtin_light(b, &light);
 }
 
+/* It gives no lights: their number is that of the key. */
+static void add_environment(struct builtin *b, const struct builtin_scene *what, bool by_sun) {
+    fnl_environment_params params = fnl_environment_params_default();
+    params.source = by_sun ? "builtin:sky" : what->environment;
+    params.intensity = by_sun ? what->intensity_by_sun : what->intensity;
+    params.lights = false;
+    if (!b->failed && fnl_scene_set_environment(b->scene, &params) != FNL_OK) b->failed = true;
+}
+
 /** Scenes with the keys "overdraw", "decals" and "sun" get these once everything is in its place. */
 static void finish_scene(struct builtin *b, const struct builtin_scene *what, const uint64_t *values) {
-    uint64_t count = 0, seed = 1;
+    uint64_t count = 0, seed = 1, sun = 0;
     for (uint32_t i = 0; i < key_count(what); i++) {
         if (strcmp(what->keys[i].name, "overdraw") == 0 && values[i]) {
             builtin_overdraw(b);
             scene_update_transforms(b->scene);
         }
         if (strcmp(what->keys[i].name, "decals") == 0) count = values[i];
-        if (strcmp(what->keys[i].name, "sun") == 0) add_sun(b, values[i]);
+        if (strcmp(what->keys[i].name, "sun") == 0) add_sun(b, sun = values[i]);
         if (strcmp(what->keys[i].name, "seed") == 0) seed = values[i];
     }
+    if (what->environment) add_environment(b, what, sun > 0);
     if (!b->failed && fnl_scene_scatter_decals(b->scene, (uint32_t)count, seed) != FNL_OK) b->failed = true;
 }
 

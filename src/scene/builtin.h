@@ -72,6 +72,9 @@ struct builtin_scene {
     const char *name;
     struct builtin_key keys[7]; /* ends with a NULL name or with the array */
     void (*make)(struct builtin *b, const uint64_t *values);
+    /** Its environment; NULL: constant ambient light, which is also there for those who take the environment away. Beside the key "sun" it is builtin:sky. */
+    const char *environment;
+    float intensity, intensity_by_sun;
 };
 
 /** The table; entry `index`, or NULL behind the last. */
