@@ -121,7 +121,7 @@ bool view_load(struct view *v, const char *source) {
     if (v->swapchain) fnl_swapchain_query_info(v->swapchain, &info);
     l->device = &v->device;
     l->world = v->world;
-    if (!view_is_asked_for(v, source)) l->world.scatter.count = 0; /* a saved scene has them already */
+    if (!view_is_asked_for(v, source)) l->world.lights = -1; /* a saved scene has them already */
     l->host = v->host;
     l->frame = view_whole_frame(v);
     l->frame.width = l->frame.width ? l->frame.width : 1;

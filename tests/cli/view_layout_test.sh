@@ -13,7 +13,7 @@ fail() { echo "FAILED: $*" >&2; [ ! -s out ] || head -c 2000 out >&2; failures=$
 replay() { # NAME OPTION…
     local name=$1
     shift
-    timeout 200 "$fanal" view --device 0 --headless --replay "$name.txt" "$@" >out 2>&1 || fail "$name: the replay ended with an error"
+    timeout 400 "$fanal" view --device 0 --headless --msaa 1 --aa none --ground off --replay "$name.txt" "$@" >out 2>&1 || fail "$name: the replay ended with an error"
 }
 value() { awk -F'\t' -v key="$2" -v field="${3:-2}" '$1 == key { print $field; exit }' "$1"; }
 # area REPORT CONDITION: of x, y, w, h.
@@ -53,7 +53,7 @@ area there.tsv 'x + w / 2 > 398 && x + w / 2 < 406'
 [ "$(value side.tsv picked)" = nothing ] || fail 'the model reaches behind the panel'
 
 # Every menu can be reached where the window is small for its letters (as 800x500 at 200 %), and Escape closes it.
-for menu in Open 'Reset view' Camera Environment Exposure Antialiasing Shadows Debug Compare Save Panels Help; do printf 'click %s\nframes 1\n' "$menu"; key $ESCAPE; done >menus.txt
+for menu in Open 'Reset view' Camera Environment Exposure Antialiasing Shadows Debug Compare Save Panels Help; do printf 'click %s\n' "$menu"; key $ESCAPE; done >menus.txt
 printf 'click Shadows\nclick Antialiasing\nclick 4\nframes 1\nreport switched.tsv\nclick Antialiasing\nframes 1\n' >>menus.txt
 replay menus 'builtin:onetile?lights=1' --size 200x125 --scale 0.5 --shadows off --lists all
 
