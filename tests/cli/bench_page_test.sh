@@ -58,7 +58,7 @@ look "$work/shadows" 390
 jq -e '.tables.cases.rows == 2 and ([.tables.cases.text[][0]] | join(" ") | contains("without shadows") and contains("shadows by maps")) and
     (.lead | index("fastestmsbetween") < index("was fastest"))' "$work/found.json" >/dev/null || fail "the table of cases does not come first: $(jq -c '.lead' "$work/found.json")"
 jq '.warnings = ["The machine was busy: a made-up load."]' "$work/shadows/results.json" >"$work/results.json"
-awk -v json="$(jq -c . "$work/results.json" | sed 's/\\/\\\\/g')" '/id="data">/ { print; print json; skip = 1; next } /<\/script>/ { skip = 0 } !skip { print }' \
+awk -v json="$(jq -c . "$work/results.json" | sed 's/\\/\\\\/g')" '/id="data">/ { print; getline; print json "</script>"; next } { print }' \
     "$work/shadows/report.html" >"$work/busy.html" && mv "$work/busy.html" "$work/shadows/report.html"
 look "$work/shadows" 390
 jq -e '.lead | startswith("The machine was busy: a made-up load.")' "$work/found.json" >/dev/null || fail "the page does not begin with its warning: $(jq -c '.lead' "$work/found.json")"
