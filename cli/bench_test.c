@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of `fanal bench` that need no device: comparing pictures, paths, conclusions, files. */
 #include "bench_lane.h"
+#include "tests/frame_plain.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -100,7 +101,7 @@ static void test_circles(void **state) {
     struct bench_path orbit, turntable;
     fnl_scene *scene;
     fnl_camera framing;
-    assert_int_equal(fnl_scene_load(NULL, "builtin:spheres", NULL, &scene), FNL_OK);
+    assert_int_equal(scene_load_plain(NULL, "builtin:spheres", NULL, &scene), FNL_OK);
     assert_int_equal(fnl_scene_query_framing_camera(scene, 1.5f, &framing), FNL_OK);
     assert_true(bench_path_create(&orbit, "orbit", scene, &framing, 4, 1.5f));
     assert_true(bench_path_create(&turntable, "turntable:8", scene, &framing, 4, 1.5f));

@@ -22,7 +22,7 @@ double mean_difference(const fnl_image *a, const fnl_image *b) {
 
 struct stage edited_stage(const char *source, void (*edit)(struct scene_material *material, uint32_t index)) {
     fnl_scene *scene = NULL;
-    assert_int_equal(fnl_scene_load(NULL, source, NULL, &scene), FNL_OK);
+    assert_int_equal(scene_load_plain(NULL, source, NULL, &scene), FNL_OK);
     for (uint32_t i = 0; i < scene->materials.count; i++) edit(&scene->materials.data[i], i);
     return stage_open_scene(scene);
 }

@@ -100,7 +100,7 @@ static fnl_result print_scene(fnl_device *device, const char *source, bool ways)
     s.frame.ev = 8;
     s.frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     s.frame.timers = false;
-    fnl_result result = fnl_scene_load(NULL, source, NULL, &s.scene);
+    fnl_result result = scene_load_plain(NULL, source, NULL, &s.scene);
     if (result == FNL_OK)
         result = fnl_scene_count(s.scene, FNL_ENTITY_CAMERA) > 0
                      ? fnl_scene_query_camera(s.scene, 0, &s.frame.camera)

@@ -136,9 +136,7 @@ fnl_scene *test_load(const char *name, bool shared) {
     }
     fnl_host host = test_host(&test_device_memory);
     fnl_scene *scene;
-    assert_int_equal(fnl_scene_load(&host, path, NULL, &scene), FNL_OK);
-    /* Tests look at lights, and the maps of an environment take longer than a small picture. */
-    if (strncmp(name, "builtin:", 8) == 0) assert_int_equal(fnl_scene_set_environment(scene, NULL), FNL_OK);
+    assert_int_equal(scene_load_plain(&host, path, NULL, &scene), FNL_OK);
     return scene;
 }
 

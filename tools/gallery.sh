@@ -23,23 +23,23 @@ show() {
     done
     [ -n "$file" ] || { echo "gallery: no $scene in $samples" >&2; exit 1; }
     echo "gallery: $name"
-    "$fanal" render "$file" "${options[@]}" --size 400x225 --supersample 4 -q -o "$work/$name.png"
+    "$fanal" render "$file" "${options[@]}" --size 400x225 -q -o "$work/$name.png"
     convert "$work/$name.png" -colors 224 -define png:compression-level=9 "docs/images/gallery-$name.png"
     case $scene in *[\&?]*) scene="\"$scene\"" ;; esac
-    put "### $name" '' "$text" '' "![$name](images/gallery-$name.png)" '' "    fanal render $scene $* --supersample 4 -o $name.png" ''
+    put "### $name" '' "$text" '' "![$name](images/gallery-$name.png)" '' "    fanal render $scene${*:+ $*} -o $name.png" ''
 }
 
 : >"$page"
 put '<!-- SPDX-License-Identifier: MIT -->' '# Gallery' '' \
     'Every built-in scene, and sample models of the extensions that Fanal reads, each with the command that made the picture (400x225 here; written by `tools/gallery.sh`).' \
     'Models are of [Khronos'"'"' glTF-Sample-Assets](https://github.com/KhronosGroup/glTF-Sample-Assets).' '' '## Built-in scenes' ''
-show city 'Night streets: lamps, cars, signals, shops, lanterns, windows.' 'builtin:city?lights=2048&blocks=2' --shadows rays
-show city-by-day 'The same by a sun, in an analytic sky.' 'builtin:city?lights=0&blocks=2&sun=60000' --environment builtin:sky --shadows rays --camera above
-show hall 'A colonnade with curtains, plants, candles and 512 lights.' 'builtin:hall?lights=512' --shadows rays
-show interior 'Few, large, overlapping lights of all five shapes.' builtin:interior --shadows rays
+show city 'Night streets: lamps, cars, signals, shops, lanterns, windows.' builtin:city
+show city-by-day 'The same by a sun, in an analytic sky.' 'builtin:city?lights=0&blocks=2&sun=60000' --camera above
+show hall 'A colonnade with curtains, plants, candles and 512 lights.' 'builtin:hall?lights=512'
+show interior 'Few, large, overlapping lights of all five shapes.' builtin:interior
 show wall 'Lights behind a wall, which tiles with depth alone keep.' 'builtin:wall?test=2'
 show room 'A sun and lamps shine into a room through coloured glass.' 'builtin:room?sun=40000' --shadows cubemap
-show spheres 'Roughness to the right, metalness upwards.' builtin:spheres --environment builtin:studio
+show spheres 'Roughness to the right, metalness upwards.' builtin:spheres
 show pole 'A thin pole before a far background: a jump in depth in every tile.' builtin:pole
 show lamps 'A row of lamps straight along the view axis.' builtin:lamps
 show grass 'Alpha-masked tufts: jumps in depth everywhere.' builtin:grass
@@ -48,14 +48,14 @@ show nearplane 'Lights on and behind the near plane and around the eye.' builtin
 show sky 'Most pixels and most lights have nothing to light.' builtin:sky
 show glass 'Panes that cross and balls that reach into one another, blended exactly.' 'builtin:glass?crossing=1' --transparency linked
 put '## Sample models' ''
-show DamagedHelmet 'Core materials in a panorama.' DamagedHelmet.glb --environment spiaggia_di_mondello_1k.hdr
+show FlightHelmet 'Core materials, on [the stage](techniques/stage.md).' FlightHelmet.gltf
 show ClearCoatCarPaint '`KHR_materials_clearcoat`.' ClearCoatCarPaint.glb --environment spiaggia_di_mondello_1k.hdr --environment-hidden
-show SheenChair '`KHR_materials_sheen`, `_variants`.' SheenChair.gltf --variant 1 --environment builtin:studio
+show SheenChair '`KHR_materials_sheen`, `_variants`.' SheenChair.gltf --variant 1
 show IridescenceSuzanne '`KHR_materials_iridescence`: on plastic, on metal, on glass.' IridescenceSuzanne.glb --environment spiaggia_di_mondello_1k.hdr
-show AnisotropyStrengthTest '`KHR_materials_anisotropy`.' AnisotropyStrengthTest.glb --environment builtin:studio
-show SpecularTest '`KHR_materials_specular`.' SpecularTest.glb --environment builtin:studio
+show AnisotropyStrengthTest '`KHR_materials_anisotropy`.' AnisotropyStrengthTest.glb
+show SpecularTest '`KHR_materials_specular`.' SpecularTest.glb
 show TransmissionTest '`KHR_materials_transmission`: [smooth, rough, metallic](techniques/transmission.md).' TransmissionTest.glb --lights 12 --ambient 0.5,0.6,0.8 --exposure 3
 show TransmissionRoughnessTest 'Roughness to the right, five indices of refraction.' TransmissionRoughnessTest.glb --lights 12 --ambient 0.5,0.6,0.8 --exposure 3
-show AttenuationTest '`KHR_materials_volume`: thickness and attenuation.' AttenuationTest.glb --environment builtin:studio
-show AlphaBlendModeTest 'Opaque, cut out, blended.' AlphaBlendModeTest.glb --environment builtin:studio
-show CesiumMan 'A skin, in motion.' CesiumMan.glb --time 0.6 --environment builtin:overcast
+show AttenuationTest '`KHR_materials_volume`: thickness and attenuation.' AttenuationTest.glb
+show AlphaBlendModeTest 'Opaque, cut out, blended.' AlphaBlendModeTest.glb
+show CesiumMan 'A skin, in motion.' CesiumMan.glb --time 0.6

@@ -49,6 +49,7 @@ typedef enum fnl_shadow_filter {
     /** Percentage-closer soft shadows: penumbras as wide as the light's radius and the distances of light, blocker and receiver make them. Lights
         without a radius cast hard shadows. */
     FNL_SHADOW_FILTER_PCSS,
+    FNL_SHADOW_FILTER_AUTO, /**< pcf in scenes of up to 8 lights, where it costs little; otherwise hard */
     FNL_SHADOW_FILTER_COUNT
 } fnl_shadow_filter;
 
@@ -83,7 +84,7 @@ typedef struct fnl_shadow_options {
      * for maps as fine as the picture, those of the lights that matter least become coarser first. Default 64.
      */
     uint32_t memory;
-    fnl_shadow_filter filter; /**< maps; default FNL_SHADOW_FILTER_HARD */
+    fnl_shadow_filter filter; /**< maps; default FNL_SHADOW_FILTER_AUTO */
     /**
      * maps: opaque surfaces take their lights from lists of tiles of 8x8 pixels, out of which the lights are taken that the maps show in shadow all over the tile.
      * The picture is the same to the bit, with fewer lights to evaluate. For forward, deferred and visibility shading with one sample a pixel and maps that

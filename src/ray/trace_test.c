@@ -153,7 +153,7 @@ static fnl_trace trace_hall(uint32_t threads, uint64_t seed) {
     fnl_host host = fnl_host_default();
     host.thread_count = threads;
     fnl_scene *scene = NULL;
-    assert_int_equal(fnl_scene_load(&host, "builtin:glass?lights=12", NULL, &scene), FNL_OK);
+    assert_int_equal(scene_load_plain(&host, "builtin:glass?lights=12", NULL, &scene), FNL_OK);
     fnl_trace_params p = trace_plain();
     p.width = 67, p.height = 35, p.samples = 2, p.bounces = 2, p.visibility = true, p.light_radius = 0.1f, p.seed = seed;
     assert_int_equal(fnl_scene_query_framing_camera(scene, 67 / 35.0f, &p.camera), FNL_OK);

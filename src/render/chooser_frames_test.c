@@ -253,7 +253,7 @@ static struct run run_open(const char *folder) {
     fnl_device_params params = fnl_device_params_default();
     params.cache_folder = folder;
     assert_int_equal(fnl_device_create(&params, &run.device), FNL_OK);
-    assert_int_equal(fnl_scene_load(NULL, "builtin:spheres?lights=20", NULL, &run.scene), FNL_OK);
+    assert_int_equal(scene_load_plain(NULL, "builtin:spheres?lights=20", NULL, &run.scene), FNL_OK);
     assert_int_equal(fnl_renderer_create(run.device, run.scene, &run.renderer), FNL_OK);
     assert_int_equal(fnl_scene_query_camera(run.scene, 0, &run.frame.camera), FNL_OK);
     run.frame.width = run.frame.height = 32;

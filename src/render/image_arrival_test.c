@@ -722,7 +722,7 @@ static void test_a_scene_without_images(void **state) {
     params.async = true;
     fnl_host host = make_host();
     fnl_scene *scene;
-    assert_int_equal(fnl_scene_load(&host, "builtin:spheres", &params, &scene), FNL_OK);
+    assert_int_equal(scene_load_plain(&host, "builtin:spheres", &params, &scene), FNL_OK);
     struct stage stage = open_stage(scene);
     assert_int_equal(pending(&stage), 0);
     assert_null(stage.renderer->device_scene->image_queue); /* and no thread */

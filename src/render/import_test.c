@@ -164,7 +164,7 @@ static int set_up(void **state) {
                                     .device = w.device,
                                     .graphics_family = w.family,
                                     .graphics_queue = w.queue};
-    FNL(fnl_scene_load(NULL, "builtin:spheres?lights=16", NULL, &w.scene));
+    FNL(scene_load_plain(NULL, "builtin:spheres?lights=16", NULL, &w.scene));
     FNL(fnl_scene_query_camera(w.scene, 0, &w.camera));
     FNL(fnl_device_create(&params, &w.own));
     FNL(fnl_device_import(&params, &w.handles, &w.imported));

@@ -390,7 +390,7 @@ fnl_frame fnl_frame_default(void) {
                        .camera = fnl_camera_default(),
                        .shading = FNL_SHADING_DEFERRED,
                        .lists = FNL_LISTS_AUTO,
-                       .shadow = {.memory = 64, .samples = 1, .rays = 1, .cubemap_tint = true, .cubemap_correct = true},
+                       .shadow = {.memory = 64, .filter = FNL_SHADOW_FILTER_AUTO, .samples = 1, .rays = 1, .cubemap_tint = true, .cubemap_correct = true},
                        .shadows = FNL_SHADOWS_MAPS,
                        .msaa = FNL_MSAA_AUTO,
                        .aa = FNL_ANTIALIASING_AUTO,

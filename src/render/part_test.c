@@ -77,7 +77,7 @@ static int set_up(void **state) {
     params.cache_folder = "";
     FNL(fnl_device_create(&params, &w.device));
     FNL(fnl_device_query_vulkan(w.device, &w.handles));
-    FNL(fnl_scene_load(NULL, "builtin:spheres?lights=16", NULL, &w.scene));
+    FNL(scene_load_plain(NULL, "builtin:spheres?lights=16", NULL, &w.scene));
     FNL(fnl_renderer_create(w.device, w.scene, &w.reference));
     FNL(fnl_renderer_create(w.device, w.scene, &w.renderer));
     const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .queueFamilyIndex = w.handles.graphics_family};

@@ -184,13 +184,14 @@ void shadows_measure(fnl_renderer *r) {
 
 /* ---- auto ---- */
 
-enum { FEW_LIGHTS = 4 };
+enum { FEW_LIGHTS = 4, FILTERED_LIGHTS = 8 };
 
 void shadows_settle(const fnl_renderer *r, fnl_frame *frame) {
     const fnl_scene *scene = r->scene;
     const fnl_device_info *info = gpu_info(r->device);
     const uint32_t count = scene->suns.count + scene->light_slots.count - scene->free_light_slots.count;
-    if (count == 0 && frame->debug == FNL_DEBUG_NONE) frame->shadows = FNL_SHADOWS_OFF; /* without a pass, or code in shaders */
+    if (count == 0 && takes_maps(frame) && frame->debug == FNL_DEBUG_NONE) frame->shadows = FNL_SHADOWS_OFF; /* without a pass, or code in shaders */
+    if (frame->shadow.filter == FNL_SHADOW_FILTER_AUTO) frame->shadow.filter = count <= FILTERED_LIGHTS ? FNL_SHADOW_FILTER_PCF : FNL_SHADOW_FILTER_HARD;
     if (frame->shadows != FNL_SHADOWS_AUTO) return;
     const bool moves = r->moving_frames > 0 || (r->frame_number > 0 && r->light_version != scene->light_version);
     frame->shadows = FNL_SHADOWS_MAPS;

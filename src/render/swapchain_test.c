@@ -41,7 +41,7 @@ static int set_up(void **state) {
     UNUSED(state);
     w.device = make_device(true);
     assert_int_equal(fnl_device_query_vulkan(w.device, &w.handles), FNL_OK);
-    assert_int_equal(fnl_scene_load(NULL, "builtin:onetile", NULL, &w.scene), FNL_OK);
+    assert_int_equal(scene_load_plain(NULL, "builtin:onetile", NULL, &w.scene), FNL_OK);
     assert_int_equal(fnl_renderer_create(w.device, w.scene, &w.renderer), FNL_OK);
     return 0;
 }

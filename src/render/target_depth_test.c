@@ -65,7 +65,7 @@ static int set_up(void **state) {
     params.cache_folder = "";
     FNL(fnl_device_create(&params, &w.device));
     FNL(fnl_device_query_vulkan(w.device, &w.handles));
-    FNL(fnl_scene_load(NULL, "builtin:onetile", NULL, &w.scene));
+    FNL(scene_load_plain(NULL, "builtin:onetile", NULL, &w.scene));
     FNL(fnl_renderer_create(w.device, w.scene, &w.reference));
     FNL(fnl_renderer_create(w.device, w.scene, &w.renderer));
     FNL(fnl_scene_query_camera(w.scene, 0, &w.cameras[0]));

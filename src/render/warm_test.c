@@ -34,7 +34,7 @@ static void test_the_first_frame_makes_no_pipeline(void **state) {
             fnl_scene *scene;
             fnl_renderer *renderer;
             assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
-            assert_int_equal(fnl_scene_load(&params.host, "builtin:spheres?lights=20", NULL, &scene), FNL_OK);
+            assert_int_equal(scene_load_plain(&params.host, "builtin:spheres?lights=20", NULL, &scene), FNL_OK);
             assert_int_equal(fnl_renderer_create(device, scene, &renderer), FNL_OK);
             fnl_frame frame = frame_plain();
             frame.width = 48;
@@ -111,7 +111,7 @@ static void test_frames_after_it_make_and_upload_nothing(void **state) {
         fnl_scene *scene;
         fnl_renderer *renderer;
         assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
-        assert_int_equal(fnl_scene_load(&params.host, all[i].scene, NULL, &scene), FNL_OK);
+        assert_int_equal(scene_load_plain(&params.host, all[i].scene, NULL, &scene), FNL_OK);
         assert_int_equal(fnl_renderer_create(device, scene, &renderer), FNL_OK);
         fnl_frame frame = frame_plain();
         frame.width = 48;

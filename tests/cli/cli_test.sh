@@ -82,8 +82,8 @@ expect 2 'cannot be written|cannot be opened|No such file' trace builtin:spheres
 absent "$work"/a.* "$work"/none
 
 # A picture of rays is that of a frame; the same bytes for any number of threads; Ctrl-C leaves what was traced.
-expect 0 '64 x 36, 1 sample, 0 bounces: [0-9]+ rays' trace builtin:spheres $small --shadows off --exposure 5 -o "$work/trace.png" -o "$work/trace.exr" --aov visibility
-expect 0 '' render builtin:spheres $plain --msaa 1 --aa none --exposure 5 --frames 0 -q -o "$work/frame.png"
+expect 0 '64 x 36, 1 sample, 0 bounces: [0-9]+ rays' trace builtin:spheres $small --ambient 1,1,1 --shadows off --exposure 5 -o "$work/trace.png" -o "$work/trace.exr" --aov visibility
+expect 0 '' render builtin:spheres $plain --ambient 1,1,1 --msaa 1 --aa none --exposure 5 --frames 0 -q -o "$work/frame.png"
 expect 0 'psnr' compare "$work/trace.png" "$work/frame.png" --psnr 40
 for threads in 1 3; do expect 0 '' trace builtin:spheres $small --samples 3 --bounces 2 --threads $threads -q -o "$work/threads-$threads.exr"; done
 cmp -s "$work/threads-1.exr" "$work/threads-3.exr" || fail 'three threads trace another picture than one'

@@ -333,7 +333,7 @@ static void test_automatic_exposure_MB_15(void **state) {
 /* Makes all blended materials opaque or leaves them away. */
 static fnl_scene *glass_scene(bool with_glass) {
     fnl_scene *scene = NULL;
-    assert_int_equal(fnl_scene_load(NULL, "builtin:glass?lights=48", NULL, &scene), FNL_OK);
+    assert_int_equal(scene_load_plain(NULL, "builtin:glass?lights=48", NULL, &scene), FNL_OK);
     if (!with_glass)
         for (uint32_t i = 0; i < scene->materials.count; i++)
             if (scene->materials.data[i].alpha_mode == FNL_ALPHA_BLEND) scene->materials.data[i].base_color.w = 0;

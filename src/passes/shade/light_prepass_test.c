@@ -66,7 +66,7 @@ static void test_pre_lighting(void **state) {
 /* Matter without Fresnel's rise under white lights: an index of refraction of 0 reflects the share `specular` from all sides. */
 static fnl_scene *plain_scene(bool white) {
     fnl_scene *scene;
-    assert_int_equal(fnl_scene_load(gpu_host(harness_device()), "builtin:spheres?lights=60", NULL, &scene), FNL_OK);
+    assert_int_equal(scene_load_plain(gpu_host(harness_device()), "builtin:spheres?lights=60", NULL, &scene), FNL_OK);
     for (uint32_t i = 0; i < scene->materials.count; i++) {
         struct scene_material *m = &scene->materials.data[i];
         m->ior = 0;
