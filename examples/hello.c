@@ -4,13 +4,6 @@
 
 #include <stdio.h>
 
-static fnl_result light(fnl_scene *scene) {
-    fnl_result result = fnl_scene_scatter_lights(scene, 200, 1);
-    if (result != FNL_OK) return result;
-    fnl_vec3 sky = {0.3f, 0.3f, 0.3f}, ground = {0.3f, 0.3f, 0.3f}; /* cd/m^2 */
-    return fnl_scene_set_ambient(scene, sky, ground);
-}
-
 static fnl_result render(fnl_device *device, fnl_scene *scene, const char *path) {
     fnl_frame frame = fnl_frame_default();
     frame.width = 640;
@@ -34,7 +27,7 @@ int main(int argc, char **argv) {
     fnl_scene *scene = NULL;
     fnl_device *device = NULL;
     fnl_result result = fnl_scene_load(NULL, source, NULL, &scene);
-    if (result == FNL_OK) result = light(scene);
+    if (result == FNL_OK) result = fnl_scene_scatter_lights(scene, 200, 1);
     if (result == FNL_OK) result = fnl_device_create(NULL, &device);
     if (result == FNL_OK) result = render(device, scene, path);
     fnl_device_destroy(&device);
