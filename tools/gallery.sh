@@ -24,7 +24,7 @@ show() {
     [ -n "$file" ] || { echo "gallery: no $scene in $samples" >&2; exit 1; }
     echo "gallery: $name"
     "$fanal" render "$file" "${options[@]}" --size 400x225 -q -o "$work/$name.png"
-    convert "$work/$name.png" -colors 224 -define png:compression-level=9 "docs/images/gallery-$name.png"
+    pngquant --force --output "docs/images/gallery-$name.png" 224 "$work/$name.png"
     case $scene in *[\&?]*) scene="\"$scene\"" ;; esac
     put "### $name" '' "$text" '' "![$name](images/gallery-$name.png)" '' "    fanal render $scene${*:+ $*} -o $name.png" ''
 }
