@@ -71,9 +71,6 @@ static void make_device(struct program *p) {
      */
     fnl_vulkan_requirements requirements;
     fnl_vulkan_requirements_init(&requirements);
-    VkPhysicalDeviceFeatures supported;
-    vkGetPhysicalDeviceFeatures(p->physical, &supported);
-    requirements.features.features.shaderClipDistance = supported.shaderClipDistance; /* for shadow maps */
     float priority = 1;
     VkDeviceQueueCreateInfo queue_info = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                           .queueFamilyIndex = p->family,

@@ -51,9 +51,6 @@ static void make_device(GLFWwindow *window) {
 
     fnl_vulkan_requirements requirements; /* what Fanal needs; the extension is the program's own */
     fnl_vulkan_requirements_init(&requirements);
-    VkPhysicalDeviceFeatures supported;
-    vkGetPhysicalDeviceFeatures(vk.physical_device, &supported);
-    requirements.features.features.shaderClipDistance = supported.shaderClipDistance; /* for shadow maps */
     VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                      .queueFamilyIndex = *family,
                                      .queueCount = 1,
