@@ -11,7 +11,7 @@ case $example in
 hello) # lights the scene itself
     scene='builtin:spheres?lights=0' options=(--lights 200 --light-seed 1) ;;
 import_device) # takes the first device
-    scene='builtin:spheres' options=(--device 0) ;;
+    scene='builtin:spheres' options=(--device 0 --shadows rays) ;; # it enables no clip distances, which shadow maps need
 async_load) # a file with images; they are all there in the end
     scene=$(dirname "$0")/decals.gltf options=(--lights 20) ;;
 esac
