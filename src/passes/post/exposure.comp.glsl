@@ -18,14 +18,19 @@ float level_of(float bin) { return bin / float(METER_BINS) * (METER_HIGH - METER
 void main() {
     float total = 0.0;
     for (uint i = 1u; i < METER_BINS; i++) total += count_of(i);
-    float low = total * METER_TRIM, high = total * (1.0 - METER_TRIM), bright = total * METER_BRIGHT;
-    float before = 0.0, sum = 0.0, weight = 0.0, brightest = METER_LOW;
+    float low = total * METER_TRIM, high = total * (1.0 - METER_TRIM), before = 0.0, sum = 0.0, weight = 0.0;
     for (uint i = 1u; i < METER_BINS; i++) {
         float count = count_of(i), inside = max(min(before + count, high) - max(before, low), 0.0);
         sum += inside * level_of(float(i) + 0.5);
         weight += inside;
-        if (before < bright && before + count >= bright) brightest = level_of(float(i) + (bright - before) / count);
         before += count;
+    }
+    float surfaces = 0.0, seen = 0.0, brightest = METER_LOW;
+    for (uint i = 1u; i < METER_BINS; i++) surfaces += float(push.histogram.at[i]);
+    for (uint i = 1u; i < METER_BINS; i++) {
+        float count = float(push.histogram.at[i]), bright = surfaces * METER_BRIGHT;
+        if (seen < bright && seen + count >= bright) brightest = level_of(float(i) + (bright - seen) / count);
+        seen += count;
     }
     float ev = weight > 0.0 ? max(sum / weight - log2(1.2 * METER_KEY), brightest - log2(1.2 * METER_SPARE)) : 0.0;
     push.exposure.at[0] = 1.0 / (1.2 * exp2(ev));
