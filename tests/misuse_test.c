@@ -121,6 +121,7 @@ static fnl_compositor *made_compositor;
 static const fnl_composition composition = {.head = {{0, 0, 0}, {0, 0, 0, 1}}};
 static fnl_compositor_stats compositor_stats;
 static fnl_frame_stats stats;
+static bool is_done;
 static fnl_pixel_info pixel_info;
 static fnl_scene_info info;
 static fnl_entity_info entity_info;
@@ -243,6 +244,8 @@ static fnl_loaded loaded;
     X(fnl_renderer_destroy, SILENT(fnl_renderer_destroy(NULL)))                                                             \
     X(fnl_renderer_print, GIVES("renderer", 0, fnl_renderer_print(NULL, FNL_PRINT_PLAN, NULL, 0));                          \
       SILENT(fnl_renderer_print(w.renderer, FNL_PRINT_TRAFFIC, NULL, 0)))                                                   \
+    X(fnl_renderer_query_done, NULLED("renderer", fnl_renderer_query_done(NULL, &is_done));                                 \
+      NULLED("out", fnl_renderer_query_done(w.renderer, NULL)))                                                             \
     X(fnl_renderer_query_pixel, NULLED("renderer", fnl_renderer_query_pixel(NULL, &pixel_info));                            \
       NULLED("out", fnl_renderer_query_pixel(w.renderer, NULL)))                                                            \
     X(fnl_renderer_query_stats, NULLED("renderer", fnl_renderer_query_stats(NULL, &stats));                                 \

@@ -46,7 +46,7 @@ static void print_help(void) {
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE [W H]', 'capture FILE' (with the panels), 'command FILE', 'report FILE',\n"
          "                             'trace FILE', 'savescene FILE', 'turntable N', 'panel NAME', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
          "  --record FILE              writes the events of the window to a file\n"
-         "  --exit-after N             ends after N frames of the scene\n"
+         "  --exit-after N             ends after N frames of the scene, and says how many pictures the window showed meanwhile\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
          "  --no-cache                 does not use the user's cache folder\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
@@ -80,8 +80,8 @@ static bool run_window(struct view *v, const struct view_options *o) {
         struct view_event event;
         const bool idle = v->wanted == 0 && v->queue.count == 0;
         const double rest = view_window_has_gamepad(v->window) ? 0.05 : 0.5; /* sticks do not wake */
-        view_window_poll(v->window, idle ? (v->part < 1 ? fmin(rest, 0.15) : rest) : v->loader.running || v->pending > 0 ? 0.03 : 0);
-        if (idle && v->queue.count == 0 && v->part < 1) { /* it has come to rest: now as fine as the window */
+        view_window_poll(v->window, v->screen.is_drawing ? 0.004 : idle ? (v->part < 1 ? fmin(rest, 0.15) : rest) : v->loader.running || v->pending > 0 ? 0.03 : 0);
+        if (idle && !v->screen.is_drawing && v->queue.count == 0 && v->part < 1) { /* it has come to rest: now as fine as the window */
             v->part = 1;
             view_want(v, 1);
         }
@@ -96,6 +96,7 @@ static bool run_window(struct view *v, const struct view_options *o) {
         last = time;
         view_advance(v, seconds);
         view_watch(v);
+        if (!view_collect(v)) return false;
         if (v->wanted == 0) {
             trace_end_frame(v->timeline.history, NULL, 0);
             continue;
@@ -110,13 +111,14 @@ static bool run_window(struct view *v, const struct view_options *o) {
 /* ---- the command ---- */
 
 static bool open_device(struct view *v, const struct view_options *o) {
-    fnl_device_params params = fnl_device_params_default();
-    params.host = v->host;
-    params.validate = o->validate;
-    params.presentation = v->window != NULL;
-    if (o->no_cache) params.cache_folder = "";
-    argument_device(o->device, &params);
-    return fnl_device_create(&params, &v->device.device) == FNL_OK && fnl_device_query_info(v->device.device, &v->device.info) == FNL_OK &&
+    fnl_device_params *params = &v->device.params;
+    *params = fnl_device_params_default();
+    params->host = v->host;
+    params->validate = o->validate;
+    params->presentation = v->window != NULL;
+    if (o->no_cache) params->cache_folder = "";
+    argument_device(o->device, params);
+    return fnl_device_create(params, &v->device.device) == FNL_OK && fnl_device_query_info(v->device.device, &v->device.info) == FNL_OK &&
            (!v->window || view_window_open_swapchain(v->window, v->device.device, v->settings.present, v->settings.color, &v->swapchain));
 }
 
@@ -164,6 +166,7 @@ static bool run(struct view *v, const struct view_options *o) {
         fputs("fanal: error: memory ran out\n", stderr);
         return false;
     }
+    if (!view_screen_adapt(v)) return false;
     struct view_scene nothing = {0}; /* for the panels, until there is something */
     if (fnl_scene_create(&v->host, &nothing.scene) != FNL_OK || fnl_scene_query_info(nothing.scene, &nothing.info) != FNL_OK ||
         fnl_renderer_create(v->device.device, nothing.scene, &nothing.renderer) != FNL_OK) {
@@ -175,11 +178,14 @@ static bool run(struct view *v, const struct view_options *o) {
     if (o->world.scene) view_open(v, o->world.scene);
     bool good = o->replay ? view_replay(v, o->replay, o->exit_after) : run_window(v, o);
     view_loader_stop(&v->loader);
+    if (o->exit_after && !o->replay)
+        printf("%llu frames of the scene in %llu pictures of the window\n", (unsigned long long)(v->frames_drawn - v->frames_loading), (unsigned long long)v->screen.shown);
     remember(v);
     view_compare_leave(v);
     fnl_renderer_destroy(&v->shown.renderer);
-    if (good && o->validate && fnl_device_validation_count(v->device.device)) {
-        fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", (unsigned long long)fnl_device_validation_count(v->device.device));
+    const unsigned long long messages = view_screen_finish(v) + fnl_device_validation_count(v->device.device);
+    if (good && o->validate && messages) {
+        fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", messages);
         good = false;
     }
     ui_destroy();
@@ -350,7 +356,6 @@ int command_view(int argc, char **argv) {
     v->timeline.zoom = 1;
     view_files_init(&v->files);
     const bool good = view_compare_start(v, o.compare) && run(v, &o);
-    fnl_swapchain_destroy(&v->swapchain);
     view_select_free(v);
     fnl_image_free(&v->host, &v->thumbnails.image);
     view_files_finish(v);

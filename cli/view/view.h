@@ -106,6 +106,7 @@ void view_camera_walk(struct view_camera *camera, fnl_vec3 metres);          /* 
 
 /* ---- a scene (view_scene.c) ---- */
 
+
 struct view_scene {
     char *source; /* malloc */
     fnl_scene *scene;
@@ -119,8 +120,27 @@ void view_scene_free(struct view_scene *scene);
 /** Who calls the device or its renderers holds the mutex, which is recursive. */
 struct view_device {
     pthread_mutex_t mutex;
+    fnl_device_params params;
     fnl_device *device;
     fnl_device_info info;
+};
+
+/**
+ * The window's pictures by a device of their own, so that panels answer while the scene's device works on a slow frame: the scene's last
+ * picture with the panels over it (view_screen.c).
+ */
+struct view_screen {
+    fnl_device *device; /* NULL: the scene is drawn straight into the window */
+    fnl_scene *scene;   /* with nothing in it: all is overlay */
+    fnl_renderer *renderer;
+    fnl_image picture; /* of the scene */
+    uint64_t version;  /* of the picture */
+    bool is_drawing;   /* the scene's device works on a frame */
+    double begun;      /* when it began */
+    fnl_frame sent;    /* that frame, or the last, */
+    fnl_pixel_query pixel; /* and what it was asked for */
+    uint32_t slow;     /* frames in a row that took so long that panels would stutter */
+    uint64_t shown;    /* pictures of the window so far, without those during loading */
 };
 
 enum view_phase { VIEW_READING, VIEW_SENDING, VIEW_COMPILING };
@@ -149,6 +169,27 @@ bool view_loader_take(struct view_loader *loader, bool wait, struct view_scene *
 /** "Loading model.glb: reading, 40 %" */
 void view_loader_describe(struct view_loader *loader, char *text, size_t capacity);
 void view_loader_stop(struct view_loader *loader);
+
+/* ---- the window's own device (view_screen.c); false: no picture can be shown any more ---- */
+
+struct view;
+/** After frames, and when colours change: begins or ends it as the scene's device needs. */
+bool view_screen_adapt(struct view *view);
+bool view_screen_begin(struct view *view);
+bool view_screen_end(struct view *view);
+/** At the end; returns how many validation messages there were. */
+uint64_t view_screen_finish(struct view *view);
+/** The frame of the scene that the window would like to show now. */
+fnl_frame view_screen_frame(const struct view *view);
+/** Whether that is another than the last. */
+bool view_screen_has_changed(const struct view *view);
+/** Shows another picture of the scene from now on; it becomes the window's. */
+void view_screen_take(struct view *view, fnl_image *picture);
+/** Draws it, between ui_begin and ui_end. */
+void view_screen_back(struct view *view);
+fnl_result view_screen_show(struct view *view, const fnl_overlay *overlay);
+/** Of a scene with nothing in it, for pictures that are all overlay. */
+fnl_frame view_bare_frame(void);
 
 /* ---- what is remembered from one window to the next (view_settings.c) ---- */
 
@@ -276,6 +317,7 @@ struct view {
     fnl_host host;
     struct view_device device;
     struct fnl_swapchain *swapchain; /* NULL: headless */
+    struct view_screen screen;
     struct view_window *window;
     struct view_queue queue;
     struct view_loader loader;
@@ -289,7 +331,8 @@ struct view {
     uint32_t width, height;
 
     /* How often and how finely. */
-    uint32_t wanted;      /* frames to be drawn although nothing happens */
+    uint32_t wanted;      /* pictures of the window to be drawn although nothing happens */
+    uint32_t due;         /* of these, frames of the scene */
     bool replays;         /* no frame is left out */
     bool moving;          /* the picture changes: it may be coarser */
     double opened;        /* when the scene was asked for */
@@ -441,6 +484,8 @@ bool view_ends_with(const char *text, const char *end); /* in capitals or not */
 double view_now(void);                                  /* seconds */
 /** A frame of the window; false when the device is lost. */
 bool view_draw_frame(struct view *view, double seconds);
+/** Takes the scene's picture if the device has finished it meanwhile; false when the device is lost. */
+bool view_collect(struct view *view);
 /** The frame of the user's options, at the window's size. */
 fnl_frame view_whole_frame(const struct view *view);
 /** The picture with the panels. */
@@ -509,7 +554,11 @@ bool view_replay(struct view *view, const char *path, uint32_t exit_after);
 /** "light" of 1, "lights" of others. */
 static inline const char *view_plural(uint64_t count, const char *one, const char *many) { return count == 1 ? one : many; }
 /** Draws soon. */
-static inline void view_want(struct view *view, uint32_t frames) { view->wanted = view->wanted > frames ? view->wanted : frames; }
+static inline void view_want_panels(struct view *view, uint32_t frames) { view->wanted = view->wanted > frames ? view->wanted : frames; }
+static inline void view_want(struct view *view, uint32_t frames) {
+    view_want_panels(view, frames);
+    view->due = view->due > frames ? view->due : frames;
+}
 /** As `fanal render` would make it; false with a message. */
 bool view_save_picture(struct view *view, const char *path);
 void view_open(struct view *view, const char *source);

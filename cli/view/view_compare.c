@@ -217,15 +217,7 @@ static fnl_frame part_frame(const struct view *v, const fnl_frame *frame, uint32
 /* The picture is all overlay: of a scene with nothing in it. */
 static fnl_result draw_difference(struct view *v, const fnl_frame *frame, const fnl_vulkan_target *target) {
     struct view_compare *c = &v->compare;
-    fnl_frame own = fnl_frame_default();
-    own.shading = FNL_SHADING_FORWARD;
-    own.lists = FNL_LISTS_ALL;
-    own.shadows = FNL_SHADOWS_OFF;
-    own.msaa = 1;
-    own.aa = FNL_ANTIALIASING_NONE;
-    own.studio = false;
-    own.ground = FNL_GROUND_OFF;
-    own.background = FNL_BACKGROUND_SCENE;
+    fnl_frame own = view_bare_frame();
     own.width = target ? 1 : frame->width;
     own.height = target ? 1 : frame->height;
     own.outputs = frame->outputs;
@@ -328,8 +320,8 @@ fnl_result view_compare_read(struct view *v, const fnl_frame *frame, fnl_image *
     struct moved_overlay moved = {0};
     fnl_image right = {0};
     fnl_frame a = part_frame(v, frame, frame->width, at, false), b = part_frame(v, frame, frame->width, frame->width - at, true);
-    fnl_result result = !side || move_overlay(frame->overlay, at, &moved) ? FNL_OK : FNL_ERROR_MEMORY;
-    if (side) b.overlay = &moved.overlay;
+    fnl_result result = !side || !frame->overlay || move_overlay(frame->overlay, at, &moved) ? FNL_OK : FNL_ERROR_MEMORY;
+    if (side && frame->overlay) b.overlay = &moved.overlay;
     if (result == FNL_OK) result = render_and_read(v, &a, false, out);
     if (result == FNL_OK) result = render_and_read(v, &b, true, &right);
     if (result == FNL_OK && side && !widen(v, out, frame->width)) result = FNL_ERROR_MEMORY;

@@ -65,6 +65,7 @@ static fnl_result apply(struct view *v, struct view_edit *e, bool forward) {
     const union view_value *value = forward ? &e->after : &e->before;
     fnl_scene *scene = v->shown.scene;
     const struct view_id id = e->id;
+    view_want(v, 2);
     switch (e->kind) {
     case VIEW_EDIT_LIGHT:
         return fnl_scene_set_light(scene, (fnl_light_id){id.index, id.generation}, &value->light);

@@ -67,6 +67,7 @@ void view_show(struct view *v, struct view_scene *scene) {
     pthread_mutex_lock(&v->device.mutex);
     view_compare_leave(v);
     view_scene_free(&v->shown);
+    v->screen.is_drawing = false;
     v->stats = (fnl_frame_stats){0}; /* what it points to was the old renderer's */
     pthread_mutex_unlock(&v->device.mutex);
     v->shown = *scene;
@@ -129,7 +130,7 @@ bool view_load(struct view *v, const char *source) {
     l->width = view_area(v).width;
     l->height = view_area(v).height;
     l->own_shadows = v->own_shadows;
-    l->format = (uint32_t)info.format;
+    l->format = v->screen.device ? 0 : (uint32_t)info.format;
     const bool good = view_loader_start(l, source);
     if (!good) view_say(v, FNL_LOG_ERROR, "memory ran out");
     return good;
@@ -170,6 +171,7 @@ void view_apply_settings(struct view *v) {
     params.color = (fnl_color_space)v->settings.color;
     if (v->swapchain) fnl_swapchain_set(v->swapchain, &params);
     ui_set_look(v->scale, v->settings.dark);
+    if (!view_screen_adapt(v)) v->quit = true;
     view_want(v, 2);
 }
 
@@ -292,16 +294,83 @@ static fnl_result draw(struct view *v, const fnl_overlay *overlay, bool retried)
     return result == FNL_ERROR_DEVICE && !retried ? FNL_OK : result; /* the next one finds out whether the surface is lost */
 }
 
+static fnl_result draw_window(struct view *v, const fnl_overlay *overlay) { return draw(v, overlay, false); }
+
+/* How long a scene took from its name to its picture. */
+static void note_arrival(struct view *v) {
+    char text[160];
+    const double seconds = view_now() - v->opened;
+    if (v->arriving == 2) snprintf(text, sizeof text, "first picture after %.2f s", seconds);
+    if (v->arriving == 1 && v->pending == 0) snprintf(text, sizeof text, "all images after %.2f s", seconds);
+    if (v->arriving == 2 || (v->arriving == 1 && v->pending == 0)) {
+        view_say(v, FNL_LOG_INFO, text);
+        v->arriving--;
+    }
+}
+
+/* ---- by a device of its own ---- */
+
+/* The scene's frame is finished: its picture is the window's from now on. */
+static bool finish_frame(struct view *v, fnl_result result, fnl_image *picture) {
+    v->screen.is_drawing = false;
+    if (result != FNL_OK) return false;
+    v->frame_seconds = view_now() - v->screen.begun;
+    view_screen_take(v, picture);
+    note_stats(v);
+    note_arrival(v);
+    v->frames_drawn++;
+    v->frames_loading += v->loader.running;
+    view_want_panels(v, 2);
+    return true;
+}
+
+bool view_collect(struct view *v) {
+    struct view_screen *s = &v->screen;
+    fnl_image picture = {0};
+    bool is_done = false, good = true;
+    if (!s->is_drawing || pthread_mutex_trylock(&v->device.mutex) != 0) return true;
+    good = fnl_renderer_query_done(v->shown.renderer, &is_done) == FNL_OK;
+    if (good && is_done) {
+        fnl_frame frame = s->sent;
+        frame.pixel = s->pixel;
+        drawn(v, &frame, FNL_OK);
+        good = finish_frame(v, fnl_renderer_read(v->shown.renderer, FNL_OUTPUT_COLOR, &picture), &picture);
+    }
+    pthread_mutex_unlock(&v->device.mutex);
+    return good;
+}
+
+/* Begins the scene's next frame; two methods are drawn one after the other, and waited for. */
+static fnl_result send(struct view *v, const fnl_overlay *overlay) {
+    struct view_screen *s = &v->screen;
+    (void)overlay;
+    choose_part(v);
+    s->sent = view_screen_frame(v);
+    s->begun = view_now();
+    fnl_frame frame = s->sent;
+    begin_call(v);
+    view_pixel_ask(v, &frame);
+    if (v->compare.mode == VIEW_COMPARE_OFF) {
+        const fnl_result result = fnl_renderer_render(v->shown.renderer, &frame);
+        s->is_drawing = result == FNL_OK;
+        s->pixel = frame.pixel;
+        return result;
+    }
+    fnl_image picture = {0};
+    const fnl_result result = v->compare.is_shown ? FNL_OK : view_compare_read(v, &frame, &picture);
+    return result != FNL_OK || finish_frame(v, result, &picture) ? result : FNL_ERROR_DEVICE;
+}
+
 /* What cannot be drawn is taken back: the picture stays the last that could. */
-static bool draw_or_take_back(struct view *v, const fnl_overlay *overlay) {
-    fnl_result result = draw(v, overlay, false);
+static bool draw_or_take_back(struct view *v, fnl_result (*begin)(struct view *, const fnl_overlay *), const fnl_overlay *overlay) {
+    fnl_result result = begin(v, overlay);
     if (result == FNL_OK) {
         v->good = v->frame;
         return true;
     }
     if (result != FNL_ERROR_INVALID && result != FNL_ERROR_UNSUPPORTED && result != FNL_ERROR_MEMORY) return false;
     v->frame = v->good;
-    result = draw(v, overlay, false);
+    result = begin(v, overlay);
     view_want(v, 2); /* with the reason among the messages */
     return result == FNL_OK;
 }
@@ -324,16 +393,28 @@ static void pick_object(struct view *v) {
     view_want(v, 2);
 }
 
-/* How long a scene took from its name to its picture. */
-static void note_arrival(struct view *v) {
-    char text[160];
-    const double seconds = view_now() - v->opened;
-    if (v->arriving == 2) snprintf(text, sizeof text, "first picture after %.2f s", seconds);
-    if (v->arriving == 1 && v->pending == 0) snprintf(text, sizeof text, "all images after %.2f s", seconds);
-    if (v->arriving == 2 || (v->arriving == 1 && v->pending == 0)) {
-        view_say(v, FNL_LOG_INFO, text);
-        v->arriving--;
-    }
+/* The scene's next frame is begun where it is due and the device is free; panels are drawn in any case. */
+static bool draw_apart(struct view *v, double seconds) {
+    fnl_overlay overlay;
+    const bool is_free = pthread_mutex_trylock(&v->device.mutex) == 0;
+    bool good = true;
+    if (is_free && !v->screen.is_drawing && (v->due > 0 || view_screen_has_changed(v))) {
+        if (v->due > 0) v->due--;
+        view_compare_update(v);
+        if (v->pick.clicked) pick_object(v);
+        v->timeline.called = 0;
+        good = draw_or_take_back(v, send, NULL);
+    } else if (!is_free)
+        view_want_panels(v, 1);
+    trace_mark(v->timeline.history, "panels");
+    ui_begin(v->width, v->height, seconds);
+    view_screen_back(v);
+    view_panels(v);
+    ui_end(&overlay);
+    trace_mark(v->timeline.history, "present");
+    good = good && view_screen_show(v, &overlay) == FNL_OK;
+    if (is_free) pthread_mutex_unlock(&v->device.mutex);
+    return good;
 }
 
 /* A frame of the window; false when the device is lost. */
@@ -347,6 +428,8 @@ bool view_draw_frame(struct view *v, double seconds) {
         v->wanted_scale = 0;
         view_apply_settings(v);
     }
+    if (v->screen.device) return draw_apart(v, seconds);
+    if (v->due > 0) v->due--;
     if (v->replays)
         pthread_mutex_lock(&v->device.mutex);
     else if (pthread_mutex_trylock(&v->device.mutex) != 0) { /* a scene is on its way to the device: the window answers, and this frame is left out */
@@ -362,14 +445,15 @@ bool view_draw_frame(struct view *v, double seconds) {
     view_panels(v);
     ui_end(&overlay);
     if (v->pick.clicked) pick_object(v);
-    const bool good = draw_or_take_back(v, &overlay);
+    const bool good = draw_or_take_back(v, draw_window, &overlay);
     if (good && !v->compare.is_shown) note_stats(v);
     pthread_mutex_unlock(&v->device.mutex);
     v->frame_seconds = view_now() - begun;
     note_arrival(v);
     v->frames_drawn++;
     v->frames_loading += v->loader.running;
-    return good;
+    v->screen.shown += !v->loader.running;
+    return good && view_screen_adapt(v);
 }
 
 static bool save_image(struct view *v, fnl_result result, const char *path, fnl_image *image) {

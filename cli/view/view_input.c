@@ -112,9 +112,18 @@ static void press_pad(struct view *v, int button) {
     if (button == PAD_START) press_key(v, KEY_TAB);
 }
 
+/* Letters and movement of the mouse alone change nothing in the scene; keys from Escape on may (enum view_key). */
+static bool is_for_panels(const struct view *v, const struct view_event *e) {
+    if (e->kind == VIEW_MOVE) return v->drag < 0 && !v->captured && !v->compare.drags && v->select.gizmo.held < 0;
+    return e->kind == VIEW_CHARACTER || (e->kind == VIEW_KEY && e->code < KEY_ESCAPE && ui_wants_keys());
+}
+
 /* True when a frame must be drawn before the next event: widgets see a button or a key only if it stays as it is for a frame. */
 static bool handle(struct view *v, const struct view_event *e) {
-    view_want(v, 3);
+    if (is_for_panels(v, e))
+        view_want_panels(v, 3);
+    else
+        view_want(v, 3);
     if (e->kind == VIEW_BUTTON || e->kind == VIEW_KEY) {
         v->modifiers = e->modifiers;
         /* The event of a modifier's own key does not count that key. */

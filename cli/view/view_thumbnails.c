@@ -42,6 +42,7 @@ void view_thumbnails_update(struct view *v) {
         if (!t->image.pixels) return;
         memset(t->image.pixels, 128, BYTES * VIEW_ENVIRONMENTS);
     }
+    if (v->screen.is_drawing) return;
     pthread_mutex_lock(&v->device.mutex);
     if (render(v, view_environments[t->count], &picture)) memcpy((char *)t->image.pixels + BYTES * t->count, picture.pixels, BYTES);
     pthread_mutex_unlock(&v->device.mutex);

@@ -47,6 +47,11 @@ FNL_API fnl_result fnl_renderer_warm(fnl_renderer *renderer, const fnl_frame *fr
  */
 FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, fnl_image *out);
 
+/**
+ * Whether the device has finished the last frame: the calls below then do not wait. True before the first frame. Does not wait.
+ * FNL_ERROR_DEVICE when the device is lost.
+ */
+FNL_API fnl_result fnl_renderer_query_done(fnl_renderer *renderer, bool *out);
 /** Waits for the last frame and describes it. */
 FNL_API fnl_result fnl_renderer_query_stats(fnl_renderer *renderer, fnl_frame_stats *out);
 /** Waits for the last frame and tells what it did at the pixel that it was asked for (fnl_frame.pixel). */

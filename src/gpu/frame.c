@@ -85,6 +85,12 @@ static bool is_finished(gpu_device *device, const struct gpu_frame *frame) {
     return true;
 }
 
+fnl_result gpu_frame_done(gpu_device *device, uint64_t frame_number, bool *out) {
+    *out = frame_number == 0 || frame_number + GPU_FRAMES_IN_FLIGHT <= device->frame_number ||
+           is_finished(device, &device->frames[(frame_number - 1) % GPU_FRAMES_IN_FLIGHT]);
+    return gpu_status(device);
+}
+
 bool gpu_frame_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *out) {
     if (slot >= GPU_FRAMES_IN_FLIGHT) return false;
     struct gpu_frame *frame = &device->frames[slot];

@@ -553,6 +553,8 @@ fnl_result gpu_frame_end(gpu_device *device, const struct gpu_batch *batches, ui
                          const struct gpu_external_semaphores *external);
 /** Waits for the frame with this number. */
 fnl_result gpu_frame_wait(gpu_device *device, uint64_t frame_number);
+/** Whether it is over. */
+fnl_result gpu_frame_done(gpu_device *device, uint64_t frame_number, bool *out);
 /** Timestamps of the last finished use of a slot, in nanoseconds from the earliest; false when the device has none or they were not written. */
 bool gpu_frame_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *out);
 /** Sum of `count` queries of gpu_begin_vertex_count; false when the device cannot count, the frame is not over, or another one has taken its slot since. */

@@ -421,6 +421,8 @@ static void test_misuse(void **state) {
     assert_int_equal(fnl_renderer_render(NULL, NULL), FNL_ERROR_INVALID);
     assert_int_equal(fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &image), FNL_ERROR_INVALID); /* no frame yet */
     assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_ERROR_INVALID);
+    bool is_done = false;
+    assert_true(fnl_renderer_query_done(renderer, &is_done) == FNL_OK && is_done);
     fnl_renderer_destroy(NULL);
     fnl_renderer_destroy(&none);
     assert_int_equal(fnl_renderer_print(NULL, FNL_PRINT_PLAN, NULL, 0), 0);
@@ -432,6 +434,8 @@ static void test_misuse(void **state) {
     fnl_frame good = test_frame(FNL_OUTPUT_RADIANCE);
     test_render_frame(renderer, &good);
     fnl_image first = test_read(renderer, FNL_OUTPUT_RADIANCE);
+    is_done = false;
+    assert_true(fnl_renderer_query_done(renderer, &is_done) == FNL_OK && is_done);
     fnl_frame bad[24];
     uint32_t count = 0;
 #define BAD(change) (bad[count] = good, bad[count].change, count++)

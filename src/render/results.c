@@ -29,6 +29,12 @@ fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out)
     return FNL_OK;
 }
 
+fnl_result fnl_renderer_query_done(fnl_renderer *r, bool *out) {
+    TRY(check_handle(__func__, "renderer", r));
+    TRY(check_pointer(CALL(&r->host), "out", out));
+    return gpu_frame_done(r->device, r->frame_number, out);
+}
+
 static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *view, fnl_frame_stats *s) {
     const uint32_t *counters = view->counters.mapped;
     uint64_t pixels = (view->counter_count - 3) / 2;
