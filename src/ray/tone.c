@@ -65,8 +65,19 @@ double ray_srgb(double linear) {
 
 static double level_of(double bin) { return bin / METER_BINS * (METER_HIGH - METER_LOW) + METER_LOW; }
 
+/* Below which this share of the counts is. */
+static double level_at(const double counts[METER_BINS], double share) {
+    double all = 0, before = 0;
+    for (uint32_t i = 1; i < METER_BINS; i++) all += counts[i];
+    for (uint32_t i = 1; i < METER_BINS && all > 0; i++) {
+        if (before + counts[i] >= share * all) return level_of(i + (share * all - before) / counts[i]);
+        before += counts[i];
+    }
+    return METER_LOW;
+}
+
 double ray_meter(const float *pixels, const uint8_t *surfaces, uint32_t width, uint32_t height) {
-    double counts[METER_BINS] = {0}, shown[METER_BINS] = {0} /* surfaces */, total = 0, surface = 0;
+    double counts[METER_BINS] = {0}, shown[METER_BINS] = {0} /* surfaces */, total = 0;
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
             const size_t i = (size_t)y * width + x;
@@ -78,18 +89,18 @@ double ray_meter(const float *pixels, const uint8_t *surfaces, uint32_t width, u
             counts[bin] += surfaces[i] ? weight : METER_BACKGROUND * weight;
             shown[bin] += surfaces[i] ? weight : 0;
         }
-    for (uint32_t i = 1; i < METER_BINS; i++) total += counts[i], surface += shown[i];
-    const double low = METER_TRIM * total, high = (1 - METER_TRIM) * total, bright = METER_BRIGHT * surface;
-    double before = 0, seen = 0, sum = 0, weight = 0, brightest = METER_LOW;
+    for (uint32_t i = 1; i < METER_BINS; i++) total += counts[i];
+    const double low = METER_TRIM * total, high = (1 - METER_TRIM) * total;
+    double before = 0, sum = 0, weight = 0;
     for (uint32_t i = 1; i < METER_BINS; i++) {
         const double inside = fmax(fmin(before + counts[i], high) - fmax(before, low), 0);
         sum += inside * level_of(i + 0.5);
         weight += inside;
-        if (seen < bright && seen + shown[i] >= bright) brightest = level_of(i + (bright - seen) / shown[i]);
         before += counts[i];
-        seen += shown[i];
     }
-    return weight > 0 ? fmax(sum / weight - log2(1.2 * METER_KEY), brightest - log2(1.2 * METER_SPARE)) : 0;
+    if (weight == 0) return 0;
+    const double kept = fmax(level_at(shown, METER_BRIGHT) - log2(1.2 * METER_SPARE), level_at(shown, METER_BROAD) - log2(1.2 * METER_LIGHT));
+    return fmax(sum / weight - log2(1.2 * METER_KEY), kept);
 }
 
 double ray_exposure(double ev) { return 1 / (1.2 * exp2(ev)); }

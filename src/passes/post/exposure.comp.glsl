@@ -15,6 +15,18 @@ float count_of(uint bin) { return float(push.histogram.at[bin]) + METER_BACKGROU
 
 float level_of(float bin) { return bin / float(METER_BINS) * (METER_HIGH - METER_LOW) + METER_LOW; }
 
+// Below which this share of the surfaces is.
+float surface_level(float share) {
+    float all = 0.0, before = 0.0;
+    for (uint i = 1u; i < METER_BINS; i++) all += float(push.histogram.at[i]);
+    for (uint i = 1u; i < METER_BINS && all > 0.0; i++) {
+        float count = float(push.histogram.at[i]), wanted = all * share;
+        if (before + count >= wanted) return level_of(float(i) + (wanted - before) / count);
+        before += count;
+    }
+    return METER_LOW;
+}
+
 void main() {
     float total = 0.0;
     for (uint i = 1u; i < METER_BINS; i++) total += count_of(i);
@@ -25,14 +37,9 @@ void main() {
         weight += inside;
         before += count;
     }
-    float surfaces = 0.0, seen = 0.0, brightest = METER_LOW;
-    for (uint i = 1u; i < METER_BINS; i++) surfaces += float(push.histogram.at[i]);
-    for (uint i = 1u; i < METER_BINS; i++) {
-        float count = float(push.histogram.at[i]), bright = surfaces * METER_BRIGHT;
-        if (seen < bright && seen + count >= bright) brightest = level_of(float(i) + (bright - seen) / count);
-        seen += count;
-    }
-    float ev = weight > 0.0 ? max(sum / weight - log2(1.2 * METER_KEY), brightest - log2(1.2 * METER_SPARE)) : 0.0;
+    float ev = weight > 0.0 ? max(sum / weight - log2(1.2 * METER_KEY), max(surface_level(METER_BRIGHT) - log2(1.2 * METER_SPARE),
+                                                                            surface_level(METER_BROAD) - log2(1.2 * METER_LIGHT)))
+                            : 0.0;
     push.exposure.at[0] = 1.0 / (1.2 * exp2(ev));
     push.exposure.at[1] = ev;
 }
