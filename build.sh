@@ -92,7 +92,7 @@ demo)
     echo "demo: 1. packages, 2. building the command into build/, 3. rendering a city with 4096 lights into demo.png"
     setup
     build_command
-    build/fanal render "builtin:city?lights=4096" --size 1280x720 --msaa 4 --exposure 2 --lists clustered --frames 0 -o demo.png
+    build/fanal render "builtin:city?lights=4096" --size 1280x720 -o demo.png
     cat <<'EOF'
 wrote demo.png
 

@@ -54,7 +54,7 @@ static bool is_scene(const char *word) {
 
 /* fanal SCENE [OPTIONS]: as fanal view SCENE [OPTIONS], where there is a screen. */
 static int show(int argc, char **argv) {
-    const char *problem = "this Fanal is built without the viewer";
+    const char *problem = "this build of Fanal has no viewer";
 #ifdef FANAL_VIEW
     const char *x11 = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY");
     if ((x11 && *x11) || (wayland && *wayland)) {

@@ -69,7 +69,7 @@ static void print_help(void) {
          STEREO_HELP
          DISPLAY_HELP
          WORLD_EYE_HELP
-         "  --exposure EV|auto|none    EV100 (auto; a sequence keeps that of its first picture, unless auto is given)\n"
+         "  --exposure EV|auto|none    EV100 (auto; a sequence keeps the exposure of its first picture unless auto is given)\n"
          WORLD_SURROUNDINGS_HELP
          "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion,object\n"
          "  --supersample N            averages N frames with different sample positions: a reference for antialiasing");
@@ -83,7 +83,7 @@ static void print_help(void) {
          "                             'help' as the value lists the names that an option takes, as in --debug help\n"
          "\n"
          "Run\n"
-         "  --frames N                 renders N more frames for timing, and prints the table with medians\n"
+         "  --frames N                 times N frames and prints a table of medians\n"
          "  --frame-time SECONDS       outputs with %d or %04d in their names are a sequence of --frames pictures; the\n"
          "                             animation advances by this much between them (1/30)\n"
          "  --start-frame N            starts a sequence at picture N (0); it ends where --frames says\n"
@@ -101,7 +101,7 @@ static void print_help(void) {
          "chose\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
          "  -v, --verbose              prints the table of a timed frame: passes, lights, triangles, memory\n"
-         "  -q, --quiet                prints nothing but errors, and what --pixel, --plan and --traffic print\n"
+         "  -q, --quiet                prints only errors and the output of --pixel, --plan, --traffic\n"
          "  -h, --help                 prints this text\n"
          "\n"
          "With -o - or --stats -, everything else is printed to stderr.\n"
@@ -434,7 +434,7 @@ static bool check_options(struct render_options *o) {
     if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample is no --aa taa";
     if (o->frame_count == 0 && (o->stats || o->trace_file || o->verbose || sequence))
         problem = "--frames 0 is a picture without numbers: not with --stats, --trace-file or --verbose, nor for a sequence";
-    if (o->verbose && o->quiet) problem = "--verbose and --quiet exclude one another";
+    if (o->verbose && o->quiet) problem = "--verbose and --quiet cannot be combined";
     if (o->verbose && sequence) problem = "--verbose is for single pictures: --stats FILE has the numbers of a sequence";
     if (o->trace_file && render_is_stdout(o->trace_file)) problem = "--trace-file writes a file, not to stdout";
     if (o->trace_file && o->supersample > 1) problem = "--trace-file and --supersample exclude one another: pictures of several frames are not timed";

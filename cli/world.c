@@ -352,7 +352,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
-    if (!quiet && !o->no_studio && is_dark(*scene)) puts("The scene has no light: it stands in builtin:studio (--environment, --lights, --ambient, --studio off).");
+    if (!quiet && !o->no_studio && is_dark(*scene)) puts("The scene has no light: using builtin:studio (--environment, --lights, --ambient, --studio off).");
     return choose_camera(o, *scene, (float)width / (float)height, camera);
 }
 

@@ -94,10 +94,10 @@ enum {
     "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"                                                 \
     "  --up X,Y,Z --near METRES   what is up in its picture (0,1,0), and from where on it sees (0.05)\n"
 #define WORLD_SURROUNDINGS_HELP                                                                                             \
-    "  --background KIND          what is seen behind the scene: scene (its environment), gradient, blur:DEGREES (the\n"    \
+    "  --background KIND          what is shown behind the scene: scene (its environment), gradient, blur:DEGREES (the\n"    \
     "                             environment, blurred), or R,G,B in cd/m^2 (gradient in the studio, otherwise scene)\n"    \
     "  --ground on|off|auto       a floor that catches shadows (auto: in the studio, under models without a floor)\n"      \
-    "  --studio on|off            lights scenes without any light by builtin:studio (on)\n"                                 \
+    "  --studio on|off            lights scenes without any light with builtin:studio (on)\n"                                 \
     "  --ambient R,G,B            constant ambient light, cd/m^2\n"                                                         \
     "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:sky, builtin:overcast\n" \
     "  --environment-rotation D   turns it, or the file's, about the vertical axis, degrees (0)\n"                      \
@@ -106,8 +106,8 @@ enum {
     "  --environment-compressed   keeps it as BC6H: an eighth of the memory, 1.4 to 2.9 % off\n" \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
 #define WORLD_SCENE_HELP                                                                                                    \
-    "  --lights N                 the number of lights of a built-in scene; a file gets N more, points and spots at random places\n" \
-    "  --light-seed S             the random seed for these places (1)\n"                                                   \
+    "  --lights N                 lights in total in a built-in scene; a file gets N more, at random positions\n" \
+    "  --light-seed S             random seed for these positions (1)\n"                                                   \
     "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box,rectangle, each with =SHARE "                    \
     "or equal (point=3,spot=1)\n"                                                                                                    \
     "  --light-scale X            multiplies their radius (1). With one of these three options the N lights of a built-in scene\n" \

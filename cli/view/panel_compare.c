@@ -22,7 +22,7 @@ void view_compare_choose(struct view *v) {
     if (ui_radio("edit A", !c->edits_b)) c->edits_b = false;
     ui_same_line();
     if (ui_radio("edit B", c->edits_b)) c->edits_b = true;
-    ui_tooltip("Whose options the menus and panels show and change");
+    ui_tooltip("Which side's options the menus and panels edit");
     ui_same_line();
     if (ui_button("copy A to B")) view_compare_copy(v);
     ui_same_line();
@@ -30,8 +30,8 @@ void view_compare_choose(struct view *v) {
 }
 
 void view_panel_compare(struct view *v) {
-    static const char *const help[VIEW_COMPARE_COUNT] = {"One picture", "Left of the line A, right of it B: drag the line",
-                                                         "Each in a half of the window, drawn at that size", "How far apart the pictures are, at rest"};
+    static const char *const help[VIEW_COMPARE_COUNT] = {"One picture", "A left of the line, B right of it; drag the line",
+                                                         "Each in half of the window, rendered at that size", "The difference between the pictures, at rest"};
     struct view_compare *c = &v->compare;
     for (int i = 0; i < VIEW_COMPARE_COUNT; i++) {
         if (ui_radio(view_compare_name((enum view_compare_mode)i), i == (int)c->mode)) view_compare_begin(v, (enum view_compare_mode)i);

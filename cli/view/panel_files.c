@@ -201,7 +201,7 @@ static void show_entries(struct view *v) {
         }
         ui_table_end();
     }
-    if (shown == 0 && !f->browser_saves) ui_note(f->typed[0] ? "Nothing here has this in its name." : "There are no models here: .glb, .gltf, .hdr and .exr files would be listed.");
+    if (shown == 0 && !f->browser_saves) ui_note(f->typed[0] ? "No file name matches." : "There are no models here: .glb, .gltf, .hdr and .exr files would be listed.");
     if (!chosen[0]) return;
     struct stat s;
     char path[VIEW_PATH];
@@ -240,7 +240,7 @@ void view_panel_browser(struct view *v) {
         if (f->begins) ui_focus();
         f->begins = false;
         const bool entered = ui_input("##typed", f->typed, sizeof f->typed);
-        ui_tooltip(f->browser_saves ? "The name of the file: .glb" : "Part of a name shows the files that have it; a path, or builtin:NAME, and Enter open it");
+        ui_tooltip(f->browser_saves ? "The name of the file: .glb" : "Type part of a name to filter, or a path or builtin:NAME and Enter");
         ui_same_line();
         if (ui_button(f->browser_saves ? "save here" : "open this") || entered) enter_typed(v);
         if (f->browser_saves && show_overwrite(v)) f->browses = false;
@@ -291,7 +291,7 @@ static void show_sequences(struct view *v) {
     ui_item_width(-70);
     ui_input("path", f->flight_path, sizeof f->flight_path);
     if (ui_button(f->flight.records ? "stop" : "record")) view_toggle_flight(v);
-    ui_tooltip("Records the way of the camera until it is stopped (V), for --camera-path");
+    ui_tooltip("Records the camera path until you stop it (V), for --camera-path");
     ui_same_line();
     if (ui_button("render the path") && is_free(v)) view_save_sequence(v, f->flight_path, f->pattern);
     ui_tooltip("Writes a picture of each place that was recorded; the window waits meanwhile");
@@ -310,7 +310,7 @@ void view_panel_files(struct view *v) {
     ui_input("##path", v->save_path, sizeof v->save_path);
     ui_same_line();
     if (ui_button("save")) view_save_next_picture(v);
-    ui_tooltip("As 'fanal render' would make it: .png or .exr (P). A name that is taken gets a number.");
+    ui_tooltip("Same as 'fanal render': .png or .exr (P). Adds a number if the name is taken.");
     show_size_fields(v);
     if (ui_button("copy the command")) view_copy_command(v);
     ui_tooltip("Which 'fanal render' makes this picture: into the clipboard, and to the terminal");

@@ -140,7 +140,7 @@ void view_panel_statistics(struct view *v) {
     if (s->choice && s->choice[0]) ui_note("%s", s->choice);
     show_candidates(s);
     if (ui_button("timeline")) view_show_wide(v, VIEW_TIMELINE);
-    ui_tooltip("What ran when, in this frame and the last ones (F2)");
+    ui_tooltip("When each pass ran, in this and recent frames (F2)");
     ui_same_line();
     if (ui_button("graph")) view_show_wide(v, VIEW_GRAPH);
     ui_tooltip("The frame graph: passes, what they read and write, barriers (F3)");

@@ -178,7 +178,7 @@ static bool show_range(fnl_light_params *light) {
         light->range = derived ? INFINITY : fmaxf(fnl_light_range(light, 1, 0.05f), 1e-3f);
         edited = true;
     }
-    ui_tooltip("Otherwise the light ends at a distance that you choose");
+    ui_tooltip("If off, you set the range");
     return edited | (!derived && show_number("range, m", &light->range, 1e-3f, FLT_MAX, "%.3g"));
 }
 
@@ -299,7 +299,7 @@ void view_panel_lights(struct view *v) {
     const uint32_t count = fnl_scene_count(v->shown.scene, FNL_ENTITY_LIGHT);
     ui_text("%u %s", v->shown.info.light_count, view_plural(v->shown.info.light_count, "light", "lights"));
     if (ui_button("add one")) add_light(v);
-    ui_tooltip("Adds a light before the camera; change what it is below");
+    ui_tooltip("Adds a light in front of the camera; edit it below");
     ui_same_line();
     if (ui_checkbox("show lights", &v->select.shows_lights)) view_want(v, 2);
     ui_tooltip("As dots in the picture (L); Ctrl and a click on one picks it");

@@ -130,7 +130,7 @@ void view_show_exposure(struct view *v) {
     }
     ui_item_width(150);
     if (ui_number("EV100", &v->frame.ev, -10, 20, "%.2f")) view_compare_expose(v);
-    ui_tooltip("Exposure value: one more halves the brightness");
+    ui_tooltip("Exposure value: +1 halves the brightness");
 }
 
 /* ---- the window ---- */
@@ -165,7 +165,7 @@ static void show_window(struct view *v) {
     s->present = show_names("presentation", view_present_names, VIEW_PRESENT_COUNT, s->present);
     ui_tooltip("fifo waits for the screen; mailbox shows the newest picture and does not wait; immediate may tear");
     s->color = show_names("color space", view_color_names, VIEW_COLOR_COUNT, s->color);
-    ui_tooltip("scrgb and hdr10: brighter than white, where the screen can; otherwise srgb");
+    ui_tooltip("scrgb and hdr10: brighter than white if the screen supports it; otherwise srgb");
     if (s->present != before.present || s->color != before.color || s->dark != before.dark) view_apply_settings(v);
 }
 

@@ -8,12 +8,12 @@ static const struct {
     const char *name, *source, *help;
 } scenes[] = {{"Hall", "builtin:hall", "A pillared hall lit by hundreds of lamps"},
               {"City", "builtin:city", "Streets at night, thousands of lights"},
-              {"Interior", "builtin:interior", "A furnished flat"},
-              {"Room", "builtin:room", "A room with mirrors and a window"},
+              {"Interior", "builtin:interior", "A gallery with statues and pictures"},
+              {"Room", "builtin:room", "A room with a window and a table"},
               {"Spheres", "builtin:spheres", "Metals and plastics from smooth to rough"},
               {"Glass", "builtin:glass", "Panes in front of each other"},
-              {"Lamps", "builtin:lamps", "Luminaires with measured profiles"},
-              {"Grass", "builtin:grass", "Blades that textures cut out"}};
+              {"Lamps", "builtin:lamps", "A row of lamps to the horizon"},
+              {"Grass", "builtin:grass", "Alpha-masked blades"}};
 
 void view_panel_start(struct view *v) {
     const struct view_settings *s = &v->settings;

@@ -65,7 +65,7 @@ static void show_antialiasing(struct view *v) {
         if (i) ui_same_line();
         if (ui_radio(label, strcmp(msaa, samples[i]) == 0)) set(v, "msaa", samples[i]);
     }
-    ui_tooltip("auto: 4 if the path and the device can, otherwise 1");
+    ui_tooltip("auto: 4 if the path and the device support it, otherwise 1");
     ui_separator();
     ui_text("Filter");
     view_show_choices(v, "aa");
@@ -131,7 +131,7 @@ static void show_panels(struct view *v) {
     uint32_t count = 0;
     for (int i = 0; i < VIEW_PANEL_COUNT; i++) count += v->panels[i];
     if (!ui_menu("Panels", count > 0 || v->timeline.shown != VIEW_NOTHING_WIDE)) return;
-    show_panel_choice(v, "Scene", VIEW_PANEL_SCENE, "What the file has, how the camera moves, the look of the window");
+    show_panel_choice(v, "Scene", VIEW_PANEL_SCENE, "File contents, camera controls, window appearance");
     show_panel_choice(v, "Lights", VIEW_PANEL_LIGHTS, "Add lights, change them, switch them on and off");
     show_panel_choice(v, "Options", VIEW_PANEL_OPTIONS, "Every option of a frame");
     show_panel_choice(v, "Inspect", VIEW_PANEL_INSPECT, "The object, light or decal that was picked, and the pixel (Ctrl and left mouse)");
@@ -140,7 +140,7 @@ static void show_panels(struct view *v) {
     ui_separator();
     bool timeline = v->timeline.shown == VIEW_TIMELINE, graph = v->timeline.shown == VIEW_GRAPH;
     if (ui_checkbox("Timeline", &timeline)) view_show_wide(v, VIEW_TIMELINE);
-    ui_tooltip("What ran when, in this frame and the last ones (F2)");
+    ui_tooltip("When each pass ran, in this and recent frames (F2)");
     if (ui_checkbox("Frame graph", &graph)) view_show_wide(v, VIEW_GRAPH);
     ui_tooltip("Passes, what they read and write, barriers (F3)");
     ui_menu_end();

@@ -46,7 +46,7 @@ static void print_help(void) {
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE [W H]', 'capture FILE' (with the panels), 'command FILE', 'report FILE',\n"
          "                             'trace FILE', 'savescene FILE', 'turntable N', 'panel NAME', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
          "  --record FILE              writes the events of the window to a file\n"
-         "  --exit-after N             ends after N frames of the scene, and says how many pictures the window showed meanwhile\n"
+         "  --exit-after N             ends after N scene frames and prints how many pictures the window showed\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
          "  --no-cache                 does not use the user's cache folder\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"

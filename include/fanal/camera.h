@@ -32,10 +32,11 @@ static inline fnl_camera fnl_camera_default(void) {
 FNL_API fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out);
 FNL_API fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera);
 /**
- * A camera that frames the scene in a picture of the given aspect (width / height): from the front, to the right and a little above. The
- * triangles, lines and points of all visible instances, as they are posed now, fill 80 % of the width or height, whichever they reach first.
- * Unused vertices, meshes of no size, and lights do not count; a scene of lights alone shows their places.
- * The field of view is 0.7 radians, or narrower if the eye would come closer than the scene's radius.
+ * A camera that frames the scene in a picture of the given aspect (width / height), from the front right and slightly
+ * above. The triangles, lines and points of all visible instances, in their current pose, fill 80 % of the width or
+ * height, whichever they reach first. Unused vertices, meshes of zero size and lights are ignored; in a scene with only
+ * lights, the positions of the lights are framed. The field of view is 0.7 radians, or narrower if the camera would
+ * come closer than the scene's radius.
  */
 FNL_API fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, fnl_camera *out);
 

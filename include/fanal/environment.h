@@ -16,13 +16,15 @@ extern "C" {
  */
 typedef struct fnl_environment_params {
     /**
-     * A file that fnl_image_load reads, or an environment made by code; default NULL: `image`.
+     * A file that fnl_image_load reads, or an environment made by code. Default NULL: use `image`.
      * "builtin:studio": a key light, soft boxes and a gray room, in relative values around 1.
-     * "builtin:sky": a clear sky with its sun, in cd/m^2 (15 000 lux and 75 000 lux at 40 degrees). "builtin:sky?elevation=5&azimuth=60&turbidity=2.5":
-     * the sun's height (-6 .. 90 degrees; default 40), its direction from +X toward +Z (default 60), and the haze (2 .. 10; default 2.5); sun=0 leaves
-     * the sun out. In a scene with a directional light of its own the sky has no sun, and its bright side is where that light comes from; elevation,
-     * azimuth and sun overrule this.
-     * "builtin:overcast": the overcast sky of the CIE, 4000 cd/m^2 overhead.
+     * "builtin:sky": a clear sky with its sun, in cd/m^2 (at 40 degrees the sun gives
+     * 85 000 lux at normal incidence, the zenith 2000 cd/m^2).
+     * "builtin:sky?elevation=5&azimuth=60&turbidity=2.5": the sun's height (-6 .. 90 degrees; default 40), its
+     * direction from +X toward +Z (default 60), and the haze (2 .. 10; default 2.5); sun=0 leaves the sun out. If the
+     * scene has a directional light, the sky has no sun and is brightest where that light comes from; elevation,
+     * azimuth and sun override this.
+     * "builtin:overcast": the CIE overcast sky, 4000 cd/m^2 overhead.
      */
     const char *source;
     /**
@@ -33,15 +35,16 @@ typedef struct fnl_environment_params {
     float rotation;  /**< radians about +Y, anticlockwise seen from above, on top of the rotation that a file gives its own; default 0 */
     float intensity; /**< factor of all radiance, and of the intensity that a file gives its own, 0 .. 1e6; default 1 */
     /**
-     * Multiplies `intensity` so that the environment gives surfaces as much light, on average, as the scene's own lights do: for pictures with relative
-     * values beside lights in candela or lux. Chosen when it is set; fnl_scene_query_environment gives the product. Default false.
+     * Whether `intensity` is multiplied so that surfaces get as much light, on average, from the environment as from
+     * the scene's lights: for pictures with relative values in scenes lit in candela or lux. The factor is chosen when
+     * the environment is set; fnl_scene_query_environment returns the product. Default false.
      */
     bool intensity_auto;
     bool background;        /**< whether it is seen where no surface is; otherwise the scene's background is. Default true */
     /**
      * Small bright sources (the sun, lamps) become directional lights of the scene, with shadows, and go from the picture: prefiltered light has
      * neither sharp shadows nor exact highlights. At most 8, those with the most illuminance; each fills at most 10 degrees and gives at
-     * least 2 % of the light. What remains in the picture is at most 65504. Default true.
+     * least 2 % of the light. Values that remain in the picture are at most 65504. Default true.
      */
     bool lights;
     /**
@@ -59,9 +62,10 @@ FNL_API fnl_environment_params fnl_environment_params_default(void);
  */
 FNL_API fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_params *params);
 /**
- * The environment as it was set, except `image`, which is NULL, and `source` of a sky, which tells the sun's place where a light of the scene gave it.
- * `source` lives until the environment is set again, and is NULL for one of an image
- * or of a glTF file. FNL_ERROR_INVALID for a scene without one (fnl_scene_info.has_environment), and `*out` has defaults.
+ * The environment as it was set, except `image`, which is NULL, and the `source` of a sky, which includes the position
+ * of the sun if a light of the scene determined it. `source` is valid until the environment is set again, and NULL for
+ * an environment from an image or a glTF file. FNL_ERROR_INVALID for a scene without one
+ * (fnl_scene_info.has_environment), and `*out` has defaults.
  */
 FNL_API fnl_result fnl_scene_query_environment(const fnl_scene *scene, fnl_environment_params *out);
 

@@ -76,7 +76,7 @@ typedef enum fnl_antialiasing {
     FNL_ANTIALIASING_COUNT
 } fnl_antialiasing;
 
-/** fnl_frame.msaa: 4 samples per pixel if the device, the shading path and the other options take them, otherwise 1. */
+/** fnl_frame.msaa: 4 samples per pixel if device, shading path and other options support them, otherwise 1. */
 enum { FNL_MSAA_AUTO = 0 };
 
 /** The tone mapping curve. */
@@ -89,7 +89,7 @@ typedef enum fnl_tonemap {
 } fnl_tonemap;
 
 typedef enum fnl_exposure {
-    FNL_EXPOSURE_AUTO = 0, /**< metered from the frame itself: mostly surfaces, mostly in the middle, with highlights kept */
+    FNL_EXPOSURE_AUTO = 0, /**< metered from the frame, mostly surfaces and the center; preserves highlights */
     FNL_EXPOSURE_EV,       /**< from fnl_frame.ev: radiance is scaled by 1 / (1.2 * 2^ev) */
     FNL_EXPOSURE_NONE      /**< radiance is shown as it is */
 } fnl_exposure;
@@ -226,25 +226,25 @@ typedef struct fnl_frame {
     fnl_shading shading;
     /** Default FNL_LISTS_AUTO. */
     fnl_light_lists lists;
-    /** Default maps; costs nothing in scenes without lights. */
+    /** Default maps, which cost nothing in scenes without lights. */
     fnl_shadows shadows;
     fnl_shadow_options shadow;
     /** Samples per pixel: 1, 2, 4 or 8, up to fnl_device_info.max_msaa, or FNL_MSAA_AUTO, the default. */
     uint32_t msaa;
-    /** Lights a scene that has neither lights nor environment nor ambient light: builtin:studio. Default true. */
+    /** Whether builtin:studio lights a scene without lights, environment and ambient light. Default true. */
     bool studio;
     /** Default auto. */
     fnl_ground ground;
     /** Default auto. */
     fnl_background background;
-    /** FNL_BACKGROUND_BLUR: the angle over which the environment is blurred, radians, 0 .. pi. Default 0.35 (20 degrees). */
+    /** FNL_BACKGROUND_BLUR: blur angle of the environment, radians, 0 .. pi. Default 0.35 (20 degrees). */
     float background_blur;
     /** Default sorted. */
     fnl_transparency transparency;
     /** Most surfaces in a pixel that show what is behind them (fnl_transmission_params), 1 .. 8: the nearest. Frames draw as many layers as the one
         before would have needed. Default 4. */
     uint32_t transmission_layers;
-    /** mlaa and smaa change only the colour output; taa accumulates over the frames of a renderer. Default auto. */
+    /** mlaa and smaa change only the color output; taa accumulates over the frames of a renderer. Default auto. */
     fnl_antialiasing aa;
     /** Moves the sample of each pixel right and down, pixels, -8 .. 8. The mean of frames with the places that fnl_jitter() gives is a picture with as
         many samples per pixel. Default 0. */

@@ -33,7 +33,7 @@ typedef struct fnl_option {
     double low, high;
     /** FNL_OPTION_NUMBER: `low` itself is out of range. */
     bool above_low;
-    /** FNL_OPTION_NUMBER: also takes "auto", which is INFINITY in fnl_frame. FNL_OPTION_COUNT: the same, 0 in fnl_frame. */
+    /** Also takes "auto", stored in fnl_frame as INFINITY (FNL_OPTION_NUMBER) or 0 (FNL_OPTION_COUNT). */
     bool has_auto;
     /** FNL_OPTION_COUNT: the only values allowed; choice_count 0: all from low to high that the next two allow. */
     const uint32_t *choices;

@@ -27,17 +27,20 @@ FNL_API void fnl_renderer_destroy(fnl_renderer **renderer);
 /** Submits one frame, with all changes of the scene since the last one. `frame` NULL: defaults. */
 FNL_API fnl_result fnl_renderer_render(fnl_renderer *renderer, const fnl_frame *frame);
 /**
- * Uploads the scene and compiles the pipelines of frames like `frame` ahead of time, on the device's job threads (at most eight), so that the
- * first such frame compiles none (fnl_frame_stats.pipelines_made is 0). Nothing is rendered and the results of the last frame stay. Size and
- * camera of the frame do not matter. `target` (fanal/vulkan.h; or NULL): for frames that fnl_renderer_render_to will draw to images of its
- * format and size, with depth if `depth` is not VK_NULL_HANDLE; its other fields are not read.
+ * Uploads the scene and compiles the pipelines of frames like `frame` ahead of time, on the device's job threads (at
+ * most eight), so that the first such frame compiles none (fnl_frame_stats.pipelines_made is 0). Nothing is rendered
+ * and the results of the last frame stay. Size and camera of the frame do not matter. `target` (fanal/vulkan.h; or
+ * NULL): for frames that fnl_renderer_render_to will draw to images of its format and size, with depth if `depth` is
+ * not VK_NULL_HANDLE; its other fields are not read.
  *
- * With `wait` the call returns when all pipelines are there, those of the candidates of `auto` too (unless the frame has pin_choice), and meshes
- * and textures are on the device; images of files that were loaded with `async` still come with later frames. If both shading and lists are
- * `auto`, the lists of the path that wins are compiled later, in the background.
+ * With `wait` the call returns when all pipelines are compiled, including those of the candidates of `auto` (unless the
+ * frame has pin_choice), and meshes and textures are on the device; images of files that were loaded with `async` still
+ * arrive with later frames. If both shading and lists are `auto`, the lists for the winning path are compiled later, in
+ * the background.
  *
- * Without `wait` pipelines are compiled in the background, and `out_pending` (may be NULL) says how many are missing: call again until it is 0.
- * `auto` is then resolved as with pin_choice. A frame that is rendered earlier compiles what it needs itself.
+ * Without `wait` pipelines are compiled in the background, and `out_pending` (may be NULL) is the number still missing:
+ * call again until it is 0. `auto` is then resolved as with pin_choice. A frame that is rendered before that compiles
+ * the pipelines it needs itself.
  */
 FNL_API fnl_result fnl_renderer_warm(fnl_renderer *renderer, const fnl_frame *frame, const struct fnl_vulkan_target *target,
                                      bool wait, uint32_t *out_pending);
@@ -48,8 +51,9 @@ FNL_API fnl_result fnl_renderer_warm(fnl_renderer *renderer, const fnl_frame *fr
 FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, fnl_image *out);
 
 /**
- * Whether the device has finished the last frame: the calls below then do not wait. True before the first frame. Does not wait.
- * FNL_ERROR_DEVICE when the device is lost.
+ * Whether the device has finished the last frame, so that the calls below do not wait; true before the first frame.
+ * This call never waits.
+ * FNL_ERROR_DEVICE if the device is lost.
  */
 FNL_API fnl_result fnl_renderer_query_done(fnl_renderer *renderer, bool *out);
 /** Waits for the last frame and describes it. */

@@ -103,9 +103,10 @@ typedef struct fnl_load_params {
 
 FNL_API fnl_load_params fnl_load_params_default(void);
 /**
- * Loads `source`: the path of a .gltf or .glb file, or of a folder that holds one such file, or "builtin:NAME?key=value&key=value"
- * (docs/cli.md lists them). `params` NULL: defaults. A scene in another format, such as OBJ or FBX, is FNL_ERROR_UNSUPPORTED, and the log
- * says how to convert it. On failure `*out` is NULL and the log says which file, where in it, and what is wrong.
+ * Loads `source`: the path of a .gltf or .glb file, or of a folder that holds one such file, or
+ * "builtin:NAME?key=value&key=value" (docs/cli.md lists them). `params` NULL: defaults. Other scene formats, such as
+ * OBJ or FBX, give FNL_ERROR_UNSUPPORTED, and the log says how to convert them. On failure `*out` is NULL and the log
+ * says which file, where in it, and what is wrong.
  */
 FNL_API fnl_result fnl_scene_load(const fnl_host *host, const char *source, const fnl_load_params *params, fnl_scene **out);
 FNL_API void fnl_scene_destroy(fnl_scene **scene);

@@ -53,7 +53,7 @@ typedef struct fnl_scene_info {
     uint32_t probe_count;
     uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
     uint32_t variant_count; /**< of materials */
-    bool has_ambient;       /**< fnl_scene_set_ambient, or the file, gave some light */
+    bool has_ambient;       /**< nonzero, from fnl_scene_set_ambient or the file */
     bool has_environment;   /**< fnl_scene_set_environment, or the file's own */
     fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
 } fnl_scene_info;

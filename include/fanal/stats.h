@@ -155,7 +155,7 @@ typedef struct fnl_frame_stats {
         of passes. */
     fnl_shading shading;
     fnl_light_lists lists;
-    /** Samples per pixel: those of the frame, or what FNL_MSAA_AUTO became. */
+    /** Samples per pixel: fnl_frame.msaa, with FNL_MSAA_AUTO resolved. */
     uint32_t msaa;
     /** auto has not decided yet; false with pin_choice. */
     bool choosing;

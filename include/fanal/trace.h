@@ -38,7 +38,7 @@ typedef struct fnl_trace_params {
     bool russian_roulette;
     uint64_t seed;     /**< of all chances; default 1 */
     bool visibility;   /**< wants fnl_trace.visibility; default false */
-    bool studio;       /**< as in fnl_frame, so are the next three; default true */
+    bool studio;       /**< as in fnl_frame, like the next three; default true */
     fnl_ground ground; /**< default auto */
     fnl_background background; /**< default auto */
     float background_blur;     /**< radians; default 0.35 */

@@ -67,7 +67,7 @@ typedef enum fnl_enum {
 FNL_API const char *fnl_value_name(fnl_enum type, uint32_t value);
 /** One line that says what a value is; NULL for values that only the headers and pages describe. Today debug views have one. */
 FNL_API const char *fnl_value_help(fnl_enum type, uint32_t value);
-/** The value with a name; false where there is none. `out` may be NULL. "all" is FNL_LISTS_ALL, like "brute-force". */
+/** The value with a name; false if there is none. `out` may be NULL. "all" and "brute-force" name FNL_LISTS_ALL. */
 FNL_API bool fnl_value_find(fnl_enum type, const char *name, uint32_t *out);
 
 #ifdef __cplusplus
