@@ -21,7 +21,7 @@ set debug=lights
 frames 3
 capture viewer-debug.png
 END
-(cd "$work" && "$fanal" view builtin:hall --lights 256 --size 1280x720 --headless --replay events)
+(cd "$work" && "$fanal" view builtin:hall --lights 1280 --size 1280x720 --headless --replay events)
 cat >"$work/events" <<END
 set lists=clustered
 setb lists=tiled
@@ -70,4 +70,4 @@ END
 (cd "$work" && "$fanal" view builtin:spheres --shadows off --size 1280x720 --headless --replay events)
 printf 'frames 3\ncapture viewer-start.png\n' >"$work/events"
 (cd "$work" && "$fanal" view --size 1280x720 --headless --replay events)
-for picture in "$work"/*.png; do convert "$picture" -colors 224 -define png:compression-level=9 "docs/images/${picture##*/}"; done
+for picture in "$work"/*.png; do pngquant --force --output "docs/images/${picture##*/}" 224 "$picture"; done

@@ -111,7 +111,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 0 'pass, ms' render builtin:spheres $small --stats table.json -o table.png
     grep -qx 'wrote table.json' out || fail 'the statistics are not said to be written'
     expect 0 'pixel 32, 18: at ' render builtin:spheres $small --pixel 32,18 -q
-    expect 2 'exclude one another' render builtin:spheres $small --verbose --quiet -o a.png
+    expect 2 'cannot be combined' render builtin:spheres $small --verbose --quiet -o a.png
     expect 2 'verbose is for single pictures' render builtin:spheres $small --verbose --camera-path orbit:2 -o a-%d.png
     expect 0 'wrote lit.glb' render triangle.gltf --lights 7 --save-scene lit.glb
     expect 0 '^wrote view-0.png to view-5.png$' render builtin:spheres $small --size 16x16 --views cube -o view-%d.png
