@@ -139,6 +139,7 @@ struct view_screen {
     double begun;      /* when it began */
     fnl_frame sent;    /* that frame, or the last, */
     fnl_pixel_query pixel; /* and what it was asked for */
+    bool failed;       /* it could not be made: is not tried again */
     uint32_t slow;     /* frames in a row that took so long that panels would stutter */
     uint64_t shown;    /* pictures of the window so far, without those during loading */
 };

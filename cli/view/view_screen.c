@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The window's pictures by a device of their own. A device works on its frames in order, so that panels drawn by the scene's would wait for the scene:
- * here the scene's frame is submitted, panels are drawn over its last picture meanwhile, and its pixels are fetched when it is finished. On processors
- * that is always so; elsewhere it begins when frames are slow, as fetching costs time too.
+ * here the scene's frame is submitted, panels are drawn over its last picture meanwhile, and its pixels are fetched when it is finished. On CPU
+ * devices that is always so; on others it begins when frames are slow, as fetching costs time too.
  */
 #include "view/view.h"
 
@@ -34,10 +34,11 @@ static void close_screen(struct view *v) {
 
 bool view_screen_begin(struct view *v) {
     struct view_screen *s = &v->screen;
-    if (s->device) return true;
+    if (s->device || s->failed) return true;
     const bool good = fnl_device_create(&v->device.params, &s->device) == FNL_OK && fnl_scene_create(&v->host, &s->scene) == FNL_OK &&
                       fnl_renderer_create(s->device, s->scene, &s->renderer) == FNL_OK && open_on(v, s->device);
     if (!good) close_screen(v);
+    s->failed = !good;
     view_want(v, 2);
     return good || (v->swapchain || open_on(v, v->device.device));
 }

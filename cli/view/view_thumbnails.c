@@ -8,17 +8,10 @@ const char *const view_environments[VIEW_ENVIRONMENTS] = {"builtin:studio", "bui
 
 static bool render(struct view *v, const char *source, fnl_image *out) {
     fnl_environment_params params = fnl_environment_params_default();
-    fnl_frame frame = fnl_frame_default();
+    fnl_frame frame = view_bare_frame();
     fnl_scene *scene = NULL;
     fnl_renderer *renderer = NULL;
     params.source = source;
-    frame.shading = FNL_SHADING_FORWARD;
-    frame.lists = FNL_LISTS_ALL;
-    frame.shadows = FNL_SHADOWS_OFF;
-    frame.msaa = 1;
-    frame.aa = FNL_ANTIALIASING_NONE;
-    frame.ground = FNL_GROUND_OFF;
-    frame.background = FNL_BACKGROUND_SCENE;
     frame.width = VIEW_THUMBNAIL_WIDTH;
     frame.height = VIEW_THUMBNAIL_HEIGHT;
     frame.outputs = FNL_OUTPUT_COLOR;

@@ -15,31 +15,25 @@ float count_of(uint bin) { return float(push.histogram.at[bin]) + METER_BACKGROU
 
 float level_of(float bin) { return bin / float(METER_BINS) * (METER_HIGH - METER_LOW) + METER_LOW; }
 
-// Below which this share of the surfaces is.
-float surface_level(float share) {
-    float all = 0.0, before = 0.0;
-    for (uint i = 1u; i < METER_BINS; i++) all += float(push.histogram.at[i]);
-    for (uint i = 1u; i < METER_BINS && all > 0.0; i++) {
-        float count = float(push.histogram.at[i]), wanted = all * share;
-        if (before + count >= wanted) return level_of(float(i) + (wanted - before) / count);
-        before += count;
-    }
-    return METER_LOW;
-}
-
 void main() {
-    float total = 0.0;
-    for (uint i = 1u; i < METER_BINS; i++) total += count_of(i);
-    float low = total * METER_TRIM, high = total * (1.0 - METER_TRIM), before = 0.0, sum = 0.0, weight = 0.0;
+    float total = 0.0, surfaces = 0.0;
     for (uint i = 1u; i < METER_BINS; i++) {
-        float count = count_of(i), inside = max(min(before + count, high) - max(before, low), 0.0);
+        total += count_of(i);
+        surfaces += float(push.histogram.at[i]);
+    }
+    float low = total * METER_TRIM, high = total * (1.0 - METER_TRIM), bright = surfaces * METER_BRIGHT, broad = surfaces * METER_BROAD;
+    float before = 0.0, seen = 0.0, sum = 0.0, weight = 0.0, brightest = METER_LOW, broadest = METER_LOW; // of all, of surfaces
+    for (uint i = 1u; i < METER_BINS; i++) {
+        float count = count_of(i), shown = float(push.histogram.at[i]), inside = max(min(before + count, high) - max(before, low), 0.0);
         sum += inside * level_of(float(i) + 0.5);
         weight += inside;
+        if (seen < broad && seen + shown >= broad) broadest = level_of(float(i) + (broad - seen) / shown);
+        if (seen < bright && seen + shown >= bright) brightest = level_of(float(i) + (bright - seen) / shown);
         before += count;
+        seen += shown;
     }
-    float ev = weight > 0.0 ? max(sum / weight - log2(1.2 * METER_KEY), max(surface_level(METER_BRIGHT) - log2(1.2 * METER_SPARE),
-                                                                            surface_level(METER_BROAD) - log2(1.2 * METER_LIGHT)))
-                            : 0.0;
+    float kept = max(brightest - log2(1.2 * METER_SPARE), broadest - log2(1.2 * METER_LIGHT));
+    float ev = weight > 0.0 ? max(sum / weight - log2(1.2 * METER_KEY), kept) : 0.0;
     push.exposure.at[0] = 1.0 / (1.2 * exp2(ev));
     push.exposure.at[1] = ev;
 }
