@@ -111,12 +111,6 @@ struct renderer_tests *harness_hooks(fnl_renderer *renderer) {
 
 fnl_device *harness_device(void) { return test_device; }
 
-double harness_seconds(void) {
-    struct timespec t;
-    clock_gettime(gpu_info(test_device)->type == FNL_DEVICE_CPU ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* ---- scenes ---- */
 
 fnl_scene *test_scene(void) {

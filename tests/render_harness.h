@@ -82,9 +82,6 @@ void shot_free(struct shot *shot);
  */
 bool harness_tries(fnl_shading shading, fnl_light_lists lists, uint32_t step);
 
-/** A clock for the work of the device: where that is the CPU, the time that this process has computed, whoever else does; else real time. */
-double harness_seconds(void);
-
 /** Number of pixels whose bytes differ; UINT64_MAX when size or format do. */
 uint64_t count_differing(const fnl_image *a, const fnl_image *b);
 /** Greatest difference of a channel of two RGBA8 pictures, 0 .. 255. */

@@ -20,7 +20,7 @@ monado-service >"$work/service" 2>&1 </dev/null &
 service=$!
 for _ in {1..100}; do [ -S "$XDG_RUNTIME_DIR/monado_comp_ipc" ] && break; sleep 0.1; done
 [ -S "$XDG_RUNTIME_DIR/monado_comp_ipc" ] || { echo "FAILED: monado-service does not start:"; tail -n 20 "$work/service"; exit 1; }
-timeout 300 "$fanal" xr builtin:onetile --frames 300 --shading forward --lists all --shadows off --exposure 5 --validate --stats "$work/stats.json" >"$work/out" 2>&1
+timeout 900 "$fanal" xr builtin:onetile --frames 300 --shading forward --lists all --shadows off --exposure 5 --validate --stats "$work/stats.json" >"$work/out" 2>&1
 status=$?
 cat "$work/out"
 [ $status = 0 ] || { echo "FAILED: exit status $status"; tail -n 20 "$work/service"; exit 1; }

@@ -20,7 +20,7 @@ run() {
     shift 2
     cat >"$name.txt"
     [[ " $* " != *' --validate '* ]] || leaks=0 # sanitized: the layer keeps memory, and is unloaded
-    ASAN_OPTIONS=detect_leaks=$leaks FANAL_XR_SCRIPT=$name.txt FANAL_XR_LOG=$name.log timeout 120 "$fanal" xr "$@" --stats "$name.json" >"$name.out" 2>&1
+    ASAN_OPTIONS=detect_leaks=$leaks FANAL_XR_SCRIPT=$name.txt FANAL_XR_LOG=$name.log timeout 900 "$fanal" xr "$@" --stats "$name.json" >"$name.out" 2>&1
     status=$?
     [ $status = "$wanted" ] || fail "exit status $status in place of $wanted"
     ! grep MISTAKE "$name.log" || fail "the runtime found a mistake"

@@ -5,6 +5,7 @@
 #include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
+#include "interrupt.h"
 #include "options.h"
 #include "view/ui.h"
 
@@ -46,7 +47,7 @@ static void print_help(void) {
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE [W H]', 'capture FILE' (with the panels), 'command FILE', 'report FILE',\n"
          "                             'trace FILE', 'savescene FILE', 'turntable N', 'panel NAME', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
          "  --record FILE              writes the events of the window to a file\n"
-         "  --exit-after N             ends after N scene frames and prints how many pictures the window showed\n"
+         "  --exit-after N             ends after N scene frames and prints how many pictures the window showed; Ctrl-C prints it too\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
          "  --no-cache                 does not use the user's cache folder\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
@@ -76,7 +77,7 @@ static bool run_window(struct view *v, const struct view_options *o) {
     }
     double last = view_now();
     bool good = true;
-    while (!v->quit && good && (o->exit_after == 0 || v->loader.running || v->frames_drawn < o->exit_after + v->frames_loading)) {
+    while (!v->quit && good && !interrupt_seen() && (o->exit_after == 0 || v->loader.running || v->frames_drawn < o->exit_after + v->frames_loading)) {
         struct view_event event;
         const bool idle = v->wanted == 0 && v->queue.count == 0;
         const double rest = view_window_has_gamepad(v->window) ? 0.05 : 0.5; /* sticks do not wake */
@@ -176,9 +177,10 @@ static bool run(struct view *v, const struct view_options *o) {
     nothing.camera = fnl_camera_default();
     view_show(v, &nothing);
     if (o->world.scene) view_open(v, o->world.scene);
+    if (!o->replay) interrupt_catch(true); /* Ctrl-C closes the window as its button does: settings and a recording are kept */
     bool good = o->replay ? view_replay(v, o->replay, o->exit_after) : run_window(v, o);
     view_loader_stop(&v->loader);
-    if (o->exit_after && !o->replay)
+    if (!o->replay && (o->exit_after || interrupt_seen()))
         printf("%llu frames of the scene in %llu pictures of the window\n", (unsigned long long)(v->frames_drawn - v->frames_loading), (unsigned long long)v->screen.shown);
     remember(v);
     view_compare_leave(v);

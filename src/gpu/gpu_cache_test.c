@@ -166,8 +166,7 @@ static void test_several_threads_make_pipelines(void **state) {
     fake.most_making = 0;
     uint64_t ticket = test_ask(device, 1, 6);
     assert_int_equal(device->pipelines.worker_count, 3);
-    double start = time_now();
-    while (gpu_pipeline_stats(device).made < 5 && time_now() < start + 60) usleep(1000);
+    while (gpu_pipeline_stats(device).made < 5) usleep(1000);
     assert_int_equal(gpu_pipeline_stats(device).made, 5);
     assert_int_equal(gpu_pipeline_stats(device).done, 0);
     assert_true(fake.most_making >= 2);

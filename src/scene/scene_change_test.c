@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Calls that change much at once: lights, transforms, meshes and poses. What they refuse changes nothing. */
 #include "tests/gltf_test_file.h"
+#include "tests/guard.h"
 #include "tests/test_memory.h"
 
 #include <float.h>
 #include <setjmp.h>
-#include <time.h>
 
 #include <cmocka.h>
 
@@ -36,12 +36,6 @@ static void expect_misuse(fnl_result result, const char *words) {
     if (!strstr(lines.text, words)) fail_msg("no '%s' in:\n%s", words, lines.text);
     lines.length = 0;
     lines.text[0] = 0;
-}
-
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now); /* whatever else the machine does */
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 static fnl_light_params lamp(float x) {
@@ -98,7 +92,7 @@ static void test_many_lights_change_at_once(void **state) {
 }
 
 /* Whoever follows the list of changed places, or re-reads where it must, knows every one. */
-static void test_100000_lights_change_in_milliseconds(void **state) {
+static void test_100000_lights_change_at_once(void **state) {
     UNUSED(state);
     enum { COUNT = 100000 };
     fnl_scene *scene = make_scene();
@@ -110,15 +104,10 @@ static void test_100000_lights_change_in_milliseconds(void **state) {
         params[i].intensity = 5;
     }
     const uint64_t seen = scene->light_version;
-    double start = seconds();
     assert_int_equal(fnl_scene_set_lights(scene, ids, params, COUNT), FNL_OK);
-    double all = seconds() - start;
     for (uint32_t i = 0; i < COUNT; i++) assert_true(scene->light_slots.data[i].changed_version > seen);
     assert_true(seen < scene->changed_slots_since); /* too many to list: all are read again */
-    start = seconds();
     for (uint32_t i = 0; i < COUNT; i++) assert_int_equal(fnl_scene_set_light(scene, ids[i], &params[i]), FNL_OK);
-    print_message("%d lights: %.1f ms in one call, %.1f ms in a call for each\n", COUNT, all * 1e3, (seconds() - start) * 1e3);
-    assert_true(all < 1);
     free(ids);
     free(params);
     fnl_scene_destroy(&scene);
@@ -178,15 +167,13 @@ static void test_a_batch_costs_each_node_once(void **state) {
         ids[COUNT - 1 - i] = id_of(scene, above); /* leaves first: the worst order */
         moves[i] = up;
     }
-    double start = seconds();
+    uint64_t placed = scene->nodes_placed;
     assert_int_equal(fnl_scene_set_instance_transforms(scene, ids, moves, COUNT), FNL_OK);
-    double batch = seconds() - start;
+    assert_int_equal(scene->nodes_placed - placed, COUNT); /* each once */
     assert_true(scene->nodes.data[above].world.m[13] == COUNT);
-    start = seconds();
+    placed = scene->nodes_placed;
     for (uint32_t i = 0; i < COUNT; i++) assert_int_equal(fnl_scene_set_instance_transform(scene, ids[i], &flat), FNL_OK);
-    double single = seconds() - start;
-    print_message("a chain of %d: %.2f ms in one call, %.1f ms in a call for each\n", COUNT, batch * 1e3, single * 1e3);
-    assert_true(batch * 20 < single);
+    assert_int_equal(scene->nodes_placed - placed, COUNT * (COUNT + 1) / 2); /* with what hangs from it */
 
     /* Many under one, which moves too. */
     uint32_t parent = scene_add_node(scene, "", SCENE_NONE, &flat, SCENE_NONE);
@@ -194,9 +181,9 @@ static void test_a_batch_costs_each_node_once(void **state) {
         ids[i] = id_of(scene, scene_add_node(scene, "", parent, &flat, SCENE_NONE));
         moves[i] = up;
     }
-    start = seconds();
+    placed = scene->nodes_placed;
     assert_int_equal(fnl_scene_set_instance_transforms(scene, ids, moves, FLAT), FNL_OK);
-    print_message("%d under one node: %.2f ms\n", FLAT, (seconds() - start) * 1e3);
+    assert_int_equal(scene->nodes_placed - placed, FLAT);
     free(ids);
     free(moves);
     fnl_scene_destroy(&scene);
@@ -568,13 +555,18 @@ static void test_indices_skip_holes(void **state) {
             assert_int_equal(fnl_scene_remove_light(scene, ids[at]), FNL_OK);
             memmove(ids + at, ids + at + 1, (--count - at) * sizeof *ids);
         }
-        const clock_t begun = clock();
         for (uint32_t i = 0; i < count; i++) {
             fnl_entity_info info;
             assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_LIGHT, i, &info), FNL_OK);
             assert_int_equal(info.id.light.index, ids[i].index);
         }
-        if (step < 3) assert_true(clock() - begun < CLOCKS_PER_SEC / 10); /* 200 million steps otherwise */
+        if (step >= 3) continue;
+        fnl_entity_info info; /* the last one is found without a look at those before it */
+        struct guard guard = guard_begin(scene->lights.data, (COUNT - 64) * sizeof *scene->lights.data);
+        assert_true(guard.size > 0);
+        assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_LIGHT, count - 1, &info), FNL_OK);
+        guard_end(&guard);
+        assert_int_equal(info.id.light.index, ids[count - 1].index);
     }
     fnl_scene_destroy(&scene);
 }
@@ -582,7 +574,7 @@ static void test_indices_skip_holes(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_many_lights_change_at_once),
-        cmocka_unit_test(test_100000_lights_change_in_milliseconds),
+        cmocka_unit_test(test_100000_lights_change_at_once),
         cmocka_unit_test(test_many_instances_move_at_once),
         cmocka_unit_test(test_a_batch_costs_each_node_once),
         cmocka_unit_test(test_a_node_is_listed_once),

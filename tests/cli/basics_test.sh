@@ -50,7 +50,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
         Xvfb -displayfd 5 -screen 0 640x480x24 -nolisten tcp 5>screen >/dev/null 2>&1 &
         server=$!
         read -r number <screen
-        DISPLAY=:$number timeout 200 "$fanal" builtin:onetile --exit-after 1 --size 160x90 --no-cache --no-settings --no-panels $plain >out 2>&1 ||
+        DISPLAY=:$number timeout 900 "$fanal" builtin:onetile --exit-after 1 --size 160x90 --no-cache --no-settings --no-panels $plain >out 2>&1 ||
             fail "a scene with a display: $(head -c 400 out)"
         kill $server
     fi

@@ -21,7 +21,7 @@ look() { # FOLDER WIDTH [PLOTS [ZEROS]]
 <!doctype html><body style="margin:0"><iframe style="border:0" width="$2" height="844" src="file://$1/report.html?selftest"></iframe>
 <script>addEventListener('message', (event) => { const out = document.createElement('pre'); out.id = 'out'; out.textContent = event.data; document.body.append(out); });</script>
 HTML
-    timeout 240 "$chromium" --headless --no-sandbox --disable-gpu --hide-scrollbars --virtual-time-budget=60000 \
+    timeout 900 "$chromium" --headless --no-sandbox --disable-gpu --hide-scrollbars --virtual-time-budget=60000 \
         --user-data-dir="$work/profile" --window-size=1200,1000 --dump-dom "file://$work/frame.html" >"$work/dom.html" 2>"$work/browser.log"
     sed -n 's/.*<pre id="out">\(.*\)<\/pre>.*/\1/p' "$work/dom.html" | sed 's/&lt;/</g; s/&gt;/>/g; s/&amp;/\&/g' >"$work/found.json"
     [ -s "$work/found.json" ] || { fail "$1 at $2 pixels: the page said nothing: $(tail -n 3 "$work/browser.log")"; return 1; }

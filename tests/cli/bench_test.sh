@@ -205,7 +205,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
         : >"$work/out" # the command behind & may empty it only after the first look: what the run before wrote is not its answer
         "$fanal" bench --shadows off "$@" -o "$folder" >"$work/out" 2>&1 &
         bench=$!
-        for _ in $(seq 600); do cat "$work/out" "$folder/results.json" 2>/dev/null | grep -qE "$pattern" && return; sleep 0.1; done
+        for _ in $(seq 6000); do cat "$work/out" "$folder/results.json" 2>/dev/null | grep -qE "$pattern" && return; sleep 0.1; done
         fail "bench $*: never '$pattern': $(cat "$work/out")"
     }
     finish() { # SIGNAL

@@ -13,7 +13,7 @@ cd "$work" || exit 2
 run() {
     local status=$1 pattern=$2 got
     shift 2
-    timeout 120 "$fanal" render "builtin:spheres" --size 72x80 --lists clustered --shading deferred --shadows off --exposure 3 -q --no-cache --validate "$@" 2>err
+    timeout 900 "$fanal" render "builtin:spheres" --size 72x80 --lists clustered --shading deferred --shadows off --exposure 3 -q --no-cache --validate "$@" 2>err
     got=$?
     [ $got = "$status" ] || fail "$*: exit $got, not $status: $(head -c 300 err)"
     [ -z "$pattern" ] || grep -qE -- "$pattern" err || fail "$*: no line with '$pattern': $(head -c 300 err)"

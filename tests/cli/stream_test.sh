@@ -17,7 +17,7 @@ size=33x17
 run() {
     local status=$1 pattern=$2 got
     shift 2
-    timeout 120 "$fanal" render --shadows off "$@" --size $size >out 2>err
+    timeout 900 "$fanal" render --shadows off "$@" --size $size >out 2>err
     got=$?
     [ $got = "$status" ] || fail "render $*: exit $got, not $status: $(head -c 300 err)"
     [ -z "$pattern" ] || grep -qE -- "$pattern" err || fail "render $*: no line with '$pattern': $(head -c 300 err)"
@@ -103,10 +103,10 @@ spheres="builtin:spheres --lists clustered"
     cmp -s even-1.png wander-1.png && fail 'each picture of a sequence is metered'
 
     # A reader that goes away, and a full device, end the run with a message and a status.
-    timeout 120 "$fanal" render $spheres --size 320x180 --shadows off -q --camera-path orbit:50 -o - --format raw 2>err | head -c 100000 >/dev/null
+    timeout 900 "$fanal" render $spheres --size 320x180 --shadows off -q --camera-path orbit:50 -o - --format raw 2>err | head -c 100000 >/dev/null
     [ "${PIPESTATUS[0]}" = 2 ] || fail "a closed pipe gave status ${PIPESTATUS[0]}"
     grep -qE 'closed by its reader after [0-9]+ bytes, [0-9]+ whole pictures' err || fail "a closed pipe: $(cat err)"
-    timeout 120 "$fanal" render $spheres --size 33x17 --shadows off -q -o - -o full.png >/dev/full 2>err
+    timeout 900 "$fanal" render $spheres --size 33x17 --shadows off -q -o - -o full.png >/dev/full 2>err
     [ $? = 2 ] && grep -q 'standard output cannot be written: No space' err && [ ! -e full.png ] || fail "a full device: $(cat err)"
 
     # The numbers: by the schema, and each property of it in one of these.

@@ -114,12 +114,8 @@ counted 'evaluations of finer clusters' '.fine128.mean_per_pixel < 0.63 * .wide6
 counted 'memory of finer clusters' '.fine128.list_used_bytes / .wide64.list_used_bytes | . > 6 and . < 7.5'
 
 # ---- Sathe, Janczak: the sweep over what shading costs; Schied, Dachsbacher: the passes and the crossing ----
-# What shading takes depends on what it costs; a machine that does other things as well is asked again, with more frames.
-for frames in 4 12 40; do
-    suite coarse --sizes 128x72 --frames $frames --warm-up 1
-    results=$work/coarse/results.json
-    jq -e '[.coarse | group_by([.scene, .way])[] | sort_by(.cost) | .[2].pixel_ms > 1.3 * .[0].pixel_ms] | all' "$results" >/dev/null && break
-done
+suite coarse --sizes 128x72 --frames 4 --warm-up 1
+results=$work/coarse/results.json
 holds "$results" 'coarse: rows' '[.coarse[] | [.scene, .cost]] | unique == [("builtin:hall?lights=1024", "builtin:interior?lights=96") as $scene | (0, 100, 500) | [$scene, .]]'
 holds "$results" 'coarse: columns' '.coarse | length == 18 and all((.pixel_ms, .coarse_ms) > 0 and ([.saving, .gbuffer_ms, .net] | all(type == "number")) and
     .shared > 5 and .shared < 95 and .evaluations_saved > 5 and .evaluations_saved < 95 and .psnr > 20 and .psnr < 60)'
@@ -128,8 +124,6 @@ holds "$results" 'coarse: evaluations saved' '[.coarse[] | select(.way == "2x2, 
     '[.coarse[] | [.scene, .way, .evaluations_saved]]'
 # What is shared does not depend on what shading costs.
 holds "$results" 'coarse: sharing changes with the cost' '[.coarse | group_by([.scene, .way])[] | ([.[].shared] | unique | length == 1)] | all'
-holds "$results" 'coarse: dearer shading is no slower' '[.coarse | group_by([.scene, .way])[] | sort_by(.cost) | .[2].pixel_ms > 1.3 * .[0].pixel_ms] | all' \
-    '[.coarse[] | [.scene, .way, .cost, .pixel_ms]]'
 grep -qE 'pixel, ms +coarse, ms +saving, % +source +blocks, % .*G-buffer, ms +net, % +PSNR' "$work/out" || fail "coarse: the table: $(head -c 600 "$work/out")"
 
 suite dais --sizes 96x54 --frames 1 --warm-up 1
@@ -158,11 +152,6 @@ holds "$results" 'shadows: more lights, more pages' "$of"'[of("maps")] | group_b
 holds "$results" 'shadows: light on the wrong side' "$of"'[of("rays").leak == 0] + [[.shadows[] | select(.shadows == "maps" or .shadows == "off")] | group_by(.scene)[] |
     group_by(.lights)[] | map({key: .shadows, value: .leak}) | from_entries | .maps > 0 and .maps < 0.1 and .maps < .off] | length == 12 and all' \
     '[.shadows[] | [.scene, .lights, .shadows, .leak]]'
-# By a factor that a busy machine hardly makes up for in one frame, and not in most of twelve.
-rays_take_longer="$of"'[of("rays") | select(.lights == 256).shading_ms] as $rays | [of("maps") | select(.lights == 256).shading_ms] as $maps |
-    [range(2)] | all($rays[.] > 4 * $maps[.])'
-jq -e "$rays_take_longer" "$results" >/dev/null || suite shadows --sizes 64x36 --frames 12 --warm-up 0
-holds "$results" 'shadows: rays take longer' "$rays_take_longer" '[.shadows[] | [.scene, .lights, .shadows, .shading_ms]]'
 head -n 1 "$work/shadows/results.csv" | grep -q 'shadows_ms_median.*shadows\.wanted' || fail 'shadows: the columns of the CSV'
 # Near to rays in the same time, in the hall: rays without an error, more rays with less of it, and guides with less than without.
 holds "$results" 'shadows: rows of equal times' '[.equal_time | group_by(.scene)[] | map(.way)] | length == 1 and all(length == 10 and (.[0] == "rays" and .[1] == "maps"))' \

@@ -18,7 +18,7 @@ validate=--validate
 replay() {
     local name=$1
     shift
-    timeout 200 "$fanal" view $validate --device 0 --headless --replay "$name.txt" $plain "$@" >out 2>&1
+    timeout 900 "$fanal" view $validate --device 0 --headless --replay "$name.txt" $plain "$@" >out 2>&1
 }
 value() { awk -F'\t' -v key="$2" '$1 == key { print $2; exit }' "$1"; }
 run() { (fanal() { "$fanal_" "$@" --device 0 -q; }; fanal_=$fanal; . "./$1") >out 2>&1 || fail "the command does not run: $(cat "$1")"; }
@@ -187,16 +187,16 @@ replay browse builtin:onetile --size 500x450 --scale 0.5 || fail 'the browser'
 [ -s scene.glb ] || fail 'the browser saved nothing'
 printf 'click Open\nframes 2\nclick notes.txt\n' >bad.txt
 sed -i '1i size 500 450' bad.txt
-(cd sub && timeout 100 "$fanal" view --device 0 --headless --replay ../bad.txt $plain >out 2>&1) && fail 'the browser shows what is no scene'
+(cd sub && timeout 900 "$fanal" view --device 0 --headless --replay ../bad.txt $plain >out 2>&1) && fail 'the browser shows what is no scene'
 
 # ---- files that change ----
 
 mkfifo live.txt
-timeout 150 "$fanal" view swing.gltf --validate --device 0 --headless --size 96x54 $plain --replay live.txt >out 2>&1 &
+timeout 900 "$fanal" view swing.gltf --validate --device 0 --headless --size 96x54 $plain --replay live.txt >out 2>&1 &
 viewer=$!
 exec 4>live.txt
 tell() { printf '%s\n' "$@" >&4; }
-wait_for() { for _ in $(seq 600); do [ -s "$1" ] && return; kill -0 $viewer 2>/dev/null || break; sleep 0.1; done; fail "$1 is not written"; }
+wait_for() { for _ in $(seq 6000); do [ -s "$1" ] && return; kill -0 $viewer 2>/dev/null || break; sleep 0.1; done; fail "$1 is not written"; }
 tell 'wheel 0 2' settle 'save first.png' 'set shading=visibility' settle 'report first.tsv'
 wait_for first.tsv
 positions "$wide" # in the buffer's file alone
@@ -226,15 +226,15 @@ same picture.png second.png 'the scene after the change'
 if command -v Xvfb >/dev/null; then
     Xvfb -displayfd 3 -screen 0 400x300x24 -nolisten tcp 3>number 2>xvfb &
     display=$!
-    for _ in $(seq 100); do [ -s number ] && break; sleep 0.1; done
+    for _ in $(seq 6000); do [ -s number ] && break; sleep 0.1; done
     broken_after() { # SECONDS: the file is broken so long after the window was started; the window tells of it and stays
         triangle "$wide"
         : >window.log # the command behind & may empty it only after the first look
-        DISPLAY=:$(<number) timeout 100 "$fanal" view swing.gltf --device 0 --size 96x54 --no-panels >window.log 2>&1 &
+        DISPLAY=:$(<number) timeout 900 "$fanal" view swing.gltf --device 0 --size 96x54 --no-panels >window.log 2>&1 &
         viewer=$!
         sleep "$1"
         printf 'broken' >swing.gltf
-        for _ in $(seq 200); do grep -q 'swing.gltf' window.log && break; sleep 0.1; done
+        for _ in $(seq 6000); do grep -q 'swing.gltf' window.log && break; sleep 0.1; done
         sleep 0.5
         local told=1
         grep -q 'swing.gltf' window.log && kill -0 $viewer && told=0

@@ -13,7 +13,7 @@ fail() { echo "FAILED: $*" >&2; [ ! -s out ] || head -c 2000 out >&2; failures=$
 replay() { # NAME OPTION…
     local name=$1
     shift
-    timeout 400 "$fanal" view --device 0 --headless --msaa 1 --aa none --ground off --replay "$name.txt" "$@" >out 2>&1 || fail "$name: the replay ended with an error"
+    timeout 900 "$fanal" view --device 0 --headless --msaa 1 --aa none --ground off --replay "$name.txt" "$@" >out 2>&1 || fail "$name: the replay ended with an error"
 }
 value() { awk -F'\t' -v key="$2" -v field="${3:-2}" '$1 == key { print $field; exit }' "$1"; }
 # area REPORT CONDITION: of x, y, w, h.

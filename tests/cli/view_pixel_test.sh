@@ -49,7 +49,7 @@ size 40 20
 frames 2
 report four.tsv
 END
-timeout 200 "$fanal" view --no-cache --validate --device 0 --headless --size 120x68 --replay pixel.txt 'builtin:onetile?lights=600' >out 2>&1 || fail "the replay: $(head -c 1000 out)"
+timeout 900 "$fanal" view --no-cache --validate --device 0 --headless --size 120x68 --replay pixel.txt 'builtin:onetile?lights=600' >out 2>&1 || fail "the replay: $(head -c 1000 out)"
 grep -q '^pixel' before.tsv && fail 'a pixel that nobody asked for'
 [ "$(value one.tsv pixel 4)" = hit ] || fail "nothing was picked: $(grep ^pixel one.tsv | head -3)"
 (fanal() { "$build/fanal" "$@" --no-cache --device 0 -q --pixel 60,34 --stats one.json; }; . ./one.sh) >out 2>&1 || fail "the command does not run: $(cat one.sh out)"

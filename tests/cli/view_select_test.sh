@@ -14,7 +14,7 @@ fail() { echo "FAILED: $*" >&2; [ ! -s out ] || head -c 2000 out >&2; failures=$
 replay() { # NAME OPTION…: replays NAME.txt with validation
     local name=$1
     shift
-    timeout 200 "$fanal" view --no-cache --validate --device 0 --headless --shadows off --shading forward --lists all --exposure 0 --replay "$name.txt" "$@" >out 2>&1 ||
+    timeout 900 "$fanal" view --no-cache --validate --device 0 --headless --shadows off --shading forward --lists all --exposure 0 --replay "$name.txt" "$@" >out 2>&1 ||
         fail "$name: the replay ended with an error"
 }
 # field FILE KEY N: the N-th value of the first line that begins with KEY.

@@ -81,7 +81,7 @@ report other.tsv
 trace other.trace
 EOF
 replay() {
-    timeout 300 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --lists clustered --headless --size 64x36 --scale 0.5 --replay all.txt >out 2>&1 ||
+    timeout 900 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --lists clustered --headless --size 64x36 --scale 0.5 --replay all.txt >out 2>&1 ||
         fail 'the replay ended with an error'
 }
 replay
@@ -156,7 +156,7 @@ click candidates
 frames 1
 report later.tsv
 EOF
-timeout 300 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --shading deferred --lists auto --headless --size 48x27 --scale 0.5 --replay auto.txt >out 2>&1 ||
+timeout 900 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --shading deferred --lists auto --headless --size 48x27 --scale 0.5 --replay auto.txt >out 2>&1 ||
     fail 'the replay with auto'
 [ "$(lines first.tsv candidate)" -gt 2 ] || fail 'the candidates are not told'
 [ "$(lines none.tsv candidate)" = 0 ] || fail 'candidates without auto'
@@ -168,22 +168,22 @@ awk -F'\t' '$1 == "candidate" { if (($4 > 0) != ($5 > 0)) bad = 1; if ($6 == "ch
 # ---- nothing to see ----
 
 printf 'key 291 down 0\nkey 291 up 0\nframes 2\nkey 292 down 0\nkey 292 up 0\nframes 2\nreport empty.tsv\ntrace empty.trace\nsize 1 1\nframes 1\nsize 0 0\nframes 1\n' >empty.txt
-timeout 100 "$fanal" view --no-cache --validate --device 0 --headless --size 97x61 --scale 0.5 --light --replay empty.txt >out 2>&1 || fail 'without a scene'
+timeout 900 "$fanal" view --no-cache --validate --device 0 --headless --size 97x61 --scale 0.5 --light --replay empty.txt >out 2>&1 || fail 'without a scene'
 [ "$(value empty.tsv graph)" = "$(lines empty.tsv pass)" ] && "$build/tests/check_trace" empty.trace >/dev/null 2>out || fail 'without a scene'
 
 # ---- what cannot be written ----
 
 printf 'frames 1\ntrace no-folder/a.trace\n' >bad.txt
-timeout 60 "$fanal" view --no-cache --device 0 builtin:onetile --shadows off --headless --size 16x16 --replay bad.txt >out 2>&1 && fail 'a trace into no folder'
+timeout 900 "$fanal" view --no-cache --device 0 builtin:onetile --shadows off --headless --size 16x16 --replay bad.txt >out 2>&1 && fail 'a trace into no folder'
 grep -q 'no-folder/a.trace' out || fail 'no word of the trace that was not written'
 # ---- in a window ----
 
 if command -v Xvfb >/dev/null; then
     Xvfb -displayfd 3 -screen 0 400x300x24 -nolisten tcp 3>number 2>xvfb &
     display=$!
-    for _ in $(seq 100); do [ -s number ] && break; sleep 0.1; done
+    for _ in $(seq 6000); do [ -s number ] && break; sleep 0.1; done
     printf 'frames 2\nkey 291 down 0\nkey 291 up 0\nframes 2\nreport window.tsv\ntrace window.trace\n' >window.txt
-    DISPLAY=:$(<number) timeout 100 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --size 160x90 --scale 0.5 --replay window.txt >out 2>&1 || fail 'the window'
+    DISPLAY=:$(<number) timeout 900 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --size 160x90 --scale 0.5 --replay window.txt >out 2>&1 || fail 'the window'
     "$build/tests/check_trace" window.trace acquire render present 'wait for the frame' >/dev/null 2>out || fail 'the trace of a window'
     [ "$(value window.tsv wide)" = timeline ] && [ -n "$(value window.tsv window 3 present)" ] || fail 'the timeline of a window'
 else

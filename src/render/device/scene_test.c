@@ -315,11 +315,6 @@ static void test_memory_stays_flat(void **state) {
 
 /* ---- frames ---- */
 
-static int compare_times(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* An instance comes with every tenth frame: those frames upload it and what lies behind it, others nothing. */
 static void test_no_frame_is_long(void **state) {
     UNUSED(state);
@@ -330,20 +325,15 @@ static void test_no_frame_is_long(void **state) {
     for (uint32_t i = 0; i < WARM; i++) shoot(&w);
     struct device_scene *d = w.stage.renderer->device_scene;
     const fnl_mat4 identity = mat4_identity();
-    double *times = malloc(count * sizeof *times), sum[2] = {0, 0}, longest[2] = {0, 0};
     uint32_t edits = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint64_t bytes = d->bytes_uploaded, structures = d->upload_count, images = d->image_upload_count;
         fnl_instance_id id;
-        double start = harness_seconds();
         bool adds = i % EVERY == 0;
         if (adds) assert_int_equal(fnl_scene_add_instance(w.stage.scene, w.meshes[1], &identity, &id), FNL_OK);
         assert_int_equal(fnl_renderer_render(w.stage.renderer, &w.stage.frame), FNL_OK);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(w.stage.renderer, &stats), FNL_OK);
-        times[i] = harness_seconds() - start;
-        sum[adds] += times[i];
-        longest[adds] = fmax(longest[adds], times[i]);
         bytes = d->bytes_uploaded - bytes;
         edits += adds;
         assert_int_equal(d->upload_count - structures, adds);
@@ -353,12 +343,6 @@ static void test_no_frame_is_long(void **state) {
         assert_true(adds ? bytes > sizeof(struct gpu_instance) && bytes <= most : bytes == 0);
     }
     assert_int_equal(edits, DIVIDE_UP(count, EVERY));
-    double mean[2] = {sum[0] / (count - edits), sum[1] / edits};
-    qsort(times, count, sizeof *times, compare_times);
-    double median = times[count / 2];
-    print_message("%u frames: median %.2f ms; with an edit %.2f ms on average, at most %.2f times the median; without %.2f ms, %.2f times\n",
-                  count, median * 1e3, mean[1] * 1e3, longest[1] / median, mean[0] * 1e3, longest[0] / median);
-    free(times);
     stage_close(&w.stage);
 }
 
