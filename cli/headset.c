@@ -158,7 +158,7 @@ static bool read_eye(struct reader *r, const char *place, json_t *eye, float sid
     char at[PLACE];
     json_t *position = json_object_get(eye, "position"), *rotation = json_object_get(eye, "rotation"), *cant = json_object_get(eye, "cant"), *value;
     if (!check_keys(r, place, eye, " tangents degrees position rotation cant resolution lens hidden ")) return false;
-    if (rotation && cant) return fail(r, place, "has 'rotation' and 'cant', which exclude one another");
+    if (rotation && cant) return fail(r, place, "has 'rotation' and 'cant', which cannot be combined");
     if (position && !isnan(ipd)) return fail(r, below(at, place, "position"), "does not go with /ipd");
     if (!position && isnan(ipd)) return fail(r, place, "has no 'position', and the file no 'ipd'");
     out->eye.pose = (fnl_rigid_pose){.position = {position ? 0 : side * ipd / 2, 0, 0}, .rotation = {0, 0, 0, 1}};

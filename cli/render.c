@@ -418,26 +418,26 @@ static bool check_options(struct render_options *o) {
         const bool exr = i < o->output_count && render_format_of(o, o->outputs[i]) == RENDER_EXR;
         if (display_problem(&o->display, &o->stereo, exr)) problem = display_problem(&o->display, &o->stereo, exr);
     }
-    if (o->views && o->stereo.kind) problem = "--views and --stereo exclude one another";
+    if (o->views && o->stereo.kind) problem = "--views and --stereo cannot be combined";
     if (o->stereo.kind == STEREO_LAYERS && sequence) problem = "a sequence takes one picture at a time, not those of --stereo layers";
     if (o->stereo.hmd && o->world.fov > 0) problem = "--fov does not go with --hmd, whose displays have fields of view of their own";
-    if (o->views && sequence) problem = "--views and --camera-path exclude one another";
+    if (o->views && sequence) problem = "--views and --camera-path cannot be combined";
     if (o->views && !views_are_cube(o->views) && (o->world.camera || o->world.has_eye || o->world.fov > 0))
         problem = "--camera, --eye and --fov do not go with --views, but for the place of --views cube";
     if (o->views && views_are_cube(o->views) && o->world.fov > 0) problem = "the faces of --views cube have 90 degrees: --fov does not go with them";
     if (o->views && views_are_cube(o->views) && o->frame.width != o->frame.height)
         problem = "the faces of --views cube are square: give, for example, --size 1024x1024";
-    if (o->camera_path && o->world.has_eye) problem = "--camera-path and --eye exclude one another";
+    if (o->camera_path && o->world.has_eye) problem = "--camera-path and --eye cannot be combined";
     if (o->camera_path && !o->has_frames && bench_path_is_circle(o->camera_path, &circle) && circle == 0)
         problem = "--camera-path orbit and turntable need --frames, or as orbit:N the pictures once round";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
-    if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample is no --aa taa";
+    if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample and --aa taa cannot be combined";
     if (o->frame_count == 0 && (o->stats || o->trace_file || o->verbose || sequence))
-        problem = "--frames 0 is a picture without numbers: not with --stats, --trace-file or --verbose, nor for a sequence";
+        problem = "--frames 0 measures nothing: it cannot be combined with --stats, --trace-file, --verbose or a sequence";
     if (o->verbose && o->quiet) problem = "--verbose and --quiet cannot be combined";
-    if (o->verbose && sequence) problem = "--verbose is for single pictures: --stats FILE has the numbers of a sequence";
-    if (o->trace_file && render_is_stdout(o->trace_file)) problem = "--trace-file writes a file, not to stdout";
-    if (o->trace_file && o->supersample > 1) problem = "--trace-file and --supersample exclude one another: pictures of several frames are not timed";
+    if (o->verbose && sequence) problem = "--verbose is for single pictures; use --stats FILE for a sequence";
+    if (o->trace_file && render_is_stdout(o->trace_file)) problem = "--trace-file cannot write to stdout";
+    if (o->trace_file && o->supersample > 1) problem = "--trace-file and --supersample cannot be combined: pictures of several frames are not timed";
     if (o->frame.pixel.asked && (o->frame.pixel.x >= o->frame.width || o->frame.pixel.y >= o->frame.height))
         problem = "--pixel is outside of the picture: X and Y are less than its --size";
     if (o->frame.pixel.asked && sequence) problem = "--pixel is for single pictures, not for sequences";

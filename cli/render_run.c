@@ -427,7 +427,7 @@ static int run(const struct render_options *o) {
     }
     if (good && !o->quiet && (!sequence || end > first)) render_print_wrote(o, first, end);
     if (good && report.interrupted)
-        fprintf(stderr, "fanal: interrupted: --start-frame %u goes on%s\n", end, o->stats && !render_is_stdout(o->stats) ? ", with another --stats file" : "");
+        fprintf(stderr, "fanal: interrupted: continue with --start-frame %u%s\n", end, o->stats && !render_is_stdout(o->stats) ? " and another --stats file" : "");
     trace_destroy(&trace);
     report_finish(&report);
     if (o->screen) display_close(o->screen);

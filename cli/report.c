@@ -136,7 +136,7 @@ static void print_method(const struct render_report *r) {
 
 void report_print_picture(const struct render_report *r, double seconds) {
     print_method(r);
-    printf(": the frame took %.2f s on %s, everything %.2f s\n", r->stats.gpu_milliseconds * 1e-3, r->device.name, seconds);
+    printf(": %.2f s for the frame on %s, %.2f s in total\n", r->stats.gpu_milliseconds * 1e-3, r->device.name, seconds);
     print_legend(r);
 }
 

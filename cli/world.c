@@ -170,7 +170,7 @@ bool world_parse(int option, const char *value, struct world_options *o) {
 
 const char *world_problem(const struct world_options *o) {
     if (o->has_eye != o->has_look_at) return "--eye and --look-at belong together";
-    if (o->camera && o->has_eye) return "--camera and --eye exclude one another";
+    if (o->camera && o->has_eye) return "--camera and --eye cannot be combined";
     return NULL;
 }
 
@@ -305,6 +305,16 @@ static bool is_dark(const fnl_scene *scene) {
     return fnl_scene_query_info(scene, &info) == FNL_OK && info.light_count == 0 && !info.has_environment && !info.has_ambient;
 }
 
+/* What is said of the light that a scene comes with. */
+static void tell_light(const struct world_options *o, const fnl_scene *scene) {
+    fnl_scene_info info;
+    if (fnl_scene_query_info(scene, &info) != FNL_OK) return;
+    if (!o->no_studio && is_dark(scene))
+        puts("The scene has no light: using builtin:studio (--environment, --lights, --ambient, --studio off).");
+    else if (strncmp(o->scene, "builtin:", 8) != 0 && o->lights < 0 && info.light_count > 0 && !info.has_environment && !info.has_ambient)
+        printf("The scene is lit by its own %u light%s alone: --environment builtin:studio adds surroundings.\n", info.light_count, info.light_count == 1 ? "" : "s");
+}
+
 /* Whether options of the environment are meant for the studio, which then becomes the scene's. */
 static bool lights_studio(const struct world_options *o, const fnl_scene *scene) {
     const fnl_environment_params usual = fnl_environment_params_default(), *params = &o->environment_params;
@@ -352,7 +362,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
-    if (!quiet && !o->no_studio && is_dark(*scene)) puts("The scene has no light: using builtin:studio (--environment, --lights, --ambient, --studio off).");
+    if (!quiet) tell_light(o, *scene);
     return choose_camera(o, *scene, (float)width / (float)height, camera);
 }
 

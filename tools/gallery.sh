@@ -54,8 +54,8 @@ show SheenChair '`KHR_materials_sheen`, `_variants`.' SheenChair.gltf --variant 
 show IridescenceSuzanne '`KHR_materials_iridescence`: on plastic, on metal, on glass.' IridescenceSuzanne.glb --environment spiaggia_di_mondello_1k.hdr
 show AnisotropyStrengthTest '`KHR_materials_anisotropy`.' AnisotropyStrengthTest.glb
 show SpecularTest '`KHR_materials_specular`.' SpecularTest.glb
-show TransmissionTest '`KHR_materials_transmission`: [smooth, rough, metallic](techniques/transmission.md).' TransmissionTest.glb --lights 12 --ambient 0.5,0.6,0.8 --exposure 3
-show TransmissionRoughnessTest 'Roughness to the right, five indices of refraction.' TransmissionRoughnessTest.glb --lights 12 --ambient 0.5,0.6,0.8 --exposure 3
+show TransmissionTest '`KHR_materials_transmission`: [smooth, rough, metallic](techniques/transmission.md).' TransmissionTest.glb
+show TransmissionRoughnessTest 'Roughness to the right, five indices of refraction.' TransmissionRoughnessTest.glb
 show AttenuationTest '`KHR_materials_volume`: thickness and attenuation.' AttenuationTest.glb
 show AlphaBlendModeTest 'Opaque, cut out, blended.' AlphaBlendModeTest.glb
 show CesiumMan 'A skin, in motion.' CesiumMan.glb --time 0.6

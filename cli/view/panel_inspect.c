@@ -114,7 +114,7 @@ static bool show_alpha_mode(fnl_material_params *m) {
 }
 
 static bool show_core(fnl_material_params *m) {
-    bool edited = show_color("base colour", m->base_color);
+    bool edited = show_color("base color", m->base_color);
     edited |= show_factor("opacity", &m->base_color[3], 0, 1);
     edited |= show_factor("metallic", &m->metallic, 0, 1);
     edited |= show_factor("roughness", &m->roughness, 0, 1);
@@ -130,7 +130,7 @@ static bool show_core(fnl_material_params *m) {
     edited |= show_factor("occlusion", &m->occlusion_strength, 0, 1);
     if (m->ior >= 1) edited |= show_factor("index of refraction", &m->ior, 1, 3);
     edited |= show_factor("specular", &m->specular, 0, 1);
-    return edited | show_color("specular colour", m->specular_color);
+    return edited | show_color("specular color", m->specular_color);
 }
 
 static bool show_layers(fnl_material_params *m) {
@@ -149,11 +149,11 @@ static bool show_layers(fnl_material_params *m) {
     edited |= show_factor("transmission", &m->transmission.strength, 0, 1);
     edited |= show_factor("thickness", &m->volume.thickness, 0, 10);
     edited |= show_factor("attenuation, m", &m->volume.attenuation_distance, 0, 100);
-    ui_tooltip("After so many metres white light has the colour below; 0: never");
+    ui_tooltip("After so many metres white light has the color below; 0: never");
     edited |= show_color("attenuation", m->volume.attenuation_color);
     edited |= show_factor("dispersion", &m->dispersion, 0, 10);
     edited |= show_factor("diffuse transmission", &m->diffuse_transmission.strength, 0, 1);
-    return edited | show_color("of this colour", m->diffuse_transmission.color);
+    return edited | show_color("of this color", m->diffuse_transmission.color);
 }
 
 static void show_texture(const struct view *v, const char *what, fnl_image_id id) {
@@ -163,7 +163,7 @@ static void show_texture(const struct view *v, const char *what, fnl_image_id id
 }
 
 static void show_textures(const struct view *v, const fnl_material_params *m) {
-    show_texture(v, "base colour", m->base_color_image);
+    show_texture(v, "base color", m->base_color_image);
     show_texture(v, "metallic, roughness", m->metallic_roughness_image);
     show_texture(v, "normals", m->normal_image);
     show_texture(v, "occlusion", m->occlusion_image);
@@ -179,7 +179,7 @@ static void show_textures(const struct view *v, const fnl_material_params *m) {
     show_texture(v, "transmission", m->transmission.image);
     show_texture(v, "thickness", m->volume.image);
     show_texture(v, "diffuse transmission", m->diffuse_transmission.image);
-    show_texture(v, "its colour", m->diffuse_transmission.color_image);
+    show_texture(v, "its color", m->diffuse_transmission.color_image);
 }
 
 static void show_material(struct view *v) {
@@ -217,11 +217,11 @@ static void show_decal(struct view *v, uint32_t index) {
     bool edited = show_vector("place", &place, "%.3f");
     ui_tooltip("Metres, relative to what it moves with");
     d->transform.m[12] = place.x, d->transform.m[13] = place.y, d->transform.m[14] = place.z;
-    edited |= show_color("colour", d->color);
+    edited |= show_color("color", d->color);
     edited |= show_factor("opacity", &d->color[3], 0, 1);
     edited |= show_factor("metallic", &d->metallic, 0, 1);
     edited |= show_factor("roughness", &d->roughness, 0, 1);
-    show_texture(v, "colour", d->color_image);
+    show_texture(v, "color", d->color_image);
     show_texture(v, "normals", d->normal_image);
     show_texture(v, "metallic, roughness", d->metallic_roughness_image);
     show_texture(v, "emission", d->emissive_image);

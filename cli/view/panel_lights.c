@@ -174,11 +174,11 @@ static bool show_kind(fnl_light_params *light) {
 
 static bool show_range(fnl_light_params *light) {
     bool edited = false, derived = isinf(light->range);
-    if (ui_checkbox("range from the intensity", &derived)) {
+    if (ui_checkbox("range from intensity", &derived)) {
         light->range = derived ? INFINITY : fmaxf(fnl_light_range(light, 1, 0.05f), 1e-3f);
         edited = true;
     }
-    ui_tooltip("If off, you set the range");
+    ui_tooltip("Where the light has faded to almost nothing; off: as given below");
     return edited | (!derived && show_number("range, m", &light->range, 1e-3f, FLT_MAX, "%.3g"));
 }
 
@@ -197,8 +197,8 @@ static bool show_shape(fnl_light_params *light) {
         edited |= show_number("length, m", &light->length, 0, FLT_MAX, "%.3g");
         break;
     case FNL_LIGHT_WEDGE:
-        edited |= show_degrees("angle across", &light->wedge_angles[0], 85);
-        edited |= show_degrees("angle up", &light->wedge_angles[1], 85);
+        edited |= show_degrees("horizontal angle", &light->wedge_angles[0], 85);
+        edited |= show_degrees("vertical angle", &light->wedge_angles[1], 85);
         break;
     case FNL_LIGHT_BOX:
         edited |= show_vector("size, m", &light->box_size);
@@ -207,7 +207,7 @@ static bool show_shape(fnl_light_params *light) {
     case FNL_LIGHT_RECTANGLE:
         edited |= show_number("width, m", &light->rectangle_size[0], 1e-3f, 1e9f, "%.3g");
         edited |= show_number("height, m", &light->rectangle_size[1], 1e-3f, 1e9f, "%.3g");
-        edited |= ui_checkbox("shines to both sides", &light->two_sided);
+        edited |= ui_checkbox("two-sided", &light->two_sided);
         break;
     default:
         break;
@@ -215,13 +215,13 @@ static bool show_shape(fnl_light_params *light) {
     const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
     if (parallel) edited |= show_degrees("source size", &light->source_angle, 57);
     if (!parallel && light->kind != FNL_LIGHT_RECTANGLE) edited |= show_number("source radius, m", &light->source_radius, 0, 1e4f, "%.3g");
-    ui_tooltip("The size of what shines: it makes shadows soft where the frame asks for that (Shadow edges)");
+    ui_tooltip("Size of the light itself: larger means softer shadows, if Shadow edges are soft");
     return edited;
 }
 
 static bool put_at_camera(const struct view *v, fnl_light_params *light) {
     const fnl_camera *c = &v->camera.now;
-    if (!ui_button("put it at the camera")) return false;
+    if (!ui_button("move to the camera")) return false;
     light->position = c->position;
     light->direction = (fnl_vec3){c->target.x - c->position.x, c->target.y - c->position.y, c->target.z - c->position.z};
     return true;
@@ -237,7 +237,7 @@ void view_show_light(struct view *v, uint32_t index) {
     const bool parallel = light.kind == FNL_LIGHT_DIRECTIONAL || light.kind == FNL_LIGHT_BOX;
     ui_text("light %u %s", index, entity.name ? entity.name : "");
     if (find_id(v->marked.ids, v->marked.count, id) != UINT32_MAX && v->marked.count > 1)
-        ui_note(v->marked.count == 2 ? "The other one changes with it, except its place." : "The %u others change with it, except their places.", v->marked.count - 1);
+        ui_note(v->marked.count == 2 ? "The other selected light changes with it, but keeps its position." : "The %u other selected lights change with it, but keep their positions.", v->marked.count - 1);
     bool on = light.intensity > 0;
     if (ui_checkbox("on", &on)) {
         switch_all(v, index, on);
@@ -250,12 +250,12 @@ void view_show_light(struct view *v, uint32_t index) {
     edited |= show_number(parallel ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
     if (!parallel) edited |= show_range(&light);
     edited |= show_shape(&light);
-    if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= show_vector("place, m", &light.position);
+    if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= show_vector("position, m", &light.position);
     if (light.kind != FNL_LIGHT_POINT) edited |= show_vector("direction", &light.direction);
     edited |= put_at_camera(v, &light);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
     bool requested = light.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
-    if (light.casts_shadows && ui_checkbox("keeps its shadow map", &requested)) {
+    if (light.casts_shadows && ui_checkbox("freeze its shadow map", &requested)) {
         light.shadow_update = requested ? FNL_SHADOW_UPDATE_ON_REQUEST : FNL_SHADOW_UPDATE_ALWAYS;
         edited = true;
     }
@@ -298,15 +298,15 @@ static void show_list(struct view *v, uint32_t count) {
 void view_panel_lights(struct view *v) {
     const uint32_t count = fnl_scene_count(v->shown.scene, FNL_ENTITY_LIGHT);
     ui_text("%u %s", v->shown.info.light_count, view_plural(v->shown.info.light_count, "light", "lights"));
-    if (ui_button("add one")) add_light(v);
-    ui_tooltip("Adds a light in front of the camera; edit it below");
+    if (ui_button("add a light")) add_light(v);
+    ui_tooltip("Adds a light in front of the camera");
     ui_same_line();
     if (ui_checkbox("show lights", &v->select.shows_lights)) view_want(v, 2);
-    ui_tooltip("As dots in the picture (L); Ctrl and a click on one picks it");
+    ui_tooltip("As dots in the picture (L); Ctrl+click selects one");
     scatter(v);
     if (count == 0) return;
     v->light = v->light < count ? v->light : count - 1;
     show_list(v, count);
-    ui_note("Ctrl and a click: several, which then change together.");
+    ui_note("Ctrl+click selects several, which then change together.");
     view_show_light(v, v->light);
 }

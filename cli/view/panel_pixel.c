@@ -61,7 +61,7 @@ static void show_surface(const fnl_pixel_info *p) {
     ui_text("place %.4g, %.4g, %.4g m", (double)p->position.x, (double)p->position.y, (double)p->position.z);
     ui_text("depth %.4g m", (double)p->view_depth);
     ui_text("normal %.3f, %.3f, %.3f", (double)p->normal.x, (double)p->normal.y, (double)p->normal.z);
-    ui_text("base colour %.3f, %.3f, %.3f%s", (double)p->base_color[0], (double)p->base_color[1], (double)p->base_color[2], p->unlit ? ", unlit" : "");
+    ui_text("base color %.3f, %.3f, %.3f%s", (double)p->base_color[0], (double)p->base_color[1], (double)p->base_color[2], p->unlit ? ", unlit" : "");
     ui_text("metallic %.3f, roughness %.3f", (double)p->metallic, (double)p->roughness);
     ui_text("ambient, own %.4g %.4g %.4g cd/m2", (double)p->rest[0], (double)p->rest[1], (double)p->rest[2]);
 }

@@ -55,7 +55,7 @@ void view_show_animation(struct view *v) {
 void view_show_variants(struct view *v) {
     fnl_entity_info info;
     char label[128];
-    if (ui_radio("as the file has it", !v->variant[0]) && fnl_scene_select_variant(v->shown.scene, FNL_NO_VARIANT) == FNL_OK) {
+    if (ui_radio("file default", !v->variant[0]) && fnl_scene_select_variant(v->shown.scene, FNL_NO_VARIANT) == FNL_OK) {
         v->variant[0] = 0;
         view_want(v, 2);
     }
@@ -111,15 +111,15 @@ void view_show_surroundings(struct view *v) {
         }
         ui_item_width(150);
         changed |= ui_number("intensity", &params->intensity, 0, 20, "%.3g");
-        changed |= ui_checkbox("seen behind the scene", &params->background);
+        changed |= ui_checkbox("show as background", &params->background);
     }
-    ui_note("Your own: drop an .hdr or .exr panorama into the window, or open it.");
+    ui_note("For your own, drop an .hdr or .exr panorama into the window, or open it.");
     if (changed) view_apply_surroundings(v);
 }
 
 void view_show_exposure(struct view *v) {
     bool metered = v->frame.exposure == FNL_EXPOSURE_AUTO;
-    if (ui_checkbox("exposure from the picture", &metered)) {
+    if (ui_checkbox("automatic", &metered)) {
         v->frame.exposure = metered ? FNL_EXPOSURE_AUTO : FNL_EXPOSURE_EV;
         v->frame.ev = v->stats.ev;
         view_compare_expose(v);
@@ -137,8 +137,8 @@ void view_show_exposure(struct view *v) {
 
 static void show_navigation(struct view *v) {
     static const char *const names[VIEW_NAVIGATION_COUNT] = {"orbit", "fly", "walk"};
-    static const char *const helps[VIEW_NAVIGATION_COUNT] = {"The left mouse button turns about what is looked at", "It looks around; W A S D Q E fly where you look",
-                                                             "It looks around; W A S D stay at this height, Q E change it"};
+    static const char *const helps[VIEW_NAVIGATION_COUNT] = {"Drag to orbit around the point you look at", "Drag to look around; W A S D Q E fly where you look",
+                                                             "Drag to look around; W A S D stay at this height, Q E change it"};
     for (uint32_t i = 0; i < VIEW_NAVIGATION_COUNT; i++) {
         if (i) ui_same_line();
         if (ui_radio(names[i], i == v->settings.navigation)) v->settings.navigation = i;
@@ -159,13 +159,13 @@ static void show_window(struct view *v) {
     struct view_settings *s = &v->settings;
     const struct view_settings before = *s;
     float scale = v->scale;
-    ui_checkbox("dark", &s->dark);
+    ui_checkbox("dark theme", &s->dark);
     ui_item_width(150);
-    if (ui_number("size of letters", &scale, 0.5f, 4, "%.2f")) v->wanted_scale = scale;
-    s->present = show_names("presentation", view_present_names, VIEW_PRESENT_COUNT, s->present);
-    ui_tooltip("fifo waits for the screen; mailbox shows the newest picture and does not wait; immediate may tear");
+    if (ui_number("text size", &scale, 0.5f, 4, "%.2f")) v->wanted_scale = scale;
+    s->present = show_names("presentation mode", view_present_names, VIEW_PRESENT_COUNT, s->present);
+    ui_tooltip("fifo waits for the screen; mailbox shows the newest picture without waiting; immediate may tear");
     s->color = show_names("color space", view_color_names, VIEW_COLOR_COUNT, s->color);
-    ui_tooltip("scrgb and hdr10: brighter than white if the screen supports it; otherwise srgb");
+    ui_tooltip("scrgb and hdr10 show what is brighter than white, on screens that can; elsewhere srgb is used");
     if (s->present != before.present || s->color != before.color || s->dark != before.dark) view_apply_settings(v);
 }
 
@@ -178,8 +178,8 @@ void view_panel_scene(struct view *v) {
         ui_text("%llu %s, %llu %s, %u %s, %u %s", (unsigned long long)info->triangle_count, view_plural(info->triangle_count, "triangle", "triangles"),
                 (unsigned long long)info->instance_count, view_plural(info->instance_count, "object", "objects"), info->material_count,
                 view_plural(info->material_count, "material", "materials"), info->light_count, view_plural(info->light_count, "light", "lights"));
-        if (ui_button("export the tables") && view_write_report(v, "fanal-tables.tsv")) view_say(v, FNL_LOG_INFO, "wrote fanal-tables.tsv");
-        ui_tooltip("What the panels say, as lines of words and numbers between tabs: fanal-tables.tsv");
+        if (ui_button("export tables") && view_write_report(v, "fanal-tables.tsv")) view_say(v, FNL_LOG_INFO, "wrote fanal-tables.tsv");
+        ui_tooltip("Writes what the panels show to fanal-tables.tsv, tab-separated");
     }
     if (ui_header("camera", true)) show_navigation(v);
     if (ui_header("window", true)) show_window(v);

@@ -35,7 +35,7 @@ void view_panel_start(struct view *v) {
     }
     if (s->recent_count > 0) {
         ui_separator();
-        ui_text("Opened before");
+        ui_text("Recent files");
     }
     for (uint32_t i = 0; i < s->recent_count; i++) {
         const char *slash = strrchr(s->recent[i], '/');

@@ -326,7 +326,7 @@ int command_view(int argc, char **argv) {
     const char *problem = world_problem(&o.world);
     if (argc - optind > 1) problem = "one scene can be shown at once";
     if (o.headless && !o.replay) problem = "--headless needs --replay: there is no window that could say what to do";
-    if (o.record && o.replay) problem = "--record and --replay exclude one another";
+    if (o.record && o.replay) problem = "--record and --replay cannot be combined";
     if (problem) {
         fprintf(stderr, "fanal: error: %s; see 'fanal view --help'\n", problem);
         return 2;

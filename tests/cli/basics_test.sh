@@ -101,7 +101,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
 
     # What is printed: a line about the picture and one for each file; the table where it is asked for.
     expect 0 '' render builtin:spheres $small -o line.png
-    [ "$(wc -l <out)" = 2 ] && grep -qE '^64x36, deferred, clustered lists, 64 lights: the frame took [0-9.]+ s on ' out && grep -qx 'wrote line.png' out ||
+    [ "$(wc -l <out)" = 2 ] && grep -qE '^64x36, deferred, clustered lists, 64 lights: [0-9.]+ s for the frame on ' out && grep -qx 'wrote line.png' out ||
         fail "a picture prints $(cat out)"
     grep -qE 'warning|error' err && fail "a picture warns: $(cat err)" # progress may be there, on a busy machine
     expect 0 'pass, ms' render builtin:spheres $small --verbose -o table.png
@@ -114,6 +114,10 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 2 'cannot be combined' render builtin:spheres $small --verbose --quiet -o a.png
     expect 2 'verbose is for single pictures' render builtin:spheres $small --verbose --camera-path orbit:2 -o a-%d.png
     expect 0 'wrote lit.glb' render triangle.gltf --lights 7 --save-scene lit.glb
+    # A file with lights alone: what would be added, and not where it is.
+    expect 0 'is lit by its own 7 lights alone: --environment builtin:studio adds surroundings' render lit.glb $small -o own.png
+    expect 0 '' render lit.glb $small --environment builtin:studio -o own.png
+    grep -q 'lit by its own' out && fail 'surroundings are missed where they are'
     expect 0 '^wrote view-0.png to view-5.png$' render builtin:spheres $small --size 16x16 --views cube -o view-%d.png
     expect 0 'wrote traced.png' trace builtin:spheres --size 16x9 --shadows off -o traced.png
     expect 0 'wrote difference.png' compare line.png table.png -o difference.png
@@ -146,7 +150,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     exec 3<&-
     wait $rendering
     [ $? = 130 ] || fail "a sequence that is interrupted does not end with status 130: $(cat err)"
-    next=$(sed -n 's/^fanal: interrupted: --start-frame \([0-9]*\) goes on.*/\1/p' err)
+    next=$(sed -n 's/^fanal: interrupted: continue with --start-frame \([0-9]*\).*/\1/p' err)
     [ "${next:-0}" -ge 2 ] && [ "$next" -lt 200 ] || fail "an interrupted sequence does not say how to go on: $(cat err)"
     [ "$(find . -name 'stop-*.png' | wc -l)" = "$next" ] && [ "$(wc -l <stop.json)" = "$next" ] && [ "$(cat first.raw rest.raw | wc -c)" = $((next * 64 * 36 * 4)) ] ||
         fail "of $next pictures there are $(find . -name 'stop-*.png' | wc -l) files and $(wc -l <stop.json) lines"

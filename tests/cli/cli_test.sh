@@ -39,7 +39,7 @@ expect 2 "--shading is 'x', must be one of forward, forward-prepass, deferred" r
 expect 2 "--lists is 'x', must be one of brute-force, tiled" render builtin:spheres --lists x -o "$work/a.png"
 expect 2 "--msaa is 3, must be 1, 2, 4 or 8" render builtin:spheres --msaa 3 -o "$work/a.png"
 expect 2 "--aa is 'x', must be one of none, mlaa, smaa, taa" render builtin:spheres --aa x -o "$work/a.png"
-expect 2 'supersample is no --aa taa' render builtin:spheres --supersample 4 --aa taa -o "$work/a.png"
+expect 2 'supersample and --aa taa cannot be combined' render builtin:spheres --supersample 4 --aa taa -o "$work/a.png"
 expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%s.png"
 expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%d-%d.png"
 expect 2 "pixel: '3' is not a pixel" render builtin:spheres --pixel 3
@@ -249,11 +249,11 @@ expect 0 '' render builtin:spheres $plain -o "$work/b.png" -o "$work/b.exr" --ao
 cmp -s "$work/a.png" "$work/b.png" || fail 'two runs gave different PNG bytes'
 cmp -s "$work/a.exr" "$work/b.exr" || fail 'two runs gave different EXR bytes'
 # The picture alone: the same bytes, a line that says how long it took, no table.
-expect 0 'the frame took [0-9.]+ s on ' render builtin:spheres $plain --lists clustered --frames 0 -o "$work/alone.png"
+expect 0 '[0-9.]+ s for the frame on ' render builtin:spheres $plain --lists clustered --frames 0 -o "$work/alone.png"
 grep -qE 'evaluations|median' "$work/out" && fail '--frames 0 counts and measures'
 expect 0 '' render builtin:spheres $plain --lists clustered --frames 2 -q -o "$work/timed.png"
 cmp -s "$work/alone.png" "$work/timed.png" || fail '--frames 0 gave other bytes'
-expect 2 'frames 0 is a picture without numbers' render builtin:spheres $plain --frames 0 --stats "$work/none.json" -o "$work/none.png"
+expect 2 'frames 0 measures nothing' render builtin:spheres $plain --frames 0 --stats "$work/none.json" -o "$work/none.png"
 absent "$work/none.json" "$work/none.png"
 expect 0 'lights: 1 \(#472877\) to 256 and more \(#fde725\): lights that' render builtin:onetile $plain --lists all --debug lights -o "$work/m.png"
 # memory KIND: what the last statistics say of it.
@@ -289,8 +289,8 @@ expect 2 "set: deferred.class-blocks is 5, must be 0, 4 or 8" render builtin:sph
 expect 0 'tonemap' render builtin:spheres $plain --plan
 expect 0 '"name":"tonemap","queue":"graphics"' render builtin:spheres $plain --plan=json
 expect 2 "plan.*xml" render builtin:spheres $plain --plan=xml
-expect 2 'exclude one another' render builtin:spheres $plain -o a.png --trace-file a.trace --supersample 2
-expect 2 'not to stdout' render builtin:spheres $plain -o a.png --trace-file -
+expect 2 'cannot be combined' render builtin:spheres $plain -o a.png --trace-file a.trace --supersample 2
+expect 2 'cannot write to stdout' render builtin:spheres $plain -o a.png --trace-file -
 expect 0 'size' compare "$work/a.png" "$work/b.png"
 expect 1 'max-diff|max' compare "$work/a.png" "$work/a.exr" --max-diff 0
 expect 2 'missing.png' compare "$work/a.png" "$work/missing.png"

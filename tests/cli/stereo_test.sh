@@ -102,7 +102,7 @@ refuse 'stereo.path' --stereo side-by-side --set multiview=off
 refuse '--stereo-path' --stereo left --stereo-path both
 refuse '--stereo' --stereo both
 refuse 'belong to --stereo' --ipd 0.06
-refuse 'exclude one another' --stereo left --views cube
+refuse 'cannot be combined' --stereo left --views cube
 refuse '%d' --stereo layers
 refuse '--fov' --stereo left --hmd builtin:simple --fov 50
 

@@ -35,7 +35,7 @@ spheres="builtin:spheres --lists clustered"
     run 2 'goes to stdout as --format raw, y4m or y4m444' $spheres --camera-path orbit:2 -o - --format png
     run 2 'each output of a sequence has one %d' $spheres --camera-path orbit:2 -o a.png
     run 2 'need --frames' $spheres --camera-path turntable -o a-%d.png
-    run 2 'exclude one another' $spheres --camera-path orbit:2 --eye 1,2,3 --look-at 0,0,0 -o a-%d.png
+    run 2 'cannot be combined' $spheres --camera-path orbit:2 --eye 1,2,3 --look-at 0,0,0 -o a-%d.png
     run 2 'start-frame is for sequences' $spheres --start-frame 1 -o a.png
     run 2 'no picture 2; it ends after 1' $spheres --camera-path orbit:2 --start-frame 2 -o a-%d.png
     run 2 "format: 'x' is not one of png exr raw y4m y4m444" $spheres --format x -o -
@@ -72,7 +72,7 @@ spheres="builtin:spheres --lists clustered"
     same motion-3.exr later-3.exr 'motion differs when a sequence begins in the middle'
 
     # YUV4MPEG2: a header, then for each picture a line and three planes: of even sizes, or with the chroma of each pixel.
-    run 2 'pictures of 33x17 do not fit y4m, whose sides are even: give 34x18, or --format y4m444' builtin:nowhere --camera-path orbit:4 -o -
+    run 2 'y4m needs even sides, not 33x17: use 34x18, or --format y4m444' builtin:nowhere --camera-path orbit:4 -o -
     [ ! -s out ] || fail 'pictures of an odd size are begun'
     run 0 '' $spheres -q --camera-path orbit:4 --frame-time 0.04 -o - --format y4m444
     head -n 1 out | grep -qx 'YUV4MPEG2 W33 H17 F25:1 Ip A1:1 C444 XCOLORRANGE=LIMITED' || fail "y4m444 begins with $(head -c 80 out | head -n 1)"

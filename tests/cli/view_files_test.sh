@@ -53,7 +53,7 @@ key 87 down 0
 frames 1
 key 87 up 0
 panel lights
-click add one
+click add a light
 savescene changed.glb
 settle
 save small.png 80 50

@@ -85,7 +85,7 @@ replay writes point.gltf --size 320x240 --scale 0.5 --shadows off --lists all
 
 # ---- a light that is added casts a shadow, unless shadows were chosen ----
 
-printf 'report dark.tsv\npanel lights\nclick add one\nframes 1\nreport lit.tsv\n' >light.txt
+printf 'report dark.tsv\npanel lights\nclick add a light\nframes 1\nreport lit.tsv\n' >light.txt
 replay light point.gltf --size 320x240 --scale 0.5
 [ "$(value lit.tsv shadows)" = maps ] || fail "with the first light shadows are $(value lit.tsv shadows)"
 replay light point.gltf --size 320x240 --scale 0.5 --shadows off

@@ -60,7 +60,7 @@ set debug=none
 set shading=deferred
 size 720 300
 panel lights
-click add one
+click add a light
 capture panels.png
 key 258 down 0
 key 258 up 0
@@ -146,7 +146,7 @@ key 258 down 0
 key 258 up 0
 click Environment
 click Overcast
-click seen behind the scene
+click show as background
 size 160 90
 settle
 save moved.png
@@ -194,7 +194,7 @@ printf 'click nothing like it\n' >bad.txt
 refused 'no widget in sight' --headless --size 16x16 --replay bad.txt --no-cache --device 0
 refused 'cannot be read' --headless --size 16x16 --replay missing.txt --no-cache --device 0
 refused 'needs --replay' --headless
-refused 'exclude one another' --replay a --record b
+refused 'cannot be combined' --replay a --record b
 refused 'fifo, mailbox or immediate' --present sometimes
 refused 'srgb, scrgb or hdr10' --color rgb
 refused 'no window can be opened' --no-cache DISPLAY

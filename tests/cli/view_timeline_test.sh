@@ -35,7 +35,7 @@ report still.tsv
 click live
 frames 1
 report live.tsv
-click write the trace
+click save trace
 trace all.trace
 capture timeline.png
 key 292 down 0
