@@ -99,10 +99,11 @@ enum {
     "  --ground on|off|auto       a floor that catches shadows (auto: in the studio, under models without a floor)\n"      \
     "  --studio on|off            lights scenes without any light with builtin:studio (on)\n"                                 \
     "  --ambient R,G,B            constant ambient light, cd/m^2\n"                                                         \
-    "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:sky, builtin:overcast\n" \
+    "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:overcast or\n"        \
+    "                             builtin:sky, optionally with ?elevation=DEGREES&azimuth=DEGREES&turbidity=T\n"         \
     "  --environment-rotation D   turns it, or the file's, about the vertical axis, degrees (0)\n"                      \
     "  --environment-intensity X  multiplies its light, or the file's (1), or auto\n"                            \
-    "  --environment-hidden       it gives light, but the background is seen behind the scene\n"                            \
+    "  --environment-hidden       lights the scene, but is not shown behind it\n"                            \
     "  --environment-compressed   keeps it as BC6H: an eighth of the memory, 1.4 to 2.9 % off\n" \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
 #define WORLD_SCENE_HELP                                                                                                    \

@@ -10,15 +10,14 @@
 
 #define DEGREES 57.2957795f
 
-/* Three numbers in a row, and what they are; `name` tells the widgets apart. */
-static bool show_vector(const char *name, fnl_vec3 *value, const char *format) {
+bool view_show_vector(const char *name, fnl_vec3 *value, const char *format) {
     static const char *const axes[] = {"x", "y", "z"};
     float *numbers[] = {&value->x, &value->y, &value->z};
     bool edited = false;
     for (int i = 0; i < 3; i++) {
         char label[48];
         snprintf(label, sizeof label, "##%s %s", name, axes[i]);
-        ui_item_width(72);
+        ui_item_width(66);
         edited |= ui_number(label, numbers[i], -FLT_MAX, FLT_MAX, format);
         ui_same_line();
     }
@@ -55,11 +54,11 @@ static void show_transform(struct view *v, const fnl_instance_info *instance) {
         return;
     }
     struct view_edit edit = {.kind = VIEW_EDIT_TRANSFORM, .id = v->select.id, .before.transform = instance->transform};
-    bool edited = show_vector("place", &t->place, "%.3f");
+    bool edited = view_show_vector("place", &t->place, "%.3f");
     ui_tooltip("Metres, relative to its parent");
-    edited |= show_vector("turned", &t->degrees, "%.1f");
+    edited |= view_show_vector("turned", &t->degrees, "%.1f");
     ui_tooltip("Degrees about x, then y, then z");
-    edited |= show_vector("scale", &t->scale, "%.3f");
+    edited |= view_show_vector("scale", &t->scale, "%.3f");
     if (!edited) return;
     parts = (struct maths_parts){t->place, maths_scale(t->degrees, 1 / DEGREES), t->scale};
     edit.after.transform = maths_compose(&parts);
@@ -214,7 +213,7 @@ static void show_decal(struct view *v, uint32_t index) {
     ui_text("decal %u, %s", index, fnl_value_name(FNL_ENUM_DECAL_KIND, d->kind));
     ui_text("%.4g x %.4g x %.4g m", (double)maths_length(maths_column(&world, 0)), (double)maths_length(maths_column(&world, 1)),
             (double)maths_length(maths_column(&world, 2)));
-    bool edited = show_vector("place", &place, "%.3f");
+    bool edited = view_show_vector("place", &place, "%.3f");
     ui_tooltip("Metres, relative to what it moves with");
     d->transform.m[12] = place.x, d->transform.m[13] = place.y, d->transform.m[14] = place.z;
     edited |= show_color("color", d->color);

@@ -132,21 +132,6 @@ static void mark(struct view *v, uint32_t index) {
 
 /* ---- one ---- */
 
-static bool show_vector(const char *name, fnl_vec3 *value) {
-    static const char *const axes[] = {"x", "y", "z"};
-    float *numbers[] = {&value->x, &value->y, &value->z};
-    bool edited = false;
-    for (int i = 0; i < 3; i++) {
-        char label[48];
-        snprintf(label, sizeof label, "##%s %s", name, axes[i]);
-        ui_item_width(62);
-        edited |= ui_number(label, numbers[i], -FLT_MAX, FLT_MAX, "%.3f");
-        ui_same_line();
-    }
-    ui_text("%s", name);
-    return edited;
-}
-
 static bool show_number(const char *label, float *value, float low, float high, const char *format) {
     ui_item_width(150);
     return ui_number(label, value, low, high, format);
@@ -201,7 +186,7 @@ static bool show_shape(fnl_light_params *light) {
         edited |= show_degrees("vertical angle", &light->wedge_angles[1], 85);
         break;
     case FNL_LIGHT_BOX:
-        edited |= show_vector("size, m", &light->box_size);
+        edited |= view_show_vector("size, m", &light->box_size, "%.3f");
         light->box_size = (fnl_vec3){fmaxf(light->box_size.x, 1e-3f), fmaxf(light->box_size.y, 1e-3f), fmaxf(light->box_size.z, 1e-3f)};
         break;
     case FNL_LIGHT_RECTANGLE:
@@ -250,8 +235,8 @@ void view_show_light(struct view *v, uint32_t index) {
     edited |= show_number(parallel ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
     if (!parallel) edited |= show_range(&light);
     edited |= show_shape(&light);
-    if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= show_vector("position, m", &light.position);
-    if (light.kind != FNL_LIGHT_POINT) edited |= show_vector("direction", &light.direction);
+    if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= view_show_vector("position, m", &light.position, "%.3f");
+    if (light.kind != FNL_LIGHT_POINT) edited |= view_show_vector("direction", &light.direction, "%.3f");
     edited |= put_at_camera(v, &light);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
     bool requested = light.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;

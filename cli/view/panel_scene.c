@@ -178,8 +178,13 @@ void view_panel_scene(struct view *v) {
         ui_text("%llu %s, %llu %s, %u %s, %u %s", (unsigned long long)info->triangle_count, view_plural(info->triangle_count, "triangle", "triangles"),
                 (unsigned long long)info->instance_count, view_plural(info->instance_count, "object", "objects"), info->material_count,
                 view_plural(info->material_count, "material", "materials"), info->light_count, view_plural(info->light_count, "light", "lights"));
-        if (ui_button("export tables") && view_write_report(v, "fanal-tables.tsv")) view_say(v, FNL_LOG_INFO, "wrote fanal-tables.tsv");
-        ui_tooltip("Writes what the panels show to fanal-tables.tsv, tab-separated");
+        if (ui_button("export tables")) {
+            char path[32] = "fanal-tables.tsv", text[64];
+            view_free_name(path, sizeof path);
+            snprintf(text, sizeof text, "wrote %s", path);
+            if (view_write_report(v, path)) view_say(v, FNL_LOG_INFO, text);
+        }
+        ui_tooltip("Writes what the panels show to fanal-tables.tsv, tab-separated, or to the next name that is not taken");
     }
     if (ui_header("camera", true)) show_navigation(v);
     if (ui_header("window", true)) show_window(v);

@@ -294,7 +294,10 @@ void view_panel_timeline(struct view *v) {
     ui_item_width(110);
     ui_input("##trace", v->timeline.trace_path, sizeof v->timeline.trace_path);
     ui_same_line();
-    if (ui_button("save trace")) view_save_trace(v, v->timeline.trace_path);
+    if (ui_button("save trace")) {
+        view_free_name(v->timeline.trace_path, sizeof v->timeline.trace_path);
+        view_save_trace(v, v->timeline.trace_path);
+    }
     ui_tooltip("Writes the kept frames for Perfetto (ui.perfetto.dev) and chrome://tracing");
     frame = view_timeline_frame(v);
     ui_text("frame %llu%s: %.3f ms in passes, %.3f ms of the CPU", (unsigned long long)frame->number, v->timeline.is_frozen ? " (frozen)" : "",

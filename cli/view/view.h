@@ -469,6 +469,8 @@ void view_report_frame(const struct view *view, FILE *file);
 void view_report_pixel(const struct view *view, FILE *file);
 /** What the panels say, as text; false when it could not be written. */
 bool view_write_report(const struct view *view, const char *path);
+/** Three numbers in a row, and what they are; `name` tells the widgets apart. Whether one was changed. */
+bool view_show_vector(const char *name, fnl_vec3 *value, const char *format);
 /** The command line that renders what is shown. */
 void view_print_command(const struct view *view, FILE *file);
 /** The same into the clipboard, and to the terminal. */

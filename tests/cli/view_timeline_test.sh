@@ -36,6 +36,7 @@ click live
 frames 1
 report live.tsv
 click save trace
+click save trace
 trace all.trace
 capture timeline.png
 key 292 down 0
@@ -124,6 +125,7 @@ at=$(value frozen.tsv timeline 3) last=$(value frozen.tsv timeline 4)
 traced=$("$build/tests/check_trace" all.trace 'frame 3' gbuffer 'compile the graph' panels render 'wait for the frame' 'lights in view' 2>out) || fail 'the trace'
 [ "${traced:-0}" -ge "$(value live.tsv frames)" ] || fail "the trace has $traced frames, of $(value live.tsv frames)"
 "$build/tests/check_trace" trace.json gbuffer >/dev/null 2>out || fail 'the trace that the button writes'
+[ -s trace.json ] && [ -s trace-1.json ] || fail 'a second trace takes the place of the first'
 "$build/tests/check_trace" other.trace tonemap >/dev/null 2>out || fail 'the trace after another scene'
 : >out
 
