@@ -311,8 +311,8 @@ static void tell_light(const struct world_options *o, const fnl_scene *scene) {
     if (fnl_scene_query_info(scene, &info) != FNL_OK) return;
     if (!o->no_studio && is_dark(scene))
         puts("The scene has no light: using builtin:studio (--environment, --lights, --ambient, --studio off).");
-    else if (strncmp(o->scene, "builtin:", 8) != 0 && o->lights < 0 && info.light_count > 0 && !info.has_environment && !info.has_ambient)
-        printf("The scene is lit by its own %u light%s alone: --environment builtin:studio adds surroundings.\n", info.light_count, info.light_count == 1 ? "" : "s");
+    else if (!o->no_studio && info.light_count <= FNL_STUDIO_FILL_LIGHTS && !info.has_environment && !info.has_ambient)
+        puts("The scene has only lamps: builtin:studio fills in the shadows (--environment, --ambient, --studio off).");
 }
 
 /* Whether options of the environment are meant for the studio, which then becomes the scene's. */

@@ -97,7 +97,7 @@ enum {
     "  --background KIND          what is shown behind the scene: scene (its environment), gradient, blur:DEGREES (the\n"    \
     "                             environment, blurred), or R,G,B in cd/m^2 (gradient in the studio, otherwise scene)\n"    \
     "  --ground on|off|auto       a floor that catches shadows (auto: in the studio, under models without a floor)\n"      \
-    "  --studio on|off            lights scenes without any light with builtin:studio (on)\n"                                 \
+    "  --studio on|off            builtin:studio lights scenes without light, and fills in beside lamps alone (on)\n"           \
     "  --ambient R,G,B            constant ambient light, cd/m^2\n"                                                         \
     "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:overcast or\n"        \
     "                             builtin:sky, optionally with ?elevation=DEGREES&azimuth=DEGREES&turbidity=T\n"         \

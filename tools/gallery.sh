@@ -51,7 +51,7 @@ put '## Sample models' ''
 show FlightHelmet 'Core materials, on [the stage](techniques/stage.md).' FlightHelmet.gltf
 show ClearCoatCarPaint '`KHR_materials_clearcoat`.' ClearCoatCarPaint.glb --environment spiaggia_di_mondello_1k.hdr --environment-hidden
 show SheenChair '`KHR_materials_sheen`, `_variants`.' SheenChair.gltf --variant 1
-show IridescenceSuzanne '`KHR_materials_iridescence`: on plastic, on metal, on glass.' IridescenceSuzanne.glb --environment spiaggia_di_mondello_1k.hdr
+show IridescenceSuzanne '`KHR_materials_iridescence`: on plastic, on metal, on glass.' IridescenceSuzanne.glb
 show AnisotropyStrengthTest '`KHR_materials_anisotropy`.' AnisotropyStrengthTest.glb
 show SpecularTest '`KHR_materials_specular`.' SpecularTest.glb
 show TransmissionTest '`KHR_materials_transmission`: [smooth, rough, metallic](techniques/transmission.md).' TransmissionTest.glb

@@ -71,7 +71,7 @@ void view_show_variants(struct view *v) {
 /* ---- what stands around it ---- */
 
 /* The studio that frames show where nothing else is: not the scene's. */
-static bool stands_in_studio(const struct view *v) { return v->surroundings.none && v->frame.studio && v->shown.info.light_count == 0 && !v->shown.info.has_ambient; }
+static bool stands_in_studio(const struct view *v) { return v->surroundings.none && v->frame.studio && v->shown.info.light_count <= FNL_STUDIO_FILL_LIGHTS && !v->shown.info.has_ambient; }
 
 static bool show_made_environments(struct view *v) {
     static const char *const names[VIEW_ENVIRONMENTS] = {"Studio", "Sky", "Overcast"};

@@ -131,7 +131,7 @@ static void test_scenes_do_not_know_of_it(void **state) {
 
 /* ---- the studio ---- */
 
-/* The same light as that of the environment of this name, to the bit; and a light of the scene's own ends it. */
+/* The same light as that of the environment of this name, to the bit; and surroundings of the scene's own end it. */
 static void test_studio_is_the_environment_of_that_name(void **state) {
     UNUSED(state);
     struct stage s = open_ball(), own = open_ball();
@@ -146,7 +146,7 @@ static void test_studio_is_the_environment_of_that_name(void **state) {
     struct shot dark = stage_shoot(&s, &plain), a = stage_shoot(&s, &frame), b = stage_shoot(&own, &plain);
     assert_true(mean_of(&dark) == 0 && mean_of(&a) > 0.01);
     assert_true(same(&a, &b));
-    const struct { bool light, ambient, environment; } gives[] = {{true, false, false}, {false, true, false}, {false, false, true}};
+    const struct { bool light, ambient, environment; } gives[] = {{true, true, false}, {false, true, false}, {true, false, true}};
     for (uint32_t i = 0; i < COUNT_OF(gives); i++) {
         fnl_light_params light = fnl_light_params_default();
         fnl_light_id id = {0};
@@ -178,6 +178,84 @@ static void test_studio_is_the_environment_of_that_name(void **state) {
     stage_close(&s);
 }
 
+/* Beside lamps: the environment of that name without its key light, as bright as half the mean light of the lamps, and it follows them. */
+static void test_studio_fills_in_beside_lamps(void **state) {
+    UNUSED(state);
+    struct stage s = open_ball(), own = open_ball();
+    fnl_frame frame = staged(&s), plain = s.frame;
+    frame.ground = FNL_GROUND_OFF;
+    frame.background = FNL_BACKGROUND_SCENE;
+    plain.shadows = FNL_SHADOWS_MAPS;
+    struct shot studio = stage_shoot(&s, &frame);
+    fnl_light_params lamp = fnl_light_params_default();
+    fnl_light_id ids[2];
+    lamp.kind = FNL_LIGHT_DIRECTIONAL;
+    lamp.direction = (fnl_vec3){0.6f, -0.8f, 0};
+    lamp.intensity = 10;
+    assert_int_equal(fnl_scene_add_light(s.scene, &lamp, &ids[0]), FNL_OK);
+    /* The same in other words. */
+    fnl_environment_params params = fnl_environment_params_default();
+    params.source = "builtin:studio";
+    params.background = false;
+    assert_int_equal(fnl_scene_set_environment(own.scene, &params), FNL_OK);
+    assert_int_equal(fnl_scene_count(own.scene, FNL_ENTITY_LIGHT), 1);
+    for (int step = 0; step < 4; step++) {
+        if (step == 1) lamp.intensity = 40;
+        if (step >= 2) { /* from afar like a sun; from within in all directions, over the six faces of the ball's box */
+            lamp.kind = FNL_LIGHT_POINT;
+            lamp.position = step == 2 ? (fnl_vec3){2, 3, 2} : (fnl_vec3){0.3f, 0.2f, 0.1f};
+        }
+        assert_int_equal(fnl_scene_set_light(s.scene, ids[0], &lamp), FNL_OK);
+        struct shot alone = stage_shoot(&s, &plain), filled = stage_shoot(&s, &frame);
+        const double mean = panorama_flux(&s.scene->environment.panorama) / (4 * (double)PI), lux = step < 2 ? (double)lamp.intensity / 4 : step == 2 ? 40 / (4 * 17.0) : 40 * 4 * (double)PI / 24;
+        params.intensity = s.scene->environment.intensity;
+        assert_true(fabs((double)params.intensity * mean * (double)PI / lux - 0.5) < 1e-3);
+        assert_int_equal(fnl_scene_set_environment(own.scene, &params), FNL_OK);
+        fnl_entity_info key;
+        for (uint32_t i = fnl_scene_count(own.scene, FNL_ENTITY_LIGHT); i-- > 0;) {
+            assert_int_equal(fnl_scene_query_entity(own.scene, FNL_ENTITY_LIGHT, i, &key), FNL_OK);
+            assert_int_equal(fnl_scene_remove_light(own.scene, key.id.light), FNL_OK);
+        }
+        assert_int_equal(fnl_scene_add_light(own.scene, &lamp, &ids[1]), FNL_OK);
+        struct shot same_light = stage_shoot(&own, &plain);
+        assert_true(same(&filled, &same_light));
+        assert_true(mean_of(&filled) > 1.02 * mean_of(&alone));
+        fnl_trace_params p = trace_plain();
+        fnl_trace trace;
+        p.width = 113, p.height = 65, p.camera = s.frame.camera, p.exposure = FNL_EXPOSURE_NONE, p.samples = 64;
+        p.studio = true;
+        p.background = FNL_BACKGROUND_SCENE;
+        assert_int_equal(fnl_scene_trace(s.scene, &p, &trace), FNL_OK);
+        double sum = 0;
+        for (uint32_t i = 0; i < 113 * 65; i++) sum += (double)((const float *)trace.radiance.pixels)[4 * i + 1] / (113 * 65);
+        print_message("intensity %.4f: frame %.4f, lamp alone %.4f, paths %.4f\n", (double)params.intensity, mean_of(&filled), mean_of(&alone), sum);
+        assert_true(fabs(sum / mean_of(&filled) - 1) < 0.03);
+        fnl_trace_free(&s.scene->host, &trace);
+        shot_free(&filled);
+        shot_free(&alone);
+        shot_free(&same_light);
+    }
+    /* Too many lamps: none. None: the whole studio, as before. */
+    struct shot few = stage_shoot(&s, &frame);
+    assert_true(s.scene->environment.staged);
+    shot_free(&few);
+    assert_int_equal(fnl_scene_scatter_lights(s.scene, FNL_STUDIO_FILL_LIGHTS, 1), FNL_OK);
+    struct shot many = stage_shoot(&s, &frame);
+    assert_true(!s.scene->environment.staged && s.scene->environment.panorama.width == 0);
+    shot_free(&many);
+    while (fnl_scene_count(s.scene, FNL_ENTITY_LIGHT) > 0) {
+        fnl_entity_info light;
+        assert_int_equal(fnl_scene_query_entity(s.scene, FNL_ENTITY_LIGHT, 0, &light), FNL_OK);
+        assert_int_equal(fnl_scene_remove_light(s.scene, light.id.light), FNL_OK);
+    }
+    struct shot again = stage_shoot(&s, &frame);
+    assert_true(same(&again, &studio));
+    shot_free(&again);
+    shot_free(&studio);
+    stage_close(&own);
+    stage_close(&s);
+}
+
 static uint64_t plan_of(const struct stage *s) {
     char text[65536];
     const size_t length = fnl_renderer_print(s->renderer, FNL_PRINT_PLAN, text, sizeof text);
@@ -185,11 +263,12 @@ static uint64_t plan_of(const struct stage *s) {
     return hash_bytes(text, length, HASH_SEED);
 }
 
-/* A scene that has light, and a floor or none: the same passes, bytes and pictures with the stage as without. */
+/* A scene that has light and surroundings: the same passes, bytes and pictures with the stage as without. */
 static void test_it_costs_nothing_where_it_is_not_needed(void **state) {
     UNUSED(state);
     struct stage s = open_ball();
     coarse_add_light(s.scene, FNL_LIGHT_POINT, (vec3){2, 3, 2}, 50);
+    assert_int_equal(fnl_scene_set_ambient(s.scene, (fnl_vec3){0.1f, 0.1f, 0.1f}, (fnl_vec3){0.1f, 0.1f, 0.1f}), FNL_OK);
     fnl_frame with = staged(&s), without = s.frame;
     without.shadows = with.shadows;
     struct shot a = stage_shoot(&s, &without);
@@ -266,7 +345,7 @@ static void test_floor_catches_shadows_on_every_path(void **state) {
     stage_close(&s);
 }
 
-/* Auto: not under a plane, nor in a scene with a light of its own; and it stays where it is while things move. */
+/* Auto: not under a plane, nor in a scene with surroundings of its own; and it stays where it is while things move. */
 static void test_floor_by_itself(void **state) {
     UNUSED(state);
     struct stage s = open_ball();
@@ -300,6 +379,10 @@ static void test_floor_by_itself(void **state) {
     assert_true(s.scene->nodes.data[s.scene->stage.node].world.m[13] > 1.9f); /* under the ball as it is now */
     shot_free(&shot);
     coarse_add_light(s.scene, FNL_LIGHT_POINT, (vec3){2, 3, 2}, 50);
+    shot = stage_shoot(&s, &frame);
+    assert_true(scene_node_draws(&s.scene->nodes.data[s.scene->stage.node]));
+    shot_free(&shot);
+    assert_int_equal(fnl_scene_set_ambient(s.scene, (fnl_vec3){1, 1, 1}, (fnl_vec3){1, 1, 1}), FNL_OK);
     shot = stage_shoot(&s, &frame);
     assert_false(scene_node_draws(&s.scene->nodes.data[s.scene->stage.node]));
     shot_free(&shot);
@@ -422,6 +505,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_scenes_do_not_know_of_it, harness_check),
         cmocka_unit_test_teardown(test_studio_is_the_environment_of_that_name, harness_check),
+        cmocka_unit_test_teardown(test_studio_fills_in_beside_lamps, harness_check),
         cmocka_unit_test_teardown(test_it_costs_nothing_where_it_is_not_needed, harness_check),
         cmocka_unit_test_teardown(test_floor_catches_shadows_on_every_path, harness_check),
         cmocka_unit_test_teardown(test_floor_by_itself, harness_check),

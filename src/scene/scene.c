@@ -21,7 +21,7 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->cutoff_roughness = LIGHT_CUTOFF_ROUGHNESS;
     scene->cutoff_illuminance = LIGHT_CUTOFF_ILLUMINANCE;
     scene->anisotropy = 8;
-    scene->stage = (struct scene_stage){SCENE_NONE, SCENE_NONE, SCENE_NONE, FNL_GROUND_OFF, UINT64_MAX};
+    scene->stage = (struct scene_stage){.node = SCENE_NONE, .mesh = SCENE_NONE, .material = SCENE_NONE, .placed_version = UINT64_MAX};
     struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
                                     .min = SCENE_FILTER_LINEAR,
                                     .mip = SCENE_FILTER_LINEAR,

@@ -355,6 +355,9 @@ struct scene_stage {
     uint32_t node, mesh, material; /* of the floor; SCENE_NONE: it was never shown */
     fnl_ground ground;
     uint64_t placed_version; /* structure_version for which the floor has its place; UINT64_MAX: none */
+    enum stage_light { STAGE_NO_LIGHT, STAGE_FILL, STAGE_STUDIO } light;
+    struct box bounds;                      /* of the scene, which its lights are spread over where the studio fills in */
+    uint64_t bounds_version, light_version; /* of the scene, at which `bounds` and the fill's strength were found */
 };
 
 struct fnl_scene {
@@ -522,11 +525,14 @@ static inline bool scene_has_ambient(const fnl_scene *scene) {
 /** Whether a light shines, the stage's too. */
 static inline bool scene_light_shines(const struct scene_light *light) { return !light->removed || light->staged; }
 /**
- * Sets the stage of the next picture: the studio, shown unless the scene has a light of its own, and the floor. Costs nothing when it stays.
+ * Sets the stage of the next picture: the studio, whole where the scene has no light of its own, as a fill where it has nothing but lights; and
+ * the floor. Costs nothing when it stays.
  */
 fnl_result scene_set_stage(fnl_scene *scene, bool studio, fnl_ground ground);
-/** The studio as the scene's environment, which has none of its own; false: none again. */
-fnl_result scene_environment_stage(fnl_scene *scene, bool on);
+/** The studio as the scene's environment, which has none of its own: whole, or without its key light; or none again. */
+fnl_result scene_environment_stage(fnl_scene *scene, enum stage_light light);
+/** The intensity at which the environment's mean luminance is `part` of that of a white surface in the mean light of the scene's lights, spread over a box. */
+void scene_environment_fill(fnl_scene *scene, const struct box *bounds, float part);
 /** After a change of what one node shows. */
 void scene_node_edited(fnl_scene *scene, uint32_t node);
 /** World-space bounds of a tree, active or not; `alone`: of its root. */

@@ -109,21 +109,26 @@ static const char *beside_sun(const fnl_scene *scene, const fnl_environment_para
     return buffer;
 }
 
-/* Lux that the scene's lights give on average to surfaces that face anywhere: directional ones a quarter of theirs; others spread over the scene's box. */
-static double light_of_scene(const fnl_scene *scene) {
-    const struct box box = scene_bounds(scene);
-    const vec3 size = vec3_max(vec3_sub(box.high, box.low), vec3_make(0, 0, 0));
+/* Lux that the scene's lights give on average to surfaces that face anywhere: directional ones a quarter of theirs, and so do others from afar; near ones
+   spread their light over the scene's box. */
+static double light_of_scene(const fnl_scene *scene, const struct box *bounds) {
+    const vec3 size = vec3_max(vec3_sub(bounds->high, bounds->low), vec3_make(0, 0, 0));
     const double area = 2 * (double)(size.x * size.y + size.y * size.z + size.z * size.x);
-    double suns = 0, flux = 0;
+    const vec3 center = vec3_scale(vec3_add(bounds->low, bounds->high), 0.5f);
+    double sum = 0;
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         const struct scene_light *light = &scene->lights.data[i];
         if (light->removed || is_of_environment(&scene->environment, scene, i)) continue;
         const double strength = (double)strength_of(&light->params);
-        if (light_is_parallel(light->params.kind)) suns += strength / 4;
-        else if (light->params.kind == FNL_LIGHT_SPOT) flux += strength * 2 * (double)PI * (1 - cos((double)light->params.outer_cone_angle));
-        else flux += strength * 4 * (double)PI;
+        if (light_is_parallel(light->params.kind)) {
+            sum += strength / 4;
+        } else if (area > 0) {
+            const double angle = light->params.kind == FNL_LIGHT_SPOT ? 2 * (double)PI * (1 - cos((double)light->params.outer_cone_angle)) : 4 * (double)PI;
+            const double away = (double)vec3_distance(light->params.position, center);
+            sum += fmin(strength * angle / area, strength / (4 * away * away));
+        }
     }
-    return suns + (area > 0 ? flux / area : 0);
+    return sum;
 }
 
 /* The mean luminance of all directions, sources too, as the picture has it. */
@@ -135,7 +140,8 @@ static double mean_of(const struct scene_environment *e) {
 
 /* What the intensity must be for the environment to give as much as the scene's lights; 1 without any. */
 static double matching_intensity(const fnl_scene *scene) {
-    const double lights = light_of_scene(scene), own = mean_of(&scene->environment) * (double)PI * (double)scene->environment.own.intensity;
+    const struct box bounds = scene_bounds(scene);
+    const double lights = light_of_scene(scene, &bounds), own = mean_of(&scene->environment) * (double)PI * (double)scene->environment.own.intensity;
     return lights > 0 && own > 0 ? lights / own : 1;
 }
 
@@ -285,20 +291,28 @@ static void remove_environment(fnl_scene *scene) {
     scene->light_version++;
 }
 
-fnl_result scene_environment_stage(fnl_scene *scene, bool on) {
+fnl_result scene_environment_stage(fnl_scene *scene, enum stage_light light) {
     fnl_environment_params params = fnl_environment_params_default();
     params.source = "builtin:studio";
-    if (!on) {
+    if (light == STAGE_NO_LIGHT) {
         remove_environment(scene);
         return FNL_OK;
     }
     TRY(replace(scene, &params));
     struct scene_environment *e = &scene->environment;
     e->intensity = 1;
+    if (light == STAGE_FILL) e->source_count = 0; /* the scene's own lights are the key */
     e->staged = true; /* and no background: it is not meant to be seen sharp */
     scene->light_version++;
     add_lights(scene);
     return FNL_OK;
+}
+
+void scene_environment_fill(fnl_scene *scene, const struct box *bounds, float part) {
+    struct scene_environment *e = &scene->environment;
+    const double mean = mean_of(e);
+    e->intensity = mean > 0 ? fminf((float)((double)part * light_of_scene(scene, bounds) / ((double)PI * mean)), 1e6f) : 0;
+    scene->light_version++;
 }
 
 fnl_result scene_set_own_environment(fnl_scene *scene, const fnl_environment_params *params, const struct scene_environment_own *own) {

@@ -6,9 +6,23 @@ enum { FLOOR_SIDES = 64, FLOOR_RINGS = 12 };
 static const float FLOOR_REACH = 3.5f;  /* radii of what stands on it */
 static const float FLOOR_SOLID = 0.35f; /* of its own radius, within which it does not fade */
 
-static bool has_own_light(const fnl_scene *scene) {
-    return scene_entity_count(scene, FNL_ENTITY_LIGHT) > 0 || (scene->environment.panorama.width > 0 && !scene->environment.staged) ||
-           scene_has_ambient(scene);
+static const float FILL = 0.5f;           /* of the mean light of the scene's lights: faces of a box that a sun misses are 3 stops darker than the one it meets */
+
+/* What the stage gives a scene. */
+static enum stage_light light_for(const fnl_scene *scene) {
+    const bool surrounded = (scene->environment.panorama.width > 0 && !scene->environment.staged) || scene_has_ambient(scene);
+    const uint32_t count = surrounded ? 0 : scene_entity_count(scene, FNL_ENTITY_LIGHT);
+    return surrounded || count > FNL_STUDIO_FILL_LIGHTS ? STAGE_NO_LIGHT : count > 0 ? STAGE_FILL : STAGE_STUDIO;
+}
+
+/* Follows the lights when they change. */
+static void fill(fnl_scene *scene, bool anew) {
+    struct scene_stage *stage = &scene->stage;
+    if (anew || stage->bounds_version != scene->structure_version) stage->bounds = scene_bounds(scene);
+    else if (stage->light_version == scene->light_version) return;
+    stage->bounds_version = scene->structure_version;
+    scene_environment_fill(scene, &stage->bounds, FILL);
+    stage->light_version = scene->light_version;
 }
 
 /* ---- the floor ---- */
@@ -129,7 +143,10 @@ static fnl_result show_floor(fnl_scene *scene, fnl_ground ground, bool studio) {
 }
 
 fnl_result scene_set_stage(fnl_scene *scene, bool studio, fnl_ground ground) {
-    const bool shows = studio && !has_own_light(scene);
-    if (shows != scene->environment.staged) TRY(scene_environment_stage(scene, shows));
-    return show_floor(scene, ground, shows);
+    const enum stage_light light = studio ? light_for(scene) : STAGE_NO_LIGHT;
+    const bool anew = scene->environment.staged != (light != STAGE_NO_LIGHT) || scene->stage.light != light;
+    if (anew && (light != STAGE_NO_LIGHT || scene->environment.staged)) TRY(scene_environment_stage(scene, light));
+    scene->stage.light = light;
+    if (light == STAGE_FILL) fill(scene, anew);
+    return show_floor(scene, ground, light != STAGE_NO_LIGHT);
 }

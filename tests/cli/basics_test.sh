@@ -114,10 +114,14 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 2 'cannot be combined' render builtin:spheres $small --verbose --quiet -o a.png
     expect 2 'verbose is for single pictures' render builtin:spheres $small --verbose --camera-path orbit:2 -o a-%d.png
     expect 0 'wrote lit.glb' render triangle.gltf --lights 7 --save-scene lit.glb
-    # A file with lights alone: what would be added, and not where it is.
-    expect 0 'is lit by its own 7 lights alone: --environment builtin:studio adds surroundings' render lit.glb $small -o own.png
-    expect 0 '' render lit.glb $small --environment builtin:studio -o own.png
-    grep -q 'lit by its own' out && fail 'surroundings are missed where they are'
+    # A file with lamps alone: the studio fills in, and this is said; not where there are surroundings.
+    expect 0 'has only lamps: builtin:studio fills in the shadows' render lit.glb $small -o own.png
+    for without in '--environment builtin:studio' '--studio off' '--ambient 1,1,1'; do
+        expect 0 '' render lit.glb $small $without -o without.png
+        grep -q 'fills in' out && fail "the studio fills in with $without"
+        "$fanal" compare own.png without.png --max-diff 0 >/dev/null 2>&1 && fail "the same picture with $without"
+    done
+    "$fanal" info lit.glb | grep -q 'environment' && fail 'the scene knows of the studio'
     expect 0 '^wrote view-0.png to view-5.png$' render builtin:spheres $small --size 16x16 --views cube -o view-%d.png
     expect 0 'wrote traced.png' trace builtin:spheres --size 16x9 --shadows off -o traced.png
     expect 0 'wrote difference.png' compare line.png table.png -o difference.png
