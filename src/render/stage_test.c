@@ -178,7 +178,7 @@ static void test_studio_is_the_environment_of_that_name(void **state) {
     stage_close(&s);
 }
 
-/* Beside lamps: the environment of that name without its key light, as bright as half the mean light of the lamps, and it follows them. */
+/* Beside lamps: the environment of that name without its key light, as bright as the lamps on average, and it follows them. */
 static void test_studio_fills_in_beside_lamps(void **state) {
     UNUSED(state);
     struct stage s = open_ball(), own = open_ball();
@@ -209,7 +209,7 @@ static void test_studio_fills_in_beside_lamps(void **state) {
         struct shot alone = stage_shoot(&s, &plain), filled = stage_shoot(&s, &frame);
         const double mean = panorama_flux(&s.scene->environment.panorama) / (4 * (double)PI), lux = step < 2 ? (double)lamp.intensity / 4 : step == 2 ? 40 / (4 * 17.0) : 40 * 4 * (double)PI / 24;
         params.intensity = s.scene->environment.intensity;
-        assert_true(fabs((double)params.intensity * mean * (double)PI / lux - 0.5) < 1e-3);
+        assert_true(fabs((double)params.intensity * mean * (double)PI / lux - 1) < 1e-3);
         assert_int_equal(fnl_scene_set_environment(own.scene, &params), FNL_OK);
         fnl_entity_info key;
         for (uint32_t i = fnl_scene_count(own.scene, FNL_ENTITY_LIGHT); i-- > 0;) {

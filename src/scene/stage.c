@@ -6,7 +6,7 @@ enum { FLOOR_SIDES = 64, FLOOR_RINGS = 12 };
 static const float FLOOR_REACH = 3.5f;  /* radii of what stands on it */
 static const float FLOOR_SOLID = 0.35f; /* of its own radius, within which it does not fade */
 
-static const float FILL = 0.5f;           /* of the mean light of the scene's lights: faces of a box that a sun misses are 3 stops darker than the one it meets */
+static const float FILL = 1; /* times the mean light of the scene's lights: what faces away from a single sun is 2 stops darker than what faces it */
 
 /* What the stage gives a scene. */
 static enum stage_light light_for(const fnl_scene *scene) {
