@@ -272,6 +272,7 @@ struct view_files {
     uint32_t quiet; /* looks since it changed */
     bool changed, again; /* again: what is being loaded is the shown scene */
     double next_look;
+    int64_t load_begun; /* nanoseconds of the clock that files have their times from */
     /* The browser. */
     bool browses, browser_saves;
     bool begins; /* the field for a name gets the keys */
@@ -516,8 +517,12 @@ static inline void view_files_init(struct view_files *f) {
     f->blend_part = 0.5f;
 }
 void view_files_finish(struct view *view);
-/** A new scene is shown: from here on its files are watched. */
+/** The shown scene's files are watched from here on. */
 void view_watch_begin(struct view *view);
+/** A scene begins to load. */
+void view_watch_loading(struct view *view);
+/** It is shown: its files are watched, and what has changed since it began to load counts as changed. */
+void view_watch_loaded(struct view *view);
 /** Looks twice a second whether files have changed, and once they are quiet loads the scene again. */
 void view_watch(struct view *view);
 void view_watch_at_once(struct view *view);

@@ -97,7 +97,7 @@ void view_show(struct view *v, struct view_scene *scene) {
     view_choose_shadows(v);
     v->good = v->frame;
     v->compare.good = v->compare.frame;
-    view_watch_begin(v);
+    view_watch_loaded(v);
     char title[300];
     snprintf(title, sizeof title, "%.200s%sFanal", scene->source ? scene->source : "", scene->source ? " - " : "");
     if (v->window) view_window_set_title(v->window, title);
@@ -118,6 +118,7 @@ bool view_load(struct view *v, const char *source) {
     struct view_loader *l = &v->loader;
     fnl_swapchain_info info = {0};
     v->opened = view_now();
+    view_watch_loading(v);
     view_loader_stop(l);
     if (v->swapchain) fnl_swapchain_query_info(v->swapchain, &info);
     l->device = &v->device;

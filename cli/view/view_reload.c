@@ -4,6 +4,7 @@
 
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 
 static uint64_t mix(uint64_t hash, uint64_t value) {
     for (int i = 0; i < 8; i++) hash = (hash ^ (value >> 8 * i & 255)) * 1099511628211u; /* FNV-1a */
@@ -28,6 +29,28 @@ static uint64_t stamp_of(const struct view *v) {
 void view_watch_begin(struct view *v) {
     v->files.stamp = stamp_of(v);
     v->files.changed = false;
+}
+
+static int64_t nanoseconds(struct timespec t) { return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec; }
+
+static int64_t file_clock(void) {
+    struct timespec now = {0};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return nanoseconds(now);
+}
+
+void view_watch_loading(struct view *v) { v->files.load_begun = file_clock(); }
+
+void view_watch_loaded(struct view *v) {
+    const char *path;
+    view_watch_begin(v);
+    for (uint32_t i = 0; v->shown.scene && (path = fnl_scene_source(v->shown.scene, i)); i++) {
+        struct stat s;
+        if (stat(path, &s) != 0) continue;
+        const int64_t changed = nanoseconds(s.st_mtim);
+        if (changed > v->files.load_begun && changed <= file_clock()) v->files.changed = true; /* not where another machine's clock is ahead */
+    }
+    v->files.quiet = 0;
 }
 
 static void reload(struct view *v) {

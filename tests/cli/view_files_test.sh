@@ -208,6 +208,13 @@ wait_for third.tsv
 triangle "$narrow"
 tell poll settle 'set shading=deferred' settle 'save fourth.png' 'report fourth.tsv' poll poll settle 'report fifth.tsv'
 wait_for fifth.tsv
+# While it is being loaded, or has been read but is not yet shown.
+tell 'drop swing.gltf' 'report sixth.tsv'
+wait_for sixth.tsv
+sleep 0.1 # the clock of files has coarse ticks
+positions "$wide"
+tell settle poll settle 'report seventh.tsv'
+wait_for seventh.tsv
 exec 4>&-
 wait $viewer || fail 'the window with files that change ended with an error'
 viewer=''
@@ -218,6 +225,7 @@ same first.png fourth.png 'the mended file'
 grep -q 'has changed: loading it again' second.tsv || fail 'nothing is told of the change'
 grep -q 'stays as it was' third.tsv || fail 'nothing is told of the broken file'
 [ "$(grep -c 'loading it again' fifth.tsv)" = 3 ] || fail "it was loaded $(grep -c 'loading it again' fifth.tsv) times again, not 3"
+[ $(($(grep -c 'loading it again' seventh.tsv) - $(grep -c 'loading it again' sixth.tsv))) = 1 ] || fail 'a change while the scene is loaded is not seen'
 triangle "$wide"
 run second.sh
 same picture.png second.png 'the scene after the change'
@@ -234,7 +242,7 @@ if command -v Xvfb >/dev/null; then
         viewer=$!
         sleep "$1"
         printf 'broken' >swing.gltf
-        for _ in $(seq 6000); do grep -q 'swing.gltf' window.log && break; sleep 0.1; done
+        for _ in $(seq 6000); do { grep -q 'swing.gltf' window.log || ! kill -0 $viewer; } && break; sleep 0.1; done
         sleep 0.5
         local told=1
         grep -q 'swing.gltf' window.log && kill -0 $viewer && told=0
