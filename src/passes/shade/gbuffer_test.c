@@ -186,14 +186,14 @@ static void test_fields_round_trip(void **state) {
        stores that, else sRGB-encoded; F0 as its square root; position in parts of the view depth. Roughness of siege and frostbite2 has 8 bits where the second field is used. */
     static const double step16 = 0.51 / 65535;
     const struct field_errors most[FNL_GBUFFER_COUNT] = {
-        [FNL_GBUFFER_DEFAULT] = {half10, 0.004, step16, half, half, half, half, 2, none},
-        [FNL_GBUFFER_SIEGE] = {half, 0.1, half, half, half, 0.021, half, 1.01 / 127, none},
-        [FNL_GBUFFER_KILLZONE2] = {half, 3, half, none, half, half, none, 2, none},
-        [FNL_GBUFFER_FROSTBITE2] = {half, 0.42, half, half, half, 0.021, half, 2, none},
-        [FNL_GBUFFER_STALKER] = {half, 0.05, half, none, 3e-4, none, none, 2, 1e-3 * 40},
-        [FNL_GBUFFER_CLEAR_SKY] = {half, 3, half, none, 0.502 / 127, none, none, 2, 1e-3},
-        [FNL_GBUFFER_ENGEL] = {half, 3, half, none, half, half, none, 2, none},
-        [FNL_GBUFFER_DESTINY] = {half, 1.3, 2.0 / 255, none, half, none, none, 2, none},
+        [FNL_GBUFFER_DEFAULT] = {half10, 0.004, step16, half, half, half, half, 2, none, 0, 0, 0, 0},
+        [FNL_GBUFFER_SIEGE] = {half, 0.1, half, half, half, 0.021, half, 1.01 / 127, none, 0, 0, 0, 0},
+        [FNL_GBUFFER_KILLZONE2] = {half, 3, half, none, half, half, none, 2, none, 0, 0, 0, 0},
+        [FNL_GBUFFER_FROSTBITE2] = {half, 0.42, half, half, half, 0.021, half, 2, none, 0, 0, 0, 0},
+        [FNL_GBUFFER_STALKER] = {half, 0.05, half, none, 3e-4, none, none, 2, 1e-3 * 40, 0, 0, 0, 0},
+        [FNL_GBUFFER_CLEAR_SKY] = {half, 3, half, none, 0.502 / 127, none, none, 2, 1e-3, 0, 0, 0, 0},
+        [FNL_GBUFFER_ENGEL] = {half, 3, half, none, half, half, none, 2, none, 0, 0, 0, 0},
+        [FNL_GBUFFER_DESTINY] = {half, 1.3, 2.0 / 255, none, half, none, none, 2, none, 0, 0, 0, 0},
         [FNL_GBUFFER_LAYERS] = {half10, 0.004, step16, half, half, half, half, 2, none, step16, 0.004, step16, 0.008},
     };
     for (int layout = 0; layout < FNL_GBUFFER_COUNT; layout++) {
