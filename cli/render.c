@@ -433,7 +433,7 @@ static bool check_options(struct render_options *o) {
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
     if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample and --aa taa cannot be combined";
     if (o->frame_count == 0 && (o->stats || o->trace_file || o->verbose || sequence))
-        problem = "--frames 0 measures nothing: it cannot be combined with --stats, --trace-file, --verbose or a sequence";
+        problem = "--frames 0 cannot be combined with --stats, --trace-file, --verbose or a sequence: it measures nothing";
     if (o->verbose && o->quiet) problem = "--verbose and --quiet cannot be combined";
     if (o->verbose && sequence) problem = "--verbose is for single pictures; use --stats FILE for a sequence";
     if (o->trace_file && render_is_stdout(o->trace_file)) problem = "--trace-file cannot write to stdout";

@@ -121,7 +121,7 @@ void y4m_header(char *text, size_t capacity, uint32_t width, uint32_t height, en
 bool y4m_check_size(uint32_t width, uint32_t height, enum y4m_chroma chroma) {
     const uint32_t even_width = width + width % 2, even_height = height + height % 2;
     if (chroma == Y4M_444 || (even_width == width && even_height == height)) return true;
-    fprintf(stderr, "fanal: error: --size: y4m needs even sides, not %ux%u: use %ux%u, or --format y4m444 for any size\n", width, height,
+    fprintf(stderr, "fanal: error: --size: y4m requires an even width and height, not %ux%u: use %ux%u, or --format y4m444 for any size\n", width, height,
             even_width, even_height);
     return false;
 }

@@ -310,9 +310,9 @@ static void tell_light(const struct world_options *o, const fnl_scene *scene) {
     fnl_scene_info info;
     if (fnl_scene_query_info(scene, &info) != FNL_OK) return;
     if (!o->no_studio && is_dark(scene))
-        puts("The scene has no light: using builtin:studio (--environment, --lights, --ambient, --studio off).");
+        puts("The scene has no light: using builtin:studio. To change this, use --environment, --lights, --ambient or --studio off.");
     else if (!o->no_studio && info.light_count <= FNL_STUDIO_FILL_LIGHTS && !info.has_environment && !info.has_ambient)
-        puts("The scene has only lamps: builtin:studio fills in the shadows (--environment, --ambient, --studio off).");
+        puts("The scene has no environment or ambient light: builtin:studio fills in the shadows. To change this, use --environment, --ambient or --studio off.");
 }
 
 /* Whether options of the environment are meant for the studio, which then becomes the scene's. */

@@ -97,13 +97,13 @@ enum {
     "  --background KIND          what is shown behind the scene: scene (its environment), gradient, blur:DEGREES (the\n"    \
     "                             environment, blurred), or R,G,B in cd/m^2 (gradient in the studio, otherwise scene)\n"    \
     "  --ground on|off|auto       a floor that catches shadows (auto: in the studio, under models without a floor)\n"      \
-    "  --studio on|off            builtin:studio lights scenes without light, and fills in beside lamps alone (on)\n"           \
+    "  --studio on|off            lights scenes without light, adds fill to scenes with lights only (on)\n"                    \
     "  --ambient R,G,B            constant ambient light, cd/m^2\n"                                                         \
-    "  --environment FILE         light from all around: a panorama (.hdr, .exr …), builtin:studio, builtin:overcast or\n"        \
+    "  --environment FILE         environment light: a panorama (.hdr, .exr …), builtin:studio, builtin:overcast or\n"        \
     "                             builtin:sky, optionally with ?elevation=DEGREES&azimuth=DEGREES&turbidity=T\n"         \
     "  --environment-rotation D   turns it, or the file's, about the vertical axis, degrees (0)\n"                      \
     "  --environment-intensity X  multiplies its light, or the file's (1), or auto\n"                            \
-    "  --environment-hidden       lights the scene, but is not shown behind it\n"                            \
+    "  --environment-hidden       uses the environment as light only, not as background\n"                            \
     "  --environment-compressed   keeps it as BC6H: an eighth of the memory, 1.4 to 2.9 % off\n" \
     "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
 #define WORLD_SCENE_HELP                                                                                                    \

@@ -145,7 +145,7 @@ cat >lamp.gltf <<'END'
  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
  "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}
 END
-run 0 hands lamp.gltf "${plain[@]}" --frames 20 --eye 0,1.6,0 --look-at 0,1.6,-1 <<'END'
+run 0 hands lamp.gltf "${plain[@]}" --studio off --frames 20 --eye 0,1.6,0 --look-at 0,1.6,-1 <<'END'
 size 96 96
 hand left 4 0 1.5 0 0 0 0 0
 hand left 6 0 1.5 0 0 0 0 1
@@ -163,7 +163,7 @@ is '.input.teleports == 1 and .input.grabs == 1 and .input.light_moves == 3'
 is '.input.light | (.[0] - 0.5 | fabs) < 1e-4 and (.[1] - 1.75 | fabs) < 1e-4 and (.[2] + 2 | fabs) < 1e-4'
 is '[.last.views[0,1].position] | ((.[0][0] + .[1][0]) / 2 | fabs) < 1e-4 and (.[0][1] - 1.6 | fabs) < 1e-4 and (.[0][2] + 1.5 | fabs) < 1e-4'
 
-run 0 handless lamp.gltf "${plain[@]}" --frames 10 --no-input --eye 0,1.6,0 --look-at 0,1.6,-1 <<'END'
+run 0 handless lamp.gltf "${plain[@]}" --studio off --frames 10 --no-input --eye 0,1.6,0 --look-at 0,1.6,-1 <<'END'
 size 96 96
 hand left 4 0 1.5 0 0 0 0 0
 save 11 1 .

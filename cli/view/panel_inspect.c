@@ -54,9 +54,9 @@ static void show_transform(struct view *v, const fnl_instance_info *instance) {
         return;
     }
     struct view_edit edit = {.kind = VIEW_EDIT_TRANSFORM, .id = v->select.id, .before.transform = instance->transform};
-    bool edited = view_show_vector("place", &t->place, "%.3f");
+    bool edited = view_show_vector("position, m", &t->place, "%.3f");
     ui_tooltip("Metres, relative to its parent");
-    edited |= view_show_vector("turned", &t->degrees, "%.1f");
+    edited |= view_show_vector("rotation, degrees", &t->degrees, "%.1f");
     ui_tooltip("Degrees about x, then y, then z");
     edited |= view_show_vector("scale", &t->scale, "%.3f");
     if (!edited) return;
@@ -148,11 +148,11 @@ static bool show_layers(fnl_material_params *m) {
     edited |= show_factor("transmission", &m->transmission.strength, 0, 1);
     edited |= show_factor("thickness", &m->volume.thickness, 0, 10);
     edited |= show_factor("attenuation, m", &m->volume.attenuation_distance, 0, 100);
-    ui_tooltip("After so many metres white light has the color below; 0: never");
+    ui_tooltip("Distance in meters at which white light takes on the color below; 0: no attenuation");
     edited |= show_color("attenuation", m->volume.attenuation_color);
     edited |= show_factor("dispersion", &m->dispersion, 0, 10);
     edited |= show_factor("diffuse transmission", &m->diffuse_transmission.strength, 0, 1);
-    return edited | show_color("of this color", m->diffuse_transmission.color);
+    return edited | show_color("diffuse transmission color", m->diffuse_transmission.color);
 }
 
 static void show_texture(const struct view *v, const char *what, fnl_image_id id) {
@@ -178,7 +178,7 @@ static void show_textures(const struct view *v, const fnl_material_params *m) {
     show_texture(v, "transmission", m->transmission.image);
     show_texture(v, "thickness", m->volume.image);
     show_texture(v, "diffuse transmission", m->diffuse_transmission.image);
-    show_texture(v, "its color", m->diffuse_transmission.color_image);
+    show_texture(v, "diffuse transmission color", m->diffuse_transmission.color_image);
 }
 
 static void show_material(struct view *v) {
@@ -213,7 +213,7 @@ static void show_decal(struct view *v, uint32_t index) {
     ui_text("decal %u, %s", index, fnl_value_name(FNL_ENUM_DECAL_KIND, d->kind));
     ui_text("%.4g x %.4g x %.4g m", (double)maths_length(maths_column(&world, 0)), (double)maths_length(maths_column(&world, 1)),
             (double)maths_length(maths_column(&world, 2)));
-    bool edited = view_show_vector("place", &place, "%.3f");
+    bool edited = view_show_vector("position, m", &place, "%.3f");
     ui_tooltip("Metres, relative to what it moves with");
     d->transform.m[12] = place.x, d->transform.m[13] = place.y, d->transform.m[14] = place.z;
     edited |= show_color("color", d->color);

@@ -163,7 +163,7 @@ static bool show_range(fnl_light_params *light) {
         light->range = derived ? INFINITY : fmaxf(fnl_light_range(light, 1, 0.05f), 1e-3f);
         edited = true;
     }
-    ui_tooltip("Where the light has faded to almost nothing; off: as given below");
+    ui_tooltip("Distance at which the light has faded to almost nothing; off: the range below");
     return edited | (!derived && show_number("range, m", &light->range, 1e-3f, FLT_MAX, "%.3g"));
 }
 

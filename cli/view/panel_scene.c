@@ -113,7 +113,7 @@ void view_show_surroundings(struct view *v) {
         changed |= ui_number("intensity", &params->intensity, 0, 20, "%.3g");
         changed |= ui_checkbox("show as background", &params->background);
     }
-    ui_note("For your own, drop an .hdr or .exr panorama into the window, or open it.");
+    ui_note("To use your own panorama, drop an .hdr or .exr file into the window, or open it.");
     if (changed) view_apply_surroundings(v);
 }
 
@@ -165,7 +165,7 @@ static void show_window(struct view *v) {
     s->present = show_names("presentation mode", view_present_names, VIEW_PRESENT_COUNT, s->present);
     ui_tooltip("fifo waits for the screen; mailbox shows the newest picture without waiting; immediate may tear");
     s->color = show_names("color space", view_color_names, VIEW_COLOR_COUNT, s->color);
-    ui_tooltip("scrgb and hdr10 show what is brighter than white, on screens that can; elsewhere srgb is used");
+    ui_tooltip("scrgb and hdr10 show colors brighter than white on HDR screens; other screens use srgb");
     if (s->present != before.present || s->color != before.color || s->dark != before.dark) view_apply_settings(v);
 }
 
@@ -184,7 +184,7 @@ void view_panel_scene(struct view *v) {
             snprintf(text, sizeof text, "wrote %s", path);
             if (view_write_report(v, path)) view_say(v, FNL_LOG_INFO, text);
         }
-        ui_tooltip("Writes what the panels show to fanal-tables.tsv, tab-separated, or to the next name that is not taken");
+        ui_tooltip("Saves the panels' tables as tab-separated text in fanal-tables.tsv, or under the next free name");
     }
     if (ui_header("camera", true)) show_navigation(v);
     if (ui_header("window", true)) show_window(v);

@@ -272,7 +272,7 @@ struct view_files {
     uint32_t quiet; /* looks since it changed */
     bool changed, again; /* again: what is being loaded is the shown scene */
     double next_look;
-    int64_t load_begun; /* nanoseconds of the clock that files have their times from */
+    int64_t load_begun; /* when loading began, in nanoseconds of the clock of file times */
     /* The browser. */
     bool browses, browser_saves;
     bool begins; /* the field for a name gets the keys */
@@ -470,7 +470,7 @@ void view_report_frame(const struct view *view, FILE *file);
 void view_report_pixel(const struct view *view, FILE *file);
 /** What the panels say, as text; false when it could not be written. */
 bool view_write_report(const struct view *view, const char *path);
-/** Three numbers in a row, and what they are; `name` tells the widgets apart. Whether one was changed. */
+/** A row of three number fields labeled `name`, which also identifies the widgets. Returns whether a number changed. */
 bool view_show_vector(const char *name, fnl_vec3 *value, const char *format);
 /** The command line that renders what is shown. */
 void view_print_command(const struct view *view, FILE *file);
@@ -521,7 +521,7 @@ void view_files_finish(struct view *view);
 void view_watch_begin(struct view *view);
 /** A scene begins to load. */
 void view_watch_loading(struct view *view);
-/** It is shown: its files are watched, and what has changed since it began to load counts as changed. */
+/** The scene is now shown: watches its files. Those modified since loading began count as changed. */
 void view_watch_loaded(struct view *view);
 /** Looks twice a second whether files have changed, and once they are quiet loads the scene again. */
 void view_watch(struct view *view);

@@ -231,8 +231,8 @@ typedef struct fnl_frame {
     fnl_shadow_options shadow;
     /** Samples per pixel: 1, 2, 4 or 8, up to fnl_device_info.max_msaa, or FNL_MSAA_AUTO, the default. */
     uint32_t msaa;
-    /** Whether builtin:studio lights a scene without environment and ambient light: as a whole if it has no lights, without its key light and as
-        bright as the lights are on average if it has at most FNL_STUDIO_FILL_LIGHTS. Default true. */
+    /** Whether builtin:studio lights scenes without an environment or ambient light; default true. With 1 to FNL_STUDIO_FILL_LIGHTS lights it is a fill
+        only: without its key light, and as bright as the lights on average. With more lights it is off. */
     bool studio;
     /** Default auto. */
     fnl_ground ground;

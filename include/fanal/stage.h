@@ -3,8 +3,8 @@
  * The stage: light, a floor and a background for scenes that have none. It belongs to the frame, or to the traced
  * picture, not to the scene: queries, bounds, fnl_scene_save, FNL_OUTPUT_OBJECT and framing cameras ignore it.
  *
- * The defaults show any model well: a studio if the scene has no light, a faint one around a scene that has only lamps,
- * a floor that catches shadows, a calm background. They cost one environment cube map, one shadow map and one blended
+ * The defaults show any model well: a studio if the scene has no light, a studio fill if it has only lights, a floor that
+ * catches shadows, and a calm background. They cost one environment cube map, one shadow map and one blended
  * disk. Turn the stage off for scenes that are meant to be dark, or if your program draws the surroundings itself.
  * docs/techniques/stage.md describes the values.
  */
@@ -17,7 +17,7 @@
 extern "C" {
 #endif
 
-/** The studio fills in the shadows of scenes with at most this many lights; with more, a scene has a look of its own. */
+/** Maximum number of lights for which the studio fills in shadows. With more lights the studio is off. */
 #define FNL_STUDIO_FILL_LIGHTS 1024
 
 /**

@@ -78,7 +78,7 @@ static const struct row rows[] = {
     SWITCH("shadow.cubemap-correct", shadow.cubemap_correct, EVERY, EVERY,
            "shadows=cubemap: looks up where light enters the box; off: in the direction of the light, which is wrong"),
     COUNT("msaa", msaa, 1, 8, "samples", EVERY, EVERY, "samples per pixel; auto: 4 if the path and the device support it, otherwise 1", ONLY(1, 2, 4, 8), .has_auto = true),
-    SWITCH("studio", studio, EVERY, EVERY, "lights scenes without any light with builtin:studio"),
+    SWITCH("studio", studio, EVERY, EVERY, "lights scenes without light, adds fill to scenes with lights only"),
     NAME("ground", ground, FNL_ENUM_GROUND, EVERY, EVERY, "a floor under the scene that catches its shadows"),
     NAME("background", background, FNL_ENUM_BACKGROUND, EVERY, EVERY, "what is seen where no surface is"),
     NUMBER("background-blur", background_blur, 0, (double)3.14159274f, "radians", EVERY, EVERY, "background=blur: the angle over which the environment is blurred"),

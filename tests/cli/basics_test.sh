@@ -115,7 +115,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 2 'verbose is for single pictures' render builtin:spheres $small --verbose --camera-path orbit:2 -o a-%d.png
     expect 0 'wrote lit.glb' render triangle.gltf --lights 7 --save-scene lit.glb
     # A file with lamps alone: the studio fills in, and this is said; not where there are surroundings.
-    expect 0 'has only lamps: builtin:studio fills in the shadows' render lit.glb $small -o own.png
+    expect 0 'has no environment or ambient light: builtin:studio fills in the shadows' render lit.glb $small -o own.png
     for without in '--environment builtin:studio' '--studio off' '--ambient 1,1,1'; do
         expect 0 '' render lit.glb $small $without -o without.png
         grep -q 'fills in' out && fail "the studio fills in with $without"

@@ -253,7 +253,7 @@ expect 0 '[0-9.]+ s for the frame on ' render builtin:spheres $plain --lists clu
 grep -qE 'evaluations|median' "$work/out" && fail '--frames 0 counts and measures'
 expect 0 '' render builtin:spheres $plain --lists clustered --frames 2 -q -o "$work/timed.png"
 cmp -s "$work/alone.png" "$work/timed.png" || fail '--frames 0 gave other bytes'
-expect 2 'frames 0 measures nothing' render builtin:spheres $plain --frames 0 --stats "$work/none.json" -o "$work/none.png"
+expect 2 'frames 0 cannot be combined' render builtin:spheres $plain --frames 0 --stats "$work/none.json" -o "$work/none.png"
 absent "$work/none.json" "$work/none.png"
 expect 0 'lights: 1 \(#472877\) to 256 and more \(#fde725\): lights that' render builtin:onetile $plain --lists all --debug lights -o "$work/m.png"
 # memory KIND: what the last statistics say of it.

@@ -72,7 +72,7 @@ spheres="builtin:spheres --lists clustered"
     same motion-3.exr later-3.exr 'motion differs when a sequence begins in the middle'
 
     # YUV4MPEG2: a header, then for each picture a line and three planes: of even sizes, or with the chroma of each pixel.
-    run 2 'y4m needs even sides, not 33x17: use 34x18, or --format y4m444' builtin:nowhere --camera-path orbit:4 -o -
+    run 2 'y4m requires an even width and height, not 33x17: use 34x18, or --format y4m444' builtin:nowhere --camera-path orbit:4 -o -
     [ ! -s out ] || fail 'pictures of an odd size are begun'
     run 0 '' $spheres -q --camera-path orbit:4 --frame-time 0.04 -o - --format y4m444
     head -n 1 out | grep -qx 'YUV4MPEG2 W33 H17 F25:1 Ip A1:1 C444 XCOLORRANGE=LIMITED' || fail "y4m444 begins with $(head -c 80 out | head -n 1)"
