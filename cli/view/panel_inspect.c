@@ -56,7 +56,7 @@ static void show_transform(struct view *v, const fnl_instance_info *instance) {
     struct view_edit edit = {.kind = VIEW_EDIT_TRANSFORM, .id = v->select.id, .before.transform = instance->transform};
     bool edited = view_show_vector("position, m", &t->place, "%.3f");
     ui_tooltip("Metres, relative to its parent");
-    edited |= view_show_vector("rotation, degrees", &t->degrees, "%.1f");
+    edited |= view_show_vector("rotation, deg", &t->degrees, "%.1f");
     ui_tooltip("Degrees about x, then y, then z");
     edited |= view_show_vector("scale", &t->scale, "%.3f");
     if (!edited) return;
