@@ -305,13 +305,13 @@ static bool is_dark(const fnl_scene *scene) {
     return fnl_scene_query_info(scene, &info) == FNL_OK && info.light_count == 0 && !info.has_environment && !info.has_ambient;
 }
 
-/* What is said of the light that a scene comes with. */
-static void tell_light(const struct world_options *o, const fnl_scene *scene) {
+/* What the studio does for a scene. */
+static void tell_studio(const fnl_scene *scene) {
     fnl_scene_info info;
-    if (fnl_scene_query_info(scene, &info) != FNL_OK) return;
-    if (!o->no_studio && is_dark(scene))
+    if (fnl_scene_query_info(scene, &info) != FNL_OK || info.has_environment || info.has_ambient) return;
+    if (info.light_count == 0)
         puts("The scene has no light: using builtin:studio. To change this, use --environment, --lights, --ambient or --studio off.");
-    else if (!o->no_studio && info.light_count <= FNL_STUDIO_FILL_LIGHTS && !info.has_environment && !info.has_ambient)
+    else if (info.light_count <= FNL_STUDIO_FILL_LIGHTS)
         puts("The scene has no environment or ambient light: builtin:studio fills in the shadows. To change this, use --environment, --ambient or --studio off.");
 }
 
@@ -362,7 +362,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
-    if (!quiet) tell_light(o, *scene);
+    if (!quiet && !o->no_studio) tell_studio(*scene);
     return choose_camera(o, *scene, (float)width / (float)height, camera);
 }
 

@@ -531,8 +531,8 @@ static inline bool scene_light_shines(const struct scene_light *light) { return 
 fnl_result scene_set_stage(fnl_scene *scene, bool studio, fnl_ground ground);
 /** The studio as the scene's environment, which has none of its own: whole, or without its key light; or none again. */
 fnl_result scene_environment_stage(fnl_scene *scene, enum stage_light light);
-/** The intensity at which the environment's mean luminance is `part` of that of a white surface in the mean light of the scene's lights, spread over a box. */
-void scene_environment_fill(fnl_scene *scene, const struct box *bounds, float part);
+/** Makes the environment as bright as the scene's lights are on average, which near ones spread over these bounds. */
+void scene_environment_fill(fnl_scene *scene, const struct box *bounds);
 /** After a change of what one node shows. */
 void scene_node_edited(fnl_scene *scene, uint32_t node);
 /** World-space bounds of a tree, active or not; `alone`: of its root. */

@@ -139,16 +139,16 @@ static double mean_of(const struct scene_environment *e) {
 }
 
 /* What the intensity must be for the environment to give as much as the scene's lights; 1 without any. */
-static double matching_intensity(const fnl_scene *scene) {
-    const struct box bounds = scene_bounds(scene);
-    const double lights = light_of_scene(scene, &bounds), own = mean_of(&scene->environment) * (double)PI * (double)scene->environment.own.intensity;
+static double matching_intensity(const fnl_scene *scene, const struct box *bounds) {
+    const double lights = light_of_scene(scene, bounds), own = mean_of(&scene->environment) * (double)PI * (double)scene->environment.own.intensity;
     return lights > 0 && own > 0 ? lights / own : 1;
 }
 
 /* Pictures are often in relative values, whose mean is about 1: beside lamps and suns they are black. */
 static void warn_of_relative(const fnl_scene *scene, const char *source) {
     if (source && strncmp(source, "builtin:", 8) == 0 && strcmp(source, "builtin:studio") != 0) return;
-    const double mean = mean_of(&scene->environment), wanted = matching_intensity(scene);
+    const struct box bounds = scene_bounds(scene);
+    const double mean = mean_of(&scene->environment), wanted = matching_intensity(scene, &bounds);
     if (mean > 20 || wanted < 30 || scene->environment.intensity != 1) return;
     log_warning(&scene->host, "%s: its values look relative (mean %.2g, not cd/m^2), and the scene's lights give %.0f times as much: an intensity of %.0f, or auto, makes both alike",
                 source ? source : "the environment's image", mean, wanted, wanted);
@@ -308,10 +308,8 @@ fnl_result scene_environment_stage(fnl_scene *scene, enum stage_light light) {
     return FNL_OK;
 }
 
-void scene_environment_fill(fnl_scene *scene, const struct box *bounds, float part) {
-    struct scene_environment *e = &scene->environment;
-    const double mean = mean_of(e);
-    e->intensity = mean > 0 ? fminf((float)((double)part * light_of_scene(scene, bounds) / ((double)PI * mean)), 1e6f) : 0;
+void scene_environment_fill(fnl_scene *scene, const struct box *bounds) {
+    scene->environment.intensity = fminf((float)matching_intensity(scene, bounds), 1e6f);
     scene->light_version++;
 }
 
@@ -333,7 +331,8 @@ fnl_result fnl_scene_set_environment(fnl_scene *scene, const fnl_environment_par
     const uint64_t before = e->version;
     TRY(set(scene, &wanted, NULL));
     if (params->intensity_auto) {
-        e->intensity = fminf(params->intensity * (float)matching_intensity(scene), 1e6f);
+        const struct box bounds = scene_bounds(scene);
+        e->intensity = fminf(params->intensity * (float)matching_intensity(scene, &bounds), 1e6f);
         scene_environment_moved(scene);
     } else if (e->version != before) {
         warn_of_relative(scene, params->source);

@@ -6,8 +6,6 @@ enum { FLOOR_SIDES = 64, FLOOR_RINGS = 12 };
 static const float FLOOR_REACH = 3.5f;  /* radii of what stands on it */
 static const float FLOOR_SOLID = 0.35f; /* of its own radius, within which it does not fade */
 
-static const float FILL = 1; /* times the mean light of the scene's lights: what faces away from a single sun is 2 stops darker than what faces it */
-
 /* What the stage gives a scene. */
 static enum stage_light light_for(const fnl_scene *scene) {
     const bool surrounded = (scene->environment.panorama.width > 0 && !scene->environment.staged) || scene_has_ambient(scene);
@@ -21,7 +19,7 @@ static void fill(fnl_scene *scene, bool anew) {
     if (anew || stage->bounds_version != scene->structure_version) stage->bounds = scene_bounds(scene);
     else if (stage->light_version == scene->light_version) return;
     stage->bounds_version = scene->structure_version;
-    scene_environment_fill(scene, &stage->bounds, FILL);
+    scene_environment_fill(scene, &stage->bounds);
     stage->light_version = scene->light_version;
 }
 
