@@ -536,17 +536,48 @@ static void test_views_look_up_their_own_lists_EN_22(void **state) {
         shot_free(&each[i]);
     }
     shot_free(&both);
-    /* Eyes share the list of lights; the lists of probes are their own all the same. */
-    cameras[1] = cameras[0];
-    cameras[1].position.x += 0.064f, cameras[1].target.x += 0.064f;
-    s.frame.shading = FNL_SHADING_DEFERRED;
-    s.frame.lists = FNL_LISTS_CLUSTERED;
-    s.frame.stereo.eyes = 2;
-    s.frame.stereo.lists = FNL_STEREO_LISTS_EYE;
-    struct shot apart = stage_shoot(&s, &s.frame);
-    s.frame.stereo.lists = FNL_STEREO_LISTS_HEAD;
-    struct shot shared = stage_shoot(&s, &s.frame);
+    stage_close(&s);
+}
+
+static uint32_t passes_named(const struct stage *s, const char *name) {
+    static char text[1 << 18];
+    uint32_t count = 0;
+    assert_true(fnl_renderer_print(s->renderer, FNL_PRINT_PLAN, text, sizeof text) < sizeof text);
+    for (const char *at = text; (at = strstr(at, name)); at++) count++;
+    return count;
+}
+
+/* Eyes that share a light list still look up their own lists of probes. */
+static void test_eyes_that_share_lights_have_their_own_probes_EN_22(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:hall", 0);
+    fnl_camera eyes[2] = {s.frame.camera, s.frame.camera};
+    eyes[1].position.x += 0.3f, eyes[1].target.x += 0.3f;
+    fnl_frame frame = s.frame;
+    frame.width = 64, frame.height = 48;
+    frame.shading = FNL_SHADING_DEFERRED;
+    frame.lists = FNL_LISTS_CLUSTERED;
+    frame.views = eyes;
+    frame.view_count = frame.stereo.eyes = 2;
+    frame.outputs = FNL_OUTPUT_RADIANCE;
+    frame.stereo.lists = FNL_STEREO_LISTS_EYE;
+    struct shot without = stage_shoot(&s, &frame);
+    for (int i = 0; i < 6; i++) {
+        fnl_probe_params params = probe_of_room();
+        params.centre = vec3_add(eyes[0].position, vec3_make(0.8f * (float)i - 2, 0, 0));
+        params.face_size = 16;
+        params.blend = 0.3f;
+        add_probe(s.scene, &params);
+    }
+    struct shot apart = stage_shoot(&s, &frame);
+    const uint32_t of_each = passes_named(&s, "lights gather");
+    frame.stereo.lists = FNL_STEREO_LISTS_HEAD;
+    struct shot shared = stage_shoot(&s, &frame);
+    print_message("%u lists, %u when shared\n", of_each, passes_named(&s, "lights gather"));
+    assert_int_equal(passes_named(&s, "lights gather") + 1, of_each);
+    assert_true(count_differing(&without.radiance, &apart.radiance) > 1000);
     assert_int_equal(count_differing(&shared.radiance, &apart.radiance), 0);
+    shot_free(&without);
     shot_free(&shared);
     shot_free(&apart);
     stage_close(&s);
@@ -594,6 +625,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_captures_are_counted_EN_24, harness_check),
         cmocka_unit_test_teardown(test_bounces_show_mirrors_in_mirrors_EN_25, harness_check),
         cmocka_unit_test_teardown(test_diffuse_light_stays_with_its_probe_EN_25, harness_check),
+        cmocka_unit_test_teardown(test_eyes_that_share_lights_have_their_own_probes_EN_22, harness_check),
         cmocka_unit_test_teardown(test_compressed_probes_BC_14, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);

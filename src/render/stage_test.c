@@ -378,7 +378,7 @@ static void test_floor_by_itself(void **state) {
     assert_true(scene_node_draws(&s.scene->nodes.data[s.scene->stage.node]));
     assert_true(s.scene->nodes.data[s.scene->stage.node].world.m[13] > 1.9f); /* under the ball as it is now */
     shot_free(&shot);
-    /* A plane at half the height is none, wherever the scene lies. */
+    /* A plane at half the height is no floor, wherever the scene is. */
     const fnl_mat4 away = mat4_translation(vec3_make(-200, 3, 0));
     assert_int_equal(fnl_scene_set_instance_transforms(s.scene, &ball, &away, 1), FNL_OK);
     assert_int_equal(fnl_scene_add_instance(s.scene, mesh, &away, &instance), FNL_OK);
