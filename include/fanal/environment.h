@@ -44,7 +44,7 @@ typedef struct fnl_environment_params {
     /**
      * Small bright sources (the sun, lamps) become directional lights of the scene, with shadows, and go from the picture: prefiltered light has
      * neither sharp shadows nor exact highlights. At most 8, those with the most illuminance; each fills at most 10 degrees and gives at
-     * least 2 % of the light. Values that remain in the picture are at most 65504. Default true.
+     * least 2 % of the light. Default true.
      */
     bool lights;
     /**

@@ -238,7 +238,7 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
                                    .shadow_filter = (uint32_t)f->frame->shadow.filter,
                                    .shadow_samples = f->frame->shadow.samples,
                                    .light_radius = f->frame->shadow.light_radius,
-                                   .environment_scale = scene_environment_scale(environment),
+                                   .environment_scale = scene_environment_scale(environment) * environment->unit,
                                    .sun_tangent = tanf(f->frame->shadow.sun_degrees * (PI / 180)),
                                    .hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f};
     scene_environment_axes(environment, f->shared.environment_rows);

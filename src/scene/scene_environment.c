@@ -46,7 +46,7 @@ static fnl_result load_panorama(const fnl_host *host, const fnl_environment_para
     return result;
 }
 
-/* The picture and, where they are wanted, the bright sources that go from it: with their whole light, before what remains is bounded. */
+/* The picture and, where they are wanted, the bright sources that go from it: with their whole light. */
 static fnl_result read_panorama(const fnl_host *host, const fnl_environment_params *params, struct scene_environment *out) {
     if (params->source && strncmp(params->source, "builtin:", 8) == 0) {
         TRY(panorama_make(host, params->source + 8, params->lights, &out->panorama, out->sources, &out->source_count));
@@ -54,8 +54,9 @@ static fnl_result read_panorama(const fnl_host *host, const fnl_environment_para
         TRY(load_panorama(host, params, &out->panorama));
         if (params->lights) TRY(panorama_part(host, &out->panorama, out->sources, &out->source_count));
     }
-    panorama_bound(&out->panorama);
-    return panorama_shrink(host, &out->panorama, MOST_WIDTH);
+    TRY(panorama_shrink(host, &out->panorama, MOST_WIDTH));
+    out->unit = panorama_unit(&out->panorama);
+    return FNL_OK;
 }
 
 /* ---- beside the scene's lights ---- */

@@ -183,7 +183,16 @@ static void show(fnl_scene *scene, float even, uint32_t at, float bright, bool l
     assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
 }
 
-/* What half floats cannot hold goes into the light, all of it; what stays in the picture is bounded. */
+/* Half floats hold the picture in its unit: a power of two that leaves the greatest value the most bits. */
+static void check_unit(const struct scene_environment *e) {
+    float most = 0;
+    int exponent;
+    for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++) most = fmaxf(most, e->panorama.texels[i]);
+    assert_true(frexpf(e->unit, &exponent) == 0.5f);
+    if (!(most / e->unit <= 65504 && most / e->unit > 32000)) fail_msg("%g in units of %g", (double)most, (double)e->unit);
+}
+
+/* A sun becomes a light with all that it gives; left in the picture it stays what it is, with its color. */
 static void test_suns_keep_their_light(void **state) {
     UNUSED(state);
     const uint32_t at = 10 * WIDTH + 20;
@@ -192,13 +201,32 @@ static void test_suns_keep_their_light(void **state) {
         fnl_scene *scene = empty();
         show(scene, 3000, at, 1e9f, lights, false);
         const struct panorama *p = &scene->environment.panorama;
-        for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++) assert_true(p->texels[i] <= 65504);
+        check_unit(&scene->environment);
+        assert_true(lights ? p->texels[3 * at] < 65504 : p->texels[3 * at] == 1e9f);
         assert_int_equal(scene->suns.count, lights);
         if (lights) {
             const fnl_light_params *sun = &scene->lights.data[0].params;
             assert_true(fabsf(sun->intensity / (1e9f * angle) - 1) < 1e-3f);
             assert_true(fabsf(sun->source_angle / acosf(1 - angle / (2 * PI)) - 1) < 1e-3f);
         }
+        fnl_scene_destroy(&scene);
+    }
+}
+
+static void test_pictures_keep_their_values(void **state) {
+    UNUSED(state);
+    static const float values[] = {1e-38f, 3e-7f, 0.9999f, 1, 65504, 65530, 2e6f, 1e19f};
+    static float pixels[WIDTH * HEIGHT * 4];
+    for (uint32_t k = 0; k < COUNT_OF(values); k++) {
+        fnl_scene *scene = empty();
+        for (uint32_t i = 0; i < WIDTH * HEIGHT * 4; i++) pixels[i] = values[k] * (i % 4 == 1 ? 0.25f : 1);
+        const fnl_image image = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, pixels};
+        fnl_environment_params params = fnl_environment_params_default();
+        params.image = &image;
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+        for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++) assert_true(scene->environment.panorama.texels[i] == values[k] * (i % 3 == 1 ? 0.25f : 1));
+        if (values[k] > 1e-30f) check_unit(&scene->environment);
+        assert_true(1 / scene->environment.unit < INFINITY && scene->environment.unit > 0);
         fnl_scene_destroy(&scene);
     }
 }
@@ -230,6 +258,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_skies_are_in_physical_units),     cmocka_unit_test(test_wrong_environments_are_explained),
         cmocka_unit_test(test_a_sky_beside_a_sun),              cmocka_unit_test(test_the_studio_has_a_key_light),
+        cmocka_unit_test(test_pictures_keep_their_values),
         cmocka_unit_test(test_suns_keep_their_light),           cmocka_unit_test(test_relative_pictures_beside_lights),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
