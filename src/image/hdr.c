@@ -17,6 +17,8 @@ struct header {
     uint32_t width, height;
     bool bottom_up, right_to_left;
     float scale[3]; /* what the stored values are multiplied by to give radiance */
+    enum primaries primaries;
+    float to_rec709[9];
     const unsigned char *pixels;
 };
 
@@ -35,7 +37,7 @@ static const unsigned char *read_line(const unsigned char *at, const unsigned ch
     return stop + 1;
 }
 
-/* Reads numbers as the C locale writes them, whatever the program's locale. */
+/* Reads numbers as the C locale writes them, whatever the program's locale; 0 where something follows them. */
 static int read_numbers(const char *text, float *values, int capacity) {
     locale_t locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     if (locale == (locale_t)0) return 0;
@@ -45,7 +47,7 @@ static int read_numbers(const char *text, float *values, int capacity) {
         if (rest == text) break;
     }
     freelocale(locale);
-    return count;
+    return text[strspn(text, " \t")] ? 0 : count;
 }
 
 /* EXPOSURE and COLORCORR say by what the pixels have been multiplied; several of them add up. */
@@ -53,6 +55,11 @@ static fnl_result read_variable(const struct image_source *source, const char *l
     if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
         return image_fail(source, FNL_ERROR_UNSUPPORTED, "Radiance HDR of format '%.40s' (only 32-bit_rle_rgbe is read)",
                           line + 7);
+    if (strncmp(line, "PRIMARIES=", 10) == 0) {
+        float values[8];
+        header->primaries = read_numbers(line + 10, values, 8) == 8 ? primaries_matrix(values, header->to_rec709) : PRIMARIES_BAD;
+        return header->primaries != PRIMARIES_BAD ? FNL_OK : image_fail(source, FNL_ERROR_FORMAT, "broken Radiance HDR: '%.90s' is not usable", line);
+    }
     bool exposure = strncmp(line, "EXPOSURE=", 9) == 0, correction = strncmp(line, "COLORCORR=", 10) == 0;
     if (!exposure && !correction) return FNL_OK;
     float factors[3];
@@ -176,6 +183,7 @@ fnl_result image_hdr_decode(const struct image_source *source, fnl_image *out) {
         store_row(&header, powers, rgbe, (float *)image.pixels + row * row_size);
     }
     host_free(source->host, rgbe, row_size);
+    if (result == FNL_OK && header.primaries == PRIMARIES_OTHER) primaries_convert(header.to_rec709, image.pixels, (size_t)image.width * image.height);
     if (result == FNL_OK)
         *out = image;
     else
