@@ -36,7 +36,7 @@ struct comparison {
     fnl_image image[3];
     fnl_image_difference difference;
     double flip, leak; /* NAN: not known */
-    bool json, limited[METRIC_COUNT];
+    bool alpha_differs, json, limited[METRIC_COUNT];
     double limit[METRIC_COUNT];
 };
 
@@ -47,7 +47,7 @@ static void print_help(void) {
          "mean, the root of the mean square (RMSE), PSNR in dB, and the structural similarity (SSIM, 1 is equal). The\n"
          "pictures are PNG, EXR, HDR, JPEG, WebP, KTX2 or DDS files; integer pixels are taken from 0 to 1, floats as they\n"
          "are. For two pictures with integer pixels also FLIP, which is how different they look to somebody who flips\n"
-         "between them (0 to 1; Andersson et al. 2020).\n"
+         "between them (0 to 1; Andersson et al. 2020). SSIM and FLIP leave alpha out; a note says so if it differs.\n"
          "\n"
          "  --max-diff X      the greatest difference may be X at most; X is a number or a fraction such as 2/255\n"
          "  --mean-diff X     the mean difference may be X at most\n"
@@ -58,7 +58,7 @@ static void print_help(void) {
          "                    as a part of the luminance that there would be without shadows. All three are linear (.exr)\n"
          "  --leak X          the leak may be X at most\n"
          "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
-         "  --json            prints JSON; null stands for infinity\n"
+         "  --json            prints JSON; infinity is \"Infinity\" or \"-Infinity\"\n"
          "  -h, --help        prints this text\n"
          "\n"
          "Exit status: 0 within all limits, 1 over a limit, 2 on an error, such as sizes that differ.\n"
@@ -178,13 +178,14 @@ static void print_text(const struct comparison *comparison) {
     if (!isnan(comparison->flip)) printf("flip   %.9f\n", comparison->flip);
     if (!isnan(comparison->leak)) printf("leak   %.9g\n", comparison->leak);
     printf("pixels %llu of %llu differ\n", (unsigned long long)d->differing_pixels, (unsigned long long)pixels);
+    if (comparison->alpha_differs) printf("note   alpha differs; %s not count it\n", isnan(comparison->flip) ? "ssim does" : "ssim and flip do");
     for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
         if (is_broken(comparison, m))
             printf("over   %s is %.9g, the limit --%s is %.9g\n", metrics[m].name, value_of(comparison, m), metrics[m].option,
                    comparison->limit[m]);
 }
 
-static json_t *json_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+static json_t *json_number(double value) { return isfinite(value) ? json_real(value) : isnan(value) ? json_null() : json_string(value > 0 ? "Infinity" : "-Infinity"); }
 
 static bool print_json(const struct comparison *comparison) {
     const fnl_image_difference *d = &comparison->difference;
@@ -192,11 +193,11 @@ static bool print_json(const struct comparison *comparison) {
     for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
         if (is_broken(comparison, m)) json_array_append_new(over, json_string(metrics[m].option));
     json_t *root =
-        json_pack("{s:[ss], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:o}", "files", comparison->path[0],
+        json_pack("{s:[ss], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:b, s:o}", "files", comparison->path[0],
                   comparison->path[1], "width", (int)comparison->image[0].width, "height", (int)comparison->image[0].height,
                   "max", json_number(d->max), "max_at", (int)d->max_x, (int)d->max_y, "mean", json_number(d->mean), "rmse",
                   json_number(d->rmse), "psnr", json_number(d->psnr), "ssim", json_number(d->ssim), "differing_pixels",
-                  (json_int_t)d->differing_pixels, "over", over);
+                  (json_int_t)d->differing_pixels, "alpha_differs", (int)comparison->alpha_differs, "over", over);
     if (root && !isnan(comparison->flip)) json_object_set_new(root, "flip", json_real(comparison->flip));
     if (root && !isnan(comparison->leak)) json_object_set_new(root, "leak", json_number(comparison->leak));
     bool printed = root && json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0;
@@ -231,6 +232,26 @@ static bool load(struct comparison *comparison) {
     return true;
 }
 
+static double alpha_of(const fnl_image *image, size_t pixel) {
+    switch (image->format) {
+    case FNL_PIXEL_FORMAT_RGBA8:
+        return ((const unsigned char *)image->pixels)[4 * pixel + 3] / 255.0;
+    case FNL_PIXEL_FORMAT_RGBA16:
+        return ((const uint16_t *)image->pixels)[4 * pixel + 3] / 65535.0;
+    default:
+        return (double)((const float *)image->pixels)[4 * pixel + 3];
+    }
+}
+
+static bool alpha_differs(const fnl_image *a, const fnl_image *b) {
+    const size_t count = (size_t)a->width * a->height;
+    for (size_t i = 0; i < count; i++) {
+        const double x = alpha_of(a, i), y = alpha_of(b, i);
+        if (fabs(x - y) > 1e-6 || isnan(x) != isnan(y)) return true;
+    }
+    return false;
+}
+
 static bool find_flip(struct comparison *comparison) {
     const fnl_image *a = &comparison->image[0], *b = &comparison->image[1];
     const char *floats = a->format == FNL_PIXEL_FORMAT_RGBA32F   ? comparison->path[0]
@@ -263,6 +284,7 @@ static int compare(struct comparison *comparison) {
     if (!load(comparison)) return EXIT_ERROR;
     if (fnl_image_compare(NULL, a, b, &comparison->difference) != FNL_OK || !find_flip(comparison) || !find_leak(comparison))
         return EXIT_ERROR;
+    comparison->alpha_differs = alpha_differs(a, b);
     if (comparison->output && !save_picture(comparison)) return EXIT_ERROR;
     if (!comparison->json)
         print_text(comparison);
