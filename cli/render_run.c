@@ -177,13 +177,13 @@ static struct render_pictures pictures_of(const struct render_pictures *all, uin
     return own;
 }
 
-bool render_save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer,
+bool render_save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer, fnl_renderer *linear,
                          const struct supersample *mean, uint32_t view_count) {
     struct render_pictures p = {0};
     uint32_t outputs = render_wanted_outputs(o);
     bool good = true;
     for (int i = 0; i < RENDER_PICTURES && good; i++)
-        if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
+        if (outputs & 1u << i) good = fnl_renderer_read(linear && i > 0 ? linear : renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
     if (good && o->screen && o->display.given) good = display_show(o->screen, host, &p.images[0]);
@@ -293,6 +293,20 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     return true;
 }
 
+/* The frames of `linear`: as those of an .exr without a picture beside it. */
+static bool run_linear(const struct render_options *o, fnl_renderer *linear, fnl_frame frame, struct supersample *mean) {
+    struct render_report unused = {.options = o};
+    struct supersample radiance = {0};
+    frame.outputs = render_wanted_outputs(o) & ~(uint32_t)FNL_OUTPUT_COLOR;
+    frame.pixel.asked = false;
+    bool good = run_frames(o, linear, frame, &unused, NULL);
+    frame.pin_choice = true;
+    if (good && o->supersample > 1) good = supersample_render(&radiance, linear, &frame, o->supersample);
+    supersample_join(mean, &radiance);
+    report_finish(&unused);
+    return good;
+}
+
 static void print_text(const fnl_renderer *renderer, fnl_print what) {
     size_t length = fnl_renderer_print(renderer, what, NULL, 0);
     char *text = malloc(length + 1);
@@ -352,10 +366,12 @@ static int run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
     fnl_device *device = NULL;
-    fnl_renderer *renderer = NULL;
+    fnl_renderer *renderer = NULL, *linear = NULL;
     struct render_report report = {.options = o, .time = o->world.time, .picture = UINT32_MAX};
     fnl_frame frame = o->frame;
     frame.outputs = render_wanted_outputs(o);
+    const bool both = frame.outputs & FNL_OUTPUT_COLOR && frame.outputs & FNL_OUTPUT_RADIANCE;
+    if (both) frame.outputs = FNL_OUTPUT_COLOR; /* the rest is of frames of its own: linear ones have more bits, which would show in the picture */
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
     if (!check_video(o) || (takes_stdout(o) && !stream_open())) return 2;
@@ -375,7 +391,7 @@ static int run(const struct render_options *o) {
     bool good = load_and_save(o, &host, &scene, &frame.camera) &&
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) &&
                 (!o->eyes || stereo_cameras(o->eyes, &frame.camera, o->world.time, frame.width, frame.height, cameras)) && fnl_device_create(&device_params, &device) == FNL_OK &&
-                fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
+                fnl_renderer_create(device, scene, &renderer) == FNL_OK && (!both || fnl_renderer_create(device, scene, &linear) == FNL_OK) &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
     if (good && o->screen) good = display_open(o->screen, &o->display, o->eyes, device, frame.width, frame.height);
     if (good && o->screen) frame.hidden_areas = display_hidden(o->screen);
@@ -393,12 +409,13 @@ static int run(const struct render_options *o) {
         good = false;
     }
     if (good) good = warm_up(renderer, &frame);
-    if (good && sequence) good = render_sequence(o, &host, scene, renderer, &frame, &report, trace);
+    if (good && sequence) good = render_sequence(o, &host, scene, renderer, linear, &frame, &report, trace);
     if (good && !sequence) good = run_frames(o, renderer, frame, &report, trace);
     if (good && !sequence && o->supersample > 1) {
         frame.pin_choice = true;
         good = supersample_render(&mean, renderer, &frame, o->supersample);
     }
+    if (good && !sequence && linear) good = run_linear(o, linear, frame, &mean);
     report.frame = frame;
     if (good && frame.pixel.asked) good = query_pixel(renderer, scene, &report);
     if (good && o->validate && fnl_device_validation_count(device)) {
@@ -417,7 +434,7 @@ static int run(const struct render_options *o) {
     if (good && frame.pixel.asked) pixel_print(scene, &report.pixel);
     good = good && output_flush(); /* before anything is written: all or nothing */
     const uint32_t first = sequence ? o->start_frame : 0, end = sequence ? first + report.picture_count : view_count;
-    if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean, view_count);
+    if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, linear, &mean, view_count);
     supersample_free(&mean);
     const bool traced = good && trace && trace_save(trace, o->trace_file), failed = good && trace && !traced;
     if (failed || (good && o->stats && !sequence && !save_stats(o, &report))) {
@@ -431,6 +448,7 @@ static int run(const struct render_options *o) {
     trace_destroy(&trace);
     report_finish(&report);
     if (o->screen) display_close(o->screen);
+    fnl_renderer_destroy(&linear);
     fnl_renderer_destroy(&renderer);
     fnl_device_destroy(&device);
     fnl_scene_destroy(&scene);

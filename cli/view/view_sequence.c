@@ -53,7 +53,7 @@ bool view_save_sequence(struct view *v, const char *camera_path, const char *pat
     o.frame.outputs = render_has_extension(pattern, "exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     pthread_mutex_lock(&v->device.mutex);
     const bool good = view_wait_for_images(v, &o.frame) && fnl_renderer_create(v->device.device, v->shown.scene, &renderer) == FNL_OK &&
-                      render_sequence(&o, &v->host, v->shown.scene, renderer, &o.frame, &report, NULL);
+                      render_sequence(&o, &v->host, v->shown.scene, renderer, NULL, &o.frame, &report, NULL);
     fnl_renderer_destroy(&renderer);
     pthread_mutex_unlock(&v->device.mutex);
     if (v->shown.info.animation_count) view_set_time(v, v->time);
