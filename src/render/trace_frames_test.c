@@ -158,7 +158,8 @@ static void test_each_extension_against_paths(void **state) {
     UNUSED(state);
     enum { EXTENSIONS = 11 };
     static const char *const names[EXTENSIONS] = {"clearcoat", "sheen", "iridescence", "anisotropy", "specular", "ior", "thin transmission", "rough transmission", "volume", "dispersion", "diffuse transmission"};
-    static const double least[EXTENSIONS] = {30, 30, 30, 25, 30, 30, 30, 25, 15, 15, 25};
+    /* The last: the far side of the ball stops light that frames take from all around. */
+    static const double least[EXTENSIONS] = {36, 32, 38, 32, 36, 36, 45, 27, 30, 30, 15};
     fnl_material_params m[EXTENSIONS];
     for (int i = 0; i < EXTENSIONS; i++) m[i] = painted(0, 0.4f);
     m[0].clearcoat.strength = 1, m[0].clearcoat.roughness = 0.1f;
@@ -171,7 +172,6 @@ static void test_each_extension_against_paths(void **state) {
         m[i].transmission.strength = 1;
         m[i].roughness = i == 7 ? 0.4f : 0.05f;
         m[i].volume.thickness = i < 8 ? 0 : 1.5f;
-        m[i].double_sided = i < 8;
     }
     m[8].volume.attenuation_distance = 2, m[8].volume.attenuation_color[0] = 0.8f, m[8].volume.attenuation_color[1] = m[8].volume.attenuation_color[2] = 0.5f;
     m[9].dispersion = 2;
