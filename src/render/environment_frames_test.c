@@ -294,7 +294,6 @@ static void test_frames_with_a_compressed_cube_BC_14(void **state) {
     stage_close(&s);
 }
 
-/* What is asked for and cannot be had changes nothing. */
 /* A power of two on the picture, and its reciprocal as the intensity: half floats hold bright pictures and dim ones alike, with their colors. */
 static void test_frames_of_bright_and_dim_pictures(void **state) {
     UNUSED(state);
@@ -329,6 +328,7 @@ static void test_frames_of_bright_and_dim_pictures(void **state) {
     for (uint32_t i = 0; i < COUNT_OF(powers); i++) shot_free(&shots[i]);
 }
 
+/* What is asked for and cannot be had changes nothing. */
 static void test_bad_environments_change_nothing_EN_7(void **state) {
     UNUSED(state);
     fnl_scene *scene = coarse_scene();

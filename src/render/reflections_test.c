@@ -536,6 +536,19 @@ static void test_views_look_up_their_own_lists_EN_22(void **state) {
         shot_free(&each[i]);
     }
     shot_free(&both);
+    /* Eyes share the list of lights; the lists of probes are their own all the same. */
+    cameras[1] = cameras[0];
+    cameras[1].position.x += 0.064f, cameras[1].target.x += 0.064f;
+    s.frame.shading = FNL_SHADING_DEFERRED;
+    s.frame.lists = FNL_LISTS_CLUSTERED;
+    s.frame.stereo.eyes = 2;
+    s.frame.stereo.lists = FNL_STEREO_LISTS_EYE;
+    struct shot apart = stage_shoot(&s, &s.frame);
+    s.frame.stereo.lists = FNL_STEREO_LISTS_HEAD;
+    struct shot shared = stage_shoot(&s, &s.frame);
+    assert_int_equal(count_differing(&shared.radiance, &apart.radiance), 0);
+    shot_free(&shared);
+    shot_free(&apart);
     stage_close(&s);
 }
 

@@ -99,7 +99,7 @@ static void add_head_lists(struct frame_state *f) {
         lists_add(&context);
         display->lights = context.lights;
     }
-    f->lights = f->blend_lights = light_list_for_eye(f->graph, f->r->device, &display->lights, f->view_address);
+    f->lights = f->blend_lights = light_list_for_eye(f->graph, f->r->device, &display->lights, &f->scene->lights);
 }
 
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {

@@ -20,39 +20,41 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
 
 static uvec2 words_of(VkDeviceAddress address) { return (uvec2){(uint32_t)address, (uint32_t)(address >> 32)}; }
 
+/* What a list takes from its view and scene, whatever its cells are. */
+static void fill_header(struct gpu_light_list *header, const struct light_input *input) {
+    header->directional_count = input->directional_count;
+    header->local_count = input->local_count;
+    header->lights = input->lights;
+    header->entities = input->entities;
+    header->shapes = input->shapes;
+    header->planes = input->planes;
+    header->view = input->view;
+    header->rays = words_of(input->rays.address);
+    header->shadow_maps = words_of(input->maps.address);
+    header->probes = words_of(input->probes.address);
+    header->profiles = input->profiles;
+    header->lobes = input->lobes;
+    header->shadow_rays = input->shadow_rays;
+    header->shadow_seed = input->shadow_seed;
+}
+
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address) {
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
     *out_address = slice.address;
-    if (slice.data)
-        *(struct gpu_light_list *)slice.data = (struct gpu_light_list){.directional_count = input->directional_count,
-                                                                       .local_count = input->local_count,
-                                                                       .tile_size = 1,
-                                                                       .tiles_x = 1,
-                                                                       .tiles_y = 1,
-                                                                       .slices = 1,
-                                                                       .lights = input->lights,
-                                                                       .entities = input->entities,
-                                                                       .shapes = input->shapes,
-                                                                       .planes = input->planes,
-                                                                       .view = input->view,
-                                                                       .cells_view = input->view,
-                                                                       .rays = words_of(input->rays.address),
-                                                                       .shadow_maps = words_of(input->maps.address),
-                                                                       .probes = words_of(input->probes.address),
-                                                                       .profiles = input->profiles,
-                                                                       .lobes = input->lobes,
-                                                                       .shadow_rays = input->shadow_rays,
-                                                                       .shadow_seed = input->shadow_seed};
-    return slice.data;
+    struct gpu_light_list *header = slice.data;
+    if (!header) return NULL;
+    *header = (struct gpu_light_list){.tile_size = 1, .tiles_x = 1, .tiles_y = 1, .slices = 1, .cells_view = input->view};
+    fill_header(header, input);
+    return header;
 }
 
-struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, VkDeviceAddress view) {
+struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input) {
     struct light_list own = *list;
     const struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
     struct gpu_light_list *header = slice.data;
     if (!header || !list->memory) return own; /* the error sticks to the device */
     *header = *list->memory;
-    header->view = view;
+    fill_header(header, input);
     if (list->cells.id) graph_put_address(graph, &header->cells, list->cells);
     if (list->ids.id) graph_put_address(graph, &header->ids, list->ids);
     if (list->extra.id) graph_put_address(graph, &header->extra, list->extra);
@@ -60,6 +62,7 @@ struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, co
     if (list->spare.id) graph_put_address(graph, &header->spare, list->spare);
     own.header = slice.address;
     own.memory = header;
+    light_list_cast(&own, input);
     return own;
 }
 

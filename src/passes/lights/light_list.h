@@ -191,10 +191,11 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
 uint32_t zbin_zones(const struct light_input *input, const struct zbin_params *params);
 
 /**
- * The same list for another view, an eye of the head that `list` was made for: cells and lights are those of the head, found by the place of each point.
+ * The same list for another view, an eye of the head that `list` was made for: cells are those of the head, found by the place of each point; all that
+ * belongs to a view (its environment with the reflection probes in it, rays, maps) is that of `input`, with the same lights in the same order.
  * `list` has GPU_LIST_SCATTERED, and `memory`.
  */
-struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, VkDeviceAddress view);
+struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input);
 
 /** The header of a list, with nothing but lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);
