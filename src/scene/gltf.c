@@ -113,6 +113,10 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
         offset += chunk_size;
     }
     if (!*json) gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "the GLB has no chunks");
+    uint32_t zeros = 0;
+    for (; *json && zeros < 3 && zeros + 1 < *json_size && (*json)[*json_size - 1 - zeros] == 0;) zeros++;
+    if (zeros) gltf_warn(g, &g->top, "the JSON chunk of the GLB is padded with zeros instead of spaces; they are skipped");
+    *json_size -= zeros;
     return *json != NULL;
 }
 

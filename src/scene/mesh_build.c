@@ -53,7 +53,9 @@ static fnl_result make_flat_normals(struct arena *arena, struct scene_primitive 
     if (!normals || !indices) return FNL_ERROR_MEMORY;
     for (uint32_t i = 0; i + 2 < count; i += 3) {
         const vec3 *corner = p->positions + i;
-        vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+        const vec3 e1 = vec3_sub(corner[1], corner[0]), e2 = vec3_sub(corner[2], corner[0]);
+        vec3 n = vec3_normalize(vec3_cross(e1, e2));
+        if (!(vec3_dot(n, n) > 0.5f)) n = vec3_normalize(vec3_cross(vec3_normalize(e1), vec3_normalize(e2))); /* too large or small a product */
         if (!(vec3_dot(n, n) > 0.5f)) n = vec3_make(0, 1, 0); /* a face without area is never seen */
         for (uint32_t k = 0; k < 3; k++) {
             normals[i + k] = n;
