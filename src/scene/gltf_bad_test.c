@@ -127,6 +127,30 @@ static void test_broken_vertices(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A tangent without a length counts as absent: all of the primitive are made by its coordinates. */
+static void test_tangents_of_length_0(void **state) {
+    UNUSED(state);
+    static struct {
+        float positions[9], normals[9], tangents[12], uv[6];
+    } v = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 1, 0, 0, 1}, {0}, {0, 0, 0, -1, 1, 0}};
+    static const char json[] =
+        "{" ASSET ",\"buffers\":[{\"byteLength\":144}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36},"
+        "{\"buffer\":0,\"byteOffset\":72,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":120,\"byteLength\":24}],\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
+        "{\"bufferView\":2,\"componentType\":5126,\"type\":\"VEC4\",\"count\":3},{\"bufferView\":3,\"componentType\":5126,\"type\":\"VEC2\",\"count\":3}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":3}}]}]}";
+    for (uint32_t i = 0; i < 3; i++) v.tangents[4 * i] = v.tangents[4 * i + 3] = 1;
+    fnl_scene *scene = load_with_message(json, &v, sizeof v, "");
+    assert_int_equal(file_log.count, 0);
+    assert_true(scene->primitives.data[0].tangents[0].x == 1); /* as they are given */
+    fnl_scene_destroy(&scene);
+    v.tangents[4] = 0;
+    scene = load_with_message(json, &v, sizeof v, "/meshes/0/primitives/0/attributes/TANGENT: 1 tangents are of length 0; tangents are made anew");
+    assert_int_equal(file_log.count, 1);
+    for (uint32_t i = 0; i < 3; i++) assert_true(scene->primitives.data[0].tangents[i].y > 0.999f); /* u grows along y */
+    fnl_scene_destroy(&scene);
+}
+
 /** Ten thousand primitives of a small file that share one accessor must not become gigabytes. */
 static void test_sharing_does_not_multiply(void **state) {
     UNUSED(state);
@@ -612,6 +636,7 @@ int main(void) {
         cmocka_unit_test(test_broken_files_are_refused),
         cmocka_unit_test(test_truncated_samples),
         cmocka_unit_test(test_broken_vertices),
+        cmocka_unit_test(test_tangents_of_length_0),
         cmocka_unit_test(test_sharing_does_not_multiply),
         cmocka_unit_test(test_node_graphs),
         cmocka_unit_test(test_deep_chain),
