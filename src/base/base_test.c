@@ -354,6 +354,22 @@ static void test_matrix_inverse(void **state) {
     assert_false(mat4_inverse(&flat, &inverse));
 }
 
+/* Of any length that a float can have. */
+static void test_extreme_vectors_are_normalized(void **state) {
+    UNUSED(state);
+    for (int exponent = -140; exponent <= 126; exponent++) {
+        const float s = ldexpf(1, exponent);
+        const vec3 v = vec3_normalize(vec3_make(s, 0, -s));
+        const quat q = quat_normalize((quat){s, -s, s, s});
+        assert_float_equal(v.x, 0.70710678f, 1e-6f);
+        assert_float_equal(v.z, -0.70710678f, 1e-6f);
+        assert_float_equal(q.y, -0.5f, 1e-6f);
+    }
+    assert_true(vec3_length(vec3_normalize(vec3_make(0, 0, 0))) == 0);
+    assert_true(vec3_length(vec3_normalize(vec3_make(INFINITY, 0, 0))) == 0);
+    assert_true(quat_normalize((quat){0, 0, 0, 0}).w == 1);
+}
+
 static void test_octahedral_round_trip(void **state) {
     UNUSED(state);
     struct random_state random = {1};
@@ -380,6 +396,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_long_names_can_be_written, make_folder, remove_folder),
         cmocka_unit_test(test_half_floats_round_trip),
         cmocka_unit_test(test_matrix_inverse),
+        cmocka_unit_test(test_extreme_vectors_are_normalized),
         cmocka_unit_test(test_octahedral_round_trip),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -255,7 +255,7 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
 
 /* `out` is the view's place among those of the frame. */
 static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
-    fnl_camera camera = f->frame->camera;
+    fnl_camera camera = frame_camera(f);
     temporal_begin(f);
     camera.shift.x -= 2 * f->temporal.jitter.x / (float)f->frame->width;
     camera.shift.y += 2 * f->temporal.jitter.y / (float)f->frame->height;

@@ -83,7 +83,8 @@ bool glb_animates(const struct glb *g, enum scene_property_owner owner, uint32_t
 
 /* ---- the parts ---- */
 
-/** The nodes of the shown scene. */
+/** The scene that is shown: made, with all roots of the file, where there is none. And its nodes. */
+json_t *glb_shown_scene(struct glb *g);
 json_t *glb_roots(struct glb *g);
 /** A new root with this pose and what else is in `node`. */
 void glb_add_root(struct glb *g, json_t *node, const mat4 *pose);

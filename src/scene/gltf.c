@@ -113,6 +113,10 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
         offset += chunk_size;
     }
     if (!*json) gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "the GLB has no chunks");
+    uint32_t zeros = 0;
+    for (; *json && zeros < 3 && zeros + 1 < *json_size && (*json)[*json_size - 1 - zeros] == 0;) zeros++;
+    if (zeros) gltf_warn(g, &g->top, "the JSON chunk of the GLB is padded with zeros instead of spaces; they are skipped");
+    *json_size -= zeros;
     return *json != NULL;
 }
 
@@ -204,9 +208,13 @@ static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t
     size_t json_size = size;
     g.is_glb = size >= 4 && read_u32(bytes) == GLB_MAGIC;
     if (!g.is_glb || parse_glb(&g, bytes, size, &json, &json_size)) parse_json(&g, json ? json : "", json_size);
+    /* As the file says it: loading rewrites primitives that are compressed. */
+    json_t *document = g.result == FNL_OK && out_root ? json_deep_copy(g.root) : NULL;
+    if (g.result == FNL_OK && out_root && !document) gltf_fail_memory(&g);
     if (g.result == FNL_OK) load_parts(&g);
     if (g.result == FNL_OK) keep_document(&g, bytes, size);
-    if (g.result == FNL_OK && out_root) *out_root = json_incref(g.root);
+    if (g.result == FNL_OK && out_root) *out_root = json_incref(document);
+    json_decref(document);
     json_decref(g.root);
     array_free(g.host, &g.vertex_map);
     array_free(g.host, &g.primitive_joints);

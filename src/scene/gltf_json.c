@@ -310,6 +310,16 @@ bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char
     return good;
 }
 
+bool gltf_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, quat *out) {
+    float v[4];
+    if (!gltf_floats(g, object, at, key, 4, -FLT_MAX, FLT_MAX, v)) return false;
+    double square = 0;
+    for (int i = 0; i < 4; i++) square += (double)v[i] * (double)v[i];
+    if (fabs(sqrt(square) - 1) > 5e-3) gltf_warn(g, AT_KEY(at, key), "is not of unit length; it is %s", square > 0 ? "normalized" : "ignored");
+    if (square > 0) *out = quat_normalize((quat){v[0], v[1], v[2], v[3]});
+    return square > 0;
+}
+
 json_t *gltf_extension(json_t *object, const struct at *at, const char *name, struct gltf_extension_place *place) {
     json_t *extension = json_object_get(json_object_get(object, "extensions"), name);
     if (!json_is_object(extension)) return NULL; /* gltf_load_extensions has complained */

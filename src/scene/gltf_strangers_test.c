@@ -177,6 +177,12 @@ static void test_the_folder_is_what_links_lead_to(void **state) {
         {"./in.png", false},
         {"textures/in.png", false},
         {"textures/../in.png", false},
+        {"nowhere/../in.png", false}, /* RFC 3986, 5.2.4: dot segments are removed before anything is opened */
+        {"nowhere/else/../../in.png", false},
+        {"nowhere%2F%2e%2E/./textures/in.png", false},
+        {"nowhere/..//in.png", false},
+        {"nowhere/../../secret.png", true},
+        {"../nowhere/../secret.png", true},
         {"../scene/in.png", false},
         {"a%20b.png", false},
         {"alias.png", false},
@@ -229,7 +235,7 @@ static void test_missing_data_is_an_error(void **state) {
     struct place place;
     make_place(&place);
     static const char *const uris[] = {
-        "missing.bin", "http://example.com/a.bin", "a%00b", "data:,AAAA", "data:application/octet-stream;base64,A!",
+        "missing.bin", "http://example.com/a.bin", "a%00b", "data:AAAA", "data:,%%4", "data:;base64,AA%%3", "data:application/octet-stream;base64,A!",
         "textures"};
     for (uint32_t i = 0; i < COUNT_OF(uris); i++) {
         fnl_scene *scene = NULL;

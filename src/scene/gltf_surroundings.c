@@ -56,7 +56,7 @@ static void load_probe(struct gltf *g, json_t *object, const struct at *at) {
     fnl_probe_id id;
     gltf_floats(g, object, at, "centre", 3, -FLT_MAX, FLT_MAX, &p.centre.x);
     gltf_floats(g, object, at, "halfSize", 3, FLT_MIN, FLT_MAX, &p.half_size.x);
-    gltf_floats(g, object, at, "rotation", 4, -1, 1, &p.rotation.x);
+    gltf_rotation(g, object, at, "rotation", &p.rotation);
     gltf_floats(g, object, at, "capture", 3, -FLT_MAX, FLT_MAX, &p.capture.x);
     gltf_float(g, object, at, "wall", false, FLT_MIN, FLT_MAX, &p.wall);
     gltf_uint(g, object, at, "faceSize", false, 8, 2048, &face_size);

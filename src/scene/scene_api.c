@@ -92,6 +92,11 @@ bool scene_material_layered(const struct scene_material *m) {
 
 bool scene_material_transmissive(const struct scene_material *m) { return !m->unlit && m->transmission.strength > 0; }
 
+bool scene_material_dark(const struct scene_material *m) {
+    const float least = m->textures[SCENE_TEXTURE_TRANSMISSION].image == SCENE_NONE ? m->transmission.strength * (1 - m->metallic) : 0;
+    return scene_material_transmissive(m) && least < 0.5f;
+}
+
 struct scene_material scene_material_default(void) {
     fnl_material_params params = fnl_material_params_default();
     return material_of(&params);
