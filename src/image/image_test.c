@@ -320,6 +320,9 @@ static void test_unknown_and_unsupported_contents(void **state) {
     expect_refusal(columns, sizeof columns - 1, FNL_ERROR_UNSUPPORTED, "columns");
     const char exposure[] = "#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\n\1\2\3\4";
     expect_refusal(exposure, sizeof exposure - 1, FNL_ERROR_FORMAT, "EXPOSURE=0");
+    const char comma[] = "#?RADIANCE\nEXPOSURE=1,5\n\n-Y 1 +X 1\n\1\2\3\4", rest[] = "#?RADIANCE\nCOLORCORR=1 1 1 1\n\n-Y 1 +X 1\n\1\2\3\4";
+    expect_refusal(comma, sizeof comma - 1, FNL_ERROR_FORMAT, "EXPOSURE=1,5");
+    expect_refusal(rest, sizeof rest - 1, FNL_ERROR_FORMAT, "COLORCORR=1 1 1 1");
     /* An animation: a VP8X chunk with its flag. */
     const char animated[] = "RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x03\0\0\x03\0\0";
     expect_refusal(animated, sizeof animated - 1, FNL_ERROR_UNSUPPORTED, "animated");
