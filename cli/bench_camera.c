@@ -2,14 +2,12 @@
 /* Where the camera is in each frame: a file of points, or a circle round the scene. */
 #include "bench.h"
 
-#include <errno.h>
-#include <fcntl.h>
+#include "input.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { POINTS_MAX = 1 << 20 };
 static const double CIRCLE_STEP = 1 / 30.0; /* seconds */
@@ -48,19 +46,8 @@ static bool parse_line(struct bench_path *path, const char *file, unsigned line,
     return add_point(path, &point) || bad_line(file, line, "memory ran out");
 }
 
-/* Not a pipe: each case reads the file anew, and opening a pipe waits for a writer. */
-static FILE *open_points(const char *file) {
-    struct stat status;
-    int descriptor = open(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor >= 0 && fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) return fdopen(descriptor, "r");
-    fprintf(stderr, "fanal: error: --camera-path: %s: %s%s\n", file, descriptor < 0 ? "cannot be opened: " : "is not a regular file",
-            descriptor < 0 ? strerror(errno) : "");
-    if (descriptor >= 0) close(descriptor);
-    return NULL;
-}
-
 static bool load_points(struct bench_path *path, const char *file, const fnl_camera *base) {
-    FILE *in = open_points(file);
+    FILE *in = input_open(file, 1 << 30);
     char text[1024];
     bool good = in != NULL;
     for (unsigned line = 1; good && fgets(text, sizeof text, in); line++) {

@@ -199,7 +199,7 @@ static void open_lane(struct bench_run *run, struct lane *lane) {
 static void add_picture(struct bench_run *run, const json_t *key, const char *kind, const fnl_image *picture) {
     char name[2400];
     lane_picture_name(key, kind, name, sizeof name);
-    json_t *uri = bench_picture_uri(picture, 360, run->settings->output);
+    json_t *uri = bench_picture_uri(picture, 360);
     if (uri) json_object_set_new(run->data->pictures, name, uri);
 }
 

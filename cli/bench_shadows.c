@@ -156,12 +156,12 @@ static void add_pictures(const struct bench_settings *settings, const struct ben
         shown.lists = settings->reference;
         json_t *key = bench_key(where, &shown), *uri = NULL;
         if (fnl_renderer_read(subjects[i].lane.renderer, FNL_OUTPUT_COLOR, &color) == FNL_OK)
-            uri = bench_picture_uri(&color, PICTURE_WIDTH, settings->output);
+            uri = bench_picture_uri(&color, PICTURE_WIDTH);
         lane_picture_name(key, "reference", name, sizeof name);
         if (uri) json_object_set_new(pictures, name, uri);
         uri = NULL;
         if (i != FNL_SHADOWS_RAYS && fnl_image_difference_picture(NULL, &truth, &color, 16, &difference) == FNL_OK)
-            uri = bench_picture_uri(&difference, PICTURE_WIDTH, settings->output);
+            uri = bench_picture_uri(&difference, PICTURE_WIDTH);
         lane_picture_name(key, "shading", name, sizeof name);
         if (uri) json_object_set_new(pictures, name, uri);
         fnl_image_free(NULL, &color);

@@ -159,16 +159,15 @@ bool bench_check_folder(const struct bench_settings *settings) {
 
 bool bench_prepare_folder(const char *folder, bool *made) {
     char path[4096];
-    if (snprintf(path, sizeof path, "%s/writable.part", folder) >= (int)sizeof path) {
+    struct output probe;
+    if (snprintf(path, sizeof path, "%s/results.json", folder) >= (int)sizeof path) {
         fputs("fanal: error: --output: the name of the folder is too long\n", stderr);
         return false;
     }
     *made = mkdir(folder, 0777) == 0;
     if (!*made && errno != EEXIST) return complain(folder);
-    FILE *file = fopen(path, "w"); /* hours of measuring must not end at a folder that cannot be written to */
-    if (!file) return complain(folder);
-    fclose(file);
-    unlink(path);
+    if (!output_begin(path, &probe)) return false; /* hours of measuring must not end at a folder that cannot be written to */
+    output_abandon(&probe);
     return true;
 }
 

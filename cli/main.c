@@ -5,6 +5,7 @@
 
 #include "fanal/base.h"
 
+#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -100,8 +101,15 @@ static int run(int argc, char **argv) {
     return 2;
 }
 
+/* Options, files and reports have decimal points, whatever locale a library that is loaded sets for the process: a headset's runtime, a layer of Vulkan. */
+static void fix_numbers(void) {
+    locale_t base = duplocale(LC_GLOBAL_LOCALE), fixed = base ? newlocale(LC_NUMERIC_MASK, "C", base) : base;
+    if (fixed) uselocale(fixed);
+}
+
 int main(int argc, char **argv) {
     output_guard_streams();
+    fix_numbers();
     int status = run(argc, argv);
     return output_flush() ? status : 2;
 }

@@ -112,13 +112,8 @@ static bool save_stdout(const struct render_options *o, const fnl_host *host, co
     enum render_format format = render_format_of(o, "-");
     if (format == RENDER_RAW) return stream_raw(&p->images[0]);
     if (format >= RENDER_Y4M) return stream_y4m(&p->images[0], format == RENDER_Y4M ? Y4M_420 : Y4M_444, o->frame_time);
-    const char *parent = getenv("TMPDIR");
-    char folder[3072], path[4096];
-    snprintf(folder, sizeof folder, "%s/fanal-XXXXXX", parent && *parent ? parent : "/tmp");
-    if (!mkdtemp(folder)) {
-        fprintf(stderr, "fanal: error: %s: cannot be made: %s\n", folder, strerror(errno));
-        return false;
-    }
+    char folder[PATH_MAX], path[PATH_MAX + 16];
+    if (!output_make_folder(folder)) return false;
     snprintf(path, sizeof path, "%s/picture.%s", folder, render_format_name(format));
     bool good = render_save_picture(o, host, path, p) && stream_file(path);
     unlink(path);

@@ -3,6 +3,7 @@
 #include "cave/ranks.h"
 
 #include "cave/hash.h"
+#include "input.h"
 #include "loading.h"
 #include "output.h"
 #include "program.h"
@@ -37,7 +38,8 @@ struct run {
 
 static uint64_t hash_file(const char *path, uint64_t hash) {
     char buffer[65536];
-    FILE *file = fopen(path, "rb");
+    const char *problem; /* loading tells of it */
+    FILE *file = input_try(path, UINT64_MAX, &problem);
     for (size_t got; file && (got = fread(buffer, 1, sizeof buffer, file)) > 0;) hash = cave_hash(buffer, got, hash);
     if (file) fclose(file);
     return hash;

@@ -4,6 +4,7 @@
 
 #include "legend.h"
 #include "options.h"
+#include "output.h"
 #include "view/ui.h"
 
 #include <math.h>
@@ -179,11 +180,9 @@ void view_panels(struct view *v) {
 /* ---- as text ---- */
 
 bool view_write_report(const struct view *v, const char *path) {
-    FILE *file = fopen(path, "w");
-    if (!file) {
-        fprintf(stderr, "fanal: error: %s: cannot be written\n", path);
-        return false;
-    }
+    struct output report;
+    if (!output_begin(path, &report)) return false;
+    FILE *file = report.stream;
     const fnl_frame_stats *s = &v->stats;
     fprintf(file, "scene\t%s\ntriangles\t%llu\nlights\t%u\nframes\t%llu\n", v->shown.source ? v->shown.source : "",
             (unsigned long long)v->shown.info.triangle_count, v->shown.info.light_count, (unsigned long long)v->frames_drawn);
@@ -209,7 +208,7 @@ bool view_write_report(const struct view *v, const char *path) {
     view_select_report(v, file);
     const uint32_t count = v->messages.count, first = count > VIEW_MESSAGES ? count - VIEW_MESSAGES : 0;
     for (uint32_t i = first; i < count; i++) fprintf(file, "message\t%s\n", v->messages.lines[i % VIEW_MESSAGES].text);
-    return fclose(file) == 0;
+    return output_commit(&report);
 }
 
 static bool equal(fnl_vec3 a, fnl_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }

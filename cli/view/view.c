@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "options.h"
+#include "output.h"
 #include "view/ui.h"
 
 #include "fanal/vulkan.h"
@@ -43,7 +44,7 @@ static void print_help(void) {
          "  --no-settings              neither reads nor writes what windows remember: these options, their size, the last scenes\n"
          "  --compare KEY=VALUE[,...]  begins with a split screen: left as asked for, right with these options changed\n"
          "  --headless                 draws the same frames without a window; with --replay\n"
-         "  --replay FILE              takes its events from a file that --record has written, a line each; besides what a window sends,\n"
+         "  --replay FILE              takes its events from a file that --record has written, a line each, or from - (standard input); besides what a window sends,\n"
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE [W H]', 'capture FILE' (with the panels), 'command FILE', 'report FILE',\n"
          "                             'trace FILE', 'savescene FILE', 'turntable N', 'panel NAME', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
          "  --record FILE              writes the events of the window to a file\n"
@@ -70,11 +71,9 @@ static void print_help(void) {
 /* ---- with a window ---- */
 
 static bool run_window(struct view *v, const struct view_options *o) {
-    FILE *record = o->record ? fopen(o->record, "w") : NULL;
-    if (o->record && !record) {
-        fprintf(stderr, "fanal: error: %s: cannot be written\n", o->record);
-        return false;
-    }
+    struct output out;
+    if (o->record && !output_begin(o->record, &out)) return false;
+    FILE *record = o->record ? out.stream : NULL;
     double last = view_now();
     bool good = true;
     while (!v->quit && good && !interrupt_seen() && (o->exit_after == 0 || v->loader.running || v->frames_drawn < o->exit_after + v->frames_loading)) {
@@ -97,16 +96,15 @@ static bool run_window(struct view *v, const struct view_options *o) {
         last = time;
         view_advance(v, seconds);
         view_watch(v);
-        if (!view_collect(v)) return false;
-        if (v->wanted == 0) {
+        if (!view_collect(v)) good = false;
+        if (good && v->wanted == 0) {
             trace_end_frame(v->timeline.history, NULL, 0);
             continue;
         }
-        good = view_draw_frame(v, seconds);
+        good = good && view_draw_frame(v, seconds);
         if (record) fputs("frames 1\n", record);
     }
-    if (record && fclose(record) != 0) good = false;
-    return good;
+    return (!record || output_commit(&out)) && good;
 }
 
 /* ---- the command ---- */

@@ -84,7 +84,7 @@ void host_free(const fnl_host *host, void *block, size_t size) {
 
 void host_log_list(const fnl_host *host, fnl_log_level level, const char *format, va_list arguments) {
     char line[2048];
-    vsnprintf(line, sizeof line, format, arguments);
+    text_format_list(line, sizeof line, format, arguments);
     host->log(host->user, level, line);
 }
 
@@ -171,10 +171,10 @@ char *arena_format(struct arena *arena, const char *format, ...) {
     va_list arguments, again;
     va_start(arguments, format);
     va_copy(again, arguments);
-    int length = vsnprintf(NULL, 0, format, arguments);
+    int length = text_format_list(NULL, 0, format, arguments);
     va_end(arguments);
     char *text = length < 0 ? NULL : arena_allocate(arena, (size_t)length + 1);
-    if (text) vsnprintf(text, (size_t)length + 1, format, again);
+    if (text) text_format_list(text, (size_t)length + 1, format, again);
     va_end(again);
     return text;
 }

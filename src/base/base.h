@@ -3,6 +3,8 @@
 #ifndef FNL_BASE_BASE_H
 #define FNL_BASE_BASE_H
 
+#include "base/number.h"
+
 #include "fanal/base.h"
 #include "fanal/values.h"
 

@@ -8,8 +8,13 @@
 #include "tests/test_memory.h"
 
 #include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static void test_arena_reuses_its_blocks(void **state) {
@@ -222,6 +227,64 @@ static void test_only_regular_files_are_read_and_replaced(void **state) {
     assert_int_equal(memory.live_bytes, 0);
 }
 
+/* What a write that failed has lost is told with its reason, although all that is left of the file can be written. */
+static void test_a_full_disk_is_one_error_that_names_the_file(void **state) {
+    UNUSED(state);
+    struct test_memory memory;
+    fnl_host host = memory_host(&memory);
+    const char *path = path_of("file");
+    struct rlimit before, small;
+    char text[65536], expected[256];
+    memset(text, 'x', sizeof text);
+    assert_int_equal(file_save(&host, path, "whole", 5), FNL_OK);
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    small = before;
+    small.rlim_cur = 4096;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    fnl_result result = file_save(&host, path, text, sizeof text);
+    setrlimit(RLIMIT_FSIZE, &before);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_int_equal(result, FNL_ERROR_FILE);
+    snprintf(expected, sizeof expected, "%s: cannot be written: %s", path, strerror(EFBIG));
+    assert_string_equal(memory.last_error, expected);
+    assert_int_equal(memory.errors, 1);
+    assert_content(path, "whole");
+    assert_int_equal(count_files(), 1);
+    assert_int_equal(memory.live_bytes, 0);
+}
+
+/* A file whose time of change is so many hours back. */
+static void make_old(const char *name, int hours) {
+    fnl_host host = host_resolve(NULL);
+    const struct timespec times[2] = {{.tv_sec = time(NULL) - hours * 3600}, {.tv_sec = time(NULL) - hours * 3600}};
+    if (access(path_of(name), F_OK) != 0) assert_int_equal(file_save(&host, path_of(name), "old", 3), FNL_OK);
+    assert_int_equal(utimensat(AT_FDCWD, path_of(name), times, AT_SYMLINK_NOFOLLOW), 0);
+}
+
+static void test_what_crashed_runs_left_is_removed_after_a_day(void **state) {
+    UNUSED(state);
+    fnl_host host = host_resolve(NULL);
+    static const char *const kept[] = {"fanal-00000002-00000000.part", "fanal-notes.part", "fanal-00000001.part.png", "other.part", "file"};
+    make_old("fanal-00000002-00000000.part", 1);
+    for (int i = 1; i < 5; i++) make_old(kept[i], 100);
+    make_old("fanal-00000001-00000000.part", 48);
+    assert_int_equal(symlink("file", path_of("fanal-00000003-00000000.part")), 0);
+    make_old("fanal-00000003-00000000.part", 48);
+    assert_int_equal(count_files(), 7);
+    char elsewhere[512];
+    snprintf(elsewhere, sizeof elsewhere, "%s/below", folder);
+    assert_int_equal(mkdir(elsewhere, 0700), 0);
+    assert_int_equal(file_save(&host, path_of("below/file"), "x", 1), FNL_OK); /* a folder is looked through when it is another than the last */
+    unlink(path_of("below/file"));
+    rmdir(elsewhere);
+    assert_int_equal(file_save(&host, path_of("file"), "new", 3), FNL_OK);
+    assert_int_equal(access(path_of("fanal-00000001-00000000.part"), F_OK), -1);
+    for (int i = 0; i < 5; i++) assert_int_equal(access(path_of(kept[i]), F_OK), 0);
+    assert_int_equal(count_files(), 6);
+    assert_content(path_of("file"), "new");
+}
+
 struct cutting_host {
     struct test_memory memory; /* first: the log takes it too */
     const char *path;
@@ -388,6 +451,8 @@ int main(void) {
         cmocka_unit_test(test_parallel_for_visits_each_index_once),
         cmocka_unit_test(test_ranges_come_and_go),
         cmocka_unit_test_setup_teardown(test_file_appears_complete_or_not_at_all, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_a_full_disk_is_one_error_that_names_the_file, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_what_crashed_runs_left_is_removed_after_a_day, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_files_without_memory_fail_and_give_all_back, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_only_regular_files_are_read_and_replaced, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_files_that_shrink_are_errors_or_stay_whole, make_folder, remove_folder),

@@ -61,7 +61,7 @@ fnl_result gpu_check(gpu_device *device, VkResult result, const char *format, ..
     char what[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(what, sizeof what, format, arguments);
+    text_format_list(what, sizeof what, format, arguments);
     va_end(arguments);
     log_error(&device->host, "%s: %s", what, gpu_result_text(result));
     if (result == VK_ERROR_DEVICE_LOST) gpu_fail(device, FNL_ERROR_DEVICE_LOST);

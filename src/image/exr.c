@@ -3,6 +3,7 @@
 #include "base/maths.h"
 #include "image/codec.h"
 
+#include <errno.h>
 #include <openexr.h>
 
 /* ZIP_LEVEL and COMPRESSION shape the bytes that are written; fixed here, not by the library's defaults. */
@@ -19,15 +20,13 @@ struct stream {
     char message[256]; /* the first error */
 };
 
-static struct stream *stream_of(exr_const_context_t exr) {
-    void *user = NULL;
-    return exr && exr_get_user_data(exr, &user) == EXR_ERR_SUCCESS ? user : NULL;
-}
+/* The stream of this thread. The library reports errors with a lock of the context held, under which the context cannot be asked for its user data. */
+static _Thread_local struct stream *current;
 
 static void keep_message(exr_const_context_t exr, exr_result_t code, const char *message) {
-    struct stream *stream = stream_of(exr);
-    if (stream && !stream->message[0])
-        snprintf(stream->message, sizeof stream->message, "%s", message ? message : exr_get_default_error_message(code));
+    UNUSED(exr);
+    if (current && !current->message[0])
+        snprintf(current->message, sizeof current->message, "%s", message ? message : exr_get_default_error_message(code));
 }
 
 static const char *message_of(const struct stream *stream, exr_result_t code) {
@@ -79,6 +78,7 @@ static fnl_result fail(struct reader *reader, exr_result_t code) {
 }
 
 static fnl_result read_header(struct reader *reader) {
+    current = &reader->stream;
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = keep_message;
     start.user_data = &reader->stream;
@@ -115,6 +115,7 @@ fnl_result image_exr_peek(const struct image_source *source, struct image_file_i
     struct reader reader = {.source = source, .stream = {.bytes = source->bytes, .size = source->size}};
     fnl_result result = read_header(&reader);
     exr_finish(&reader.exr);
+    current = NULL;
     if (result == FNL_OK) *out = (struct image_file_info){.kind = IMAGE_FILE_EXR, .width = reader.picture_width, .height = reader.picture_height};
     return result;
 }
@@ -354,6 +355,7 @@ fnl_result image_exr_decode(const struct image_source *source, fnl_image *out) {
     fnl_result result = read_header(&reader);
     if (result == FNL_OK) result = decode_pixels(&reader, out);
     exr_finish(&reader.exr);
+    current = NULL;
     return result;
 }
 
@@ -364,7 +366,8 @@ static int64_t write_bytes(exr_const_context_t exr, void *user, const void *buff
     struct stream *stream = user;
     if ((offset != stream->position && fseeko(stream->file, (off_t)offset, SEEK_SET) != 0) ||
         fwrite(buffer, 1, (size_t)size, stream->file) != size) {
-        fail_with(exr, EXR_ERR_WRITE_IO, "the file cannot be written");
+        snprintf(stream->message, sizeof stream->message, "%s", strerror(errno));
+        fail_with(exr, EXR_ERR_WRITE_IO, stream->message);
         return -1;
     }
     stream->position = offset + size;
@@ -471,11 +474,13 @@ fnl_result fnl_exr_save(const fnl_host *host, const char *path, uint32_t width, 
     start.write_fn = write_bytes;
     start.zip_level = ZIP_LEVEL;
     exr_context_t exr = NULL;
+    current = &stream;
     exr_result_t error = exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &start);
     if (!error) error = write_header(exr, width, height, channels, channel_count);
     if (!error) error = write_chunks(exr, width, height, channels, channel_count);
     exr_result_t finished = exr_finish(&exr); /* writes the table of chunks */
     if (!error) error = finished;
+    current = NULL;
     if (!error) return file_write_commit(&writer);
     log_error(&resolved, "%s: cannot be written: %s", path, message_of(&stream, error));
     file_write_abandon(&writer);

@@ -7,7 +7,6 @@
 #include "image/codec.h"
 
 #include <float.h>
-#include <locale.h>
 #include <math.h>
 
 #define RGBE_BIAS 128
@@ -37,17 +36,15 @@ static const unsigned char *read_line(const unsigned char *at, const unsigned ch
     return stop + 1;
 }
 
-/* Reads numbers as the C locale writes them, whatever the program's locale; 0 where something follows them. */
-static int read_numbers(const char *text, float *values, int capacity) {
-    locale_t locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (locale == (locale_t)0) return 0;
-    int count = 0;
-    for (char *rest; count < capacity; count++, text = rest) {
-        values[count] = strtof_l(text, &rest, locale);
-        if (rest == text) break;
+/* False: there are fewer numbers in the line, or something else. */
+static bool read_numbers(const char *text, float *values, int count) {
+    for (int i = 0; i < count; i++) {
+        char *rest;
+        values[i] = (float)number_read(text, &rest);
+        if (rest == text) return false;
+        text = rest;
     }
-    freelocale(locale);
-    return text[strspn(text, " \t")] ? 0 : count;
+    return text[strspn(text, " \t")] == 0;
 }
 
 /* EXPOSURE and COLORCORR say by what the pixels have been multiplied; several of them add up. */
@@ -57,14 +54,13 @@ static fnl_result read_variable(const struct image_source *source, const char *l
                           line + 7);
     if (strncmp(line, "PRIMARIES=", 10) == 0) {
         float values[8];
-        header->primaries = read_numbers(line + 10, values, 8) == 8 ? primaries_matrix(values, header->to_rec709) : PRIMARIES_BAD;
+        header->primaries = read_numbers(line + 10, values, 8) ? primaries_matrix(values, header->to_rec709) : PRIMARIES_BAD;
         return header->primaries != PRIMARIES_BAD ? FNL_OK : image_fail(source, FNL_ERROR_FORMAT, "broken Radiance HDR: '%.90s' is not usable", line);
     }
     bool exposure = strncmp(line, "EXPOSURE=", 9) == 0, correction = strncmp(line, "COLORCORR=", 10) == 0;
     if (!exposure && !correction) return FNL_OK;
     float factors[3];
-    int count = exposure ? read_numbers(line + 9, factors, 1) : read_numbers(line + 10, factors, 3);
-    bool usable = count == (exposure ? 1 : 3);
+    bool usable = exposure ? read_numbers(line + 9, factors, 1) : read_numbers(line + 10, factors, 3);
     for (int c = 0; c < 3 && usable; c++) {
         header->scale[c] /= factors[exposure ? 0 : c];
         usable = isfinite(header->scale[c]) && header->scale[c] > 0;

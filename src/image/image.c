@@ -14,7 +14,7 @@ fnl_result image_fail(const struct image_source *source, fnl_result result, cons
     char text[1024];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     /* Some of the text comes from libraries that quote the file. */
     for (char *c = text; *c; c++)

@@ -6,11 +6,14 @@
 #include "image/image_samples.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <float.h>
 #include <math.h>
 #include <openexr.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdatomic.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -329,8 +332,9 @@ static void test_unknown_and_unsupported_contents(void **state) {
     expect_refusal(columns, sizeof columns - 1, FNL_ERROR_UNSUPPORTED, "columns");
     const char exposure[] = "#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\n\1\2\3\4";
     expect_refusal(exposure, sizeof exposure - 1, FNL_ERROR_FORMAT, "EXPOSURE=0");
-    const char comma[] = "#?RADIANCE\nEXPOSURE=1,5\n\n-Y 1 +X 1\n\1\2\3\4";
+    const char comma[] = "#?RADIANCE\nEXPOSURE=1,5\n\n-Y 1 +X 1\n\1\2\3\4", rest[] = "#?RADIANCE\nCOLORCORR=1 1 1 1\n\n-Y 1 +X 1\n\1\2\3\4";
     expect_refusal(comma, sizeof comma - 1, FNL_ERROR_FORMAT, "EXPOSURE=1,5");
+    expect_refusal(rest, sizeof rest - 1, FNL_ERROR_FORMAT, "COLORCORR=1 1 1 1");
     const char primaries[] = "#?RADIANCE\nPRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06\n\n-Y 1 +X 1\n\1\2\3\4";
     expect_refusal(primaries, sizeof primaries - 1, FNL_ERROR_FORMAT, "PRIMARIES=0.64");
     /* An animation: a VP8X chunk with its flag. */
@@ -731,6 +735,43 @@ static void test_failed_saves_leave_nothing(void **state) {
     free(floats.pixels);
 }
 
+/* Every kind, on a disk that is full at once and in the middle: one line that names the file and the reason. */
+static void test_saves_on_a_full_disk_leave_nothing(void **state) {
+    UNUSED(state);
+    static const rlim_t limits[] = {0, 100, 20000};
+    struct watch watch;
+    fnl_host host = watch_host(&watch);
+    fnl_image bytes = make_image(256, 256, FNL_PIXEL_FORMAT_RGBA8, false, 1), floats = make_image(256, 256, FNL_PIXEL_FORMAT_RGBA32F, false, 1);
+    const struct {
+        const char *name;
+        const fnl_image *image;
+    } files[] = {{"a.png", &bytes}, {"a.exr", &floats}, {"a.hdr", &floats}};
+    struct rlimit before, small;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    alarm(300); /* a library that waits for a lock of its own would wait for ever */
+    for (size_t i = 0; i < COUNT_OF(files) * COUNT_OF(limits); i++) {
+        char expected[1200];
+        const char *path = path_of(files[i / COUNT_OF(limits)].name);
+        small = before;
+        small.rlim_cur = limits[i % COUNT_OF(limits)];
+        watch.lines = 0;
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+        const fnl_result result = fnl_image_save(&host, path, files[i / COUNT_OF(limits)].image);
+        setrlimit(RLIMIT_FSIZE, &before);
+        assert_int_equal(result, FNL_ERROR_FILE);
+        snprintf(expected, sizeof expected, "%s: cannot be written: %s", path, strerror(EFBIG));
+        assert_string_equal(watch.line, expected);
+        assert_int_equal(watch.lines, 1);
+        assert_int_equal(count_files(), 0);
+    }
+    alarm(0);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_int_equal(watch.live, 0);
+    free(bytes.pixels);
+    free(floats.pixels);
+}
+
 /* ---- pictures from other programs ---- */
 
 static const char *scenes(void) { return getenv("FANAL_SCENES") ? getenv("FANAL_SCENES") : "../shared/scenes"; }
@@ -835,6 +876,7 @@ int main(void) {
         cmocka_unit_test(test_exr_of_dwa),
         cmocka_unit_test(test_primaries_become_those_of_rec709),
         cmocka_unit_test(test_failed_saves_leave_nothing),
+        cmocka_unit_test(test_saves_on_a_full_disk_leave_nothing),
         cmocka_unit_test(test_real_png_files),
         cmocka_unit_test(test_real_hdr_file),
     };

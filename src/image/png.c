@@ -139,7 +139,7 @@ fnl_result image_png_write(struct file_writer *writer, const fnl_image *image) {
     if (!error) error = write_rows(png, image, opaque, row);
     spng_ctx_free(png);
     host_free(host, row, row_size);
-    if (!error) return FNL_OK;
+    if (!error || ferror(writer->stream)) return FNL_OK; /* an error of the stream is told, with its reason, when the file is committed */
     log_error(host, "%s: cannot be written: %s", writer->path, spng_strerror(error));
     return error == SPNG_EMEM ? FNL_ERROR_MEMORY : FNL_ERROR_FILE;
 }
@@ -148,7 +148,8 @@ fnl_result image_png_encode(const fnl_host *host, const char *name, const fnl_im
     *out = NULL;
     struct file_writer writer = {.stream = open_memstream(out, out_size), .path = (char *)name, .host = *host};
     fnl_result result = writer.stream ? image_png_write(&writer, image) : FNL_ERROR_MEMORY;
-    if (writer.stream && fclose(writer.stream) != 0 && result == FNL_OK) result = FNL_ERROR_MEMORY;
+    const bool lost = writer.stream && ferror(writer.stream);
+    if (writer.stream && (fclose(writer.stream) != 0 || lost) && result == FNL_OK) result = FNL_ERROR_MEMORY;
     if (result == FNL_OK) return FNL_OK;
     free(*out);
     *out = NULL;

@@ -326,7 +326,7 @@ static fnl_result parse(const struct call *call, const struct row *row, const ch
         memcpy(out, &narrow, *out_size = sizeof narrow);
         return check_row(call, row, o->key, out);
     }
-    float number = o->has_auto && strcmp(text, "auto") == 0 ? INFINITY : strtof(text, &end);
+    float number = o->has_auto && strcmp(text, "auto") == 0 ? INFINITY : (float)number_read(text, &end);
     if (end && (end == text || *end || !isfinite(number)))
         return misuse(call, "%s is '%.80s', must be a number%s", o->key, text, o->has_auto ? " or auto" : "");
     memcpy(out, &number, *out_size = sizeof number);

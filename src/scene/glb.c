@@ -14,7 +14,7 @@ void glb_fail(struct glb *g, fnl_result result, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     if (g->result == FNL_OK) log_error(g->host, "%s: %s; it is not written", g->path, text);
     if (g->result == FNL_OK) g->result = result;
@@ -24,7 +24,7 @@ void glb_left_out(const struct glb *g, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     log_warning(g->host, "%s: left out: %s", g->path, text);
 }
@@ -45,10 +45,10 @@ void *glb_memory(struct glb *g, uint64_t count, size_t size) {
 json_t *glb_float(float value) {
     char text[32];
     for (int digits = 6; digits <= 9; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, (double)value);
-        if (strtof(text, NULL) == value) break;
+        text_format(text, sizeof text, "%.*g", digits, (double)value);
+        if ((float)number_read(text, NULL) == value) break;
     }
-    return json_real(strtod(text, NULL));
+    return json_real(number_read(text, NULL));
 }
 
 json_t *glb_floats(const float *values, uint32_t count) {

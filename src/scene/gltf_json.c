@@ -44,7 +44,7 @@ struct message {
 
 static void compose(struct message *out, const struct at *at, const char *format, va_list arguments) {
     gltf_pointer(at, out->pointer, sizeof out->pointer);
-    vsnprintf(out->text, sizeof out->text, format, arguments);
+    text_format_list(out->text, sizeof out->text, format, arguments);
     clean(out->pointer);
     clean(out->text);
 }
@@ -76,7 +76,7 @@ void gltf_refuse(struct gltf *g, fnl_result result, const struct at *at, const c
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     if (g->params.lenient)
         gltf_warn(g, at, "%s; it is ignored", text);

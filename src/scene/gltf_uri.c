@@ -14,7 +14,7 @@ static void complain(struct gltf *g, const struct at *at, bool needed, fnl_resul
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     if (needed)
         gltf_refuse(g, result, at, "%s", text);

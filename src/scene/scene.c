@@ -243,7 +243,7 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) {
     } else {
         va_list arguments;
         va_start(arguments, format);
-        vsnprintf(text, sizeof text, format, arguments);
+        text_format_list(text, sizeof text, format, arguments);
         va_end(arguments);
     }
     log_warning(&scene->host, "%s", text);

@@ -76,7 +76,7 @@ expect 2 'path.txt: cannot be opened' builtin:spheres --camera-path "$work/path.
 printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2\n' >"$work/path.txt"
 expect 2 'path.txt:3: not .seconds eye.x' builtin:spheres --camera-path "$work/path.txt" -o "$out"
 mkfifo "$work/pipe"
-expect 2 'pipe: is not a regular file' builtin:spheres --camera-path "$work/pipe" -o "$out"
+expect 2 'pipe: cannot be read: it is a pipe' builtin:spheres --camera-path "$work/pipe" -o "$out"
 expect 2 'device' builtin:spheres --device 99 -o "$out"
 [ ! -e "$out" ] || fail 'a folder was made for nothing'
 touch "$work/file"

@@ -27,7 +27,7 @@ refuses() {
 refuses '--displays FILE is needed' -o a.png
 refuses 'there is no example' --displays builtin:castle -o a.png
 refuses 'none.json: cannot be read' --displays none.json -o a.png
-refuses '/dev/zero: cannot be read: it is no regular file' --displays /dev/zero -o a.png
+refuses '/dev/zero: cannot be read: it is a device, not a regular file' --displays /dev/zero -o a.png
 refuses 'needs %w' --displays builtin:cave -o a-%e.png
 refuses 'needs %e' --displays builtin:three -o a-%w.png
 refuses 'needs %d' --displays builtin:mono --frames 2 -o a.png
