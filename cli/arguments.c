@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "arguments.h"
 
+#include "print.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Where the camera is in each frame: a file of points, or a circle round the scene. */
 #include "bench.h"
+#include "print.h"
 
 #include <errno.h>
 #include <fcntl.h>

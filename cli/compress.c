@@ -3,6 +3,7 @@
 #include "argument_next.h"
 #include "commands.h"
 #include "output.h"
+#include "print.h"
 
 #include "fanal/device.h"
 #include "fanal/image.h"
@@ -50,7 +51,7 @@ static void print_help(void) {
 static bool parse_value(const char *option, const char *text, const char *const *names, int count, int *out) {
     for (*out = 0; *out < count; ++*out)
         if (strcmp(text, names[*out]) == 0) return true;
-    fprintf(stderr, "fanal compress: --%s: '%s' is none of:", option, text);
+    fprintf(stderr, "fanal: error: --%s: '%s' is none of:", option, text);
     for (int i = 0; i < count; i++) fprintf(stderr, "%s %s", i ? "," : "", names[i]);
     fputc('\n', stderr);
     return false;
@@ -91,7 +92,7 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
         case CUBE: {
             long size = strtol(optarg, &end, 10);
             if (end == optarg || *end || size < 1 || size > 4096) {
-                fprintf(stderr, "fanal compress: --cube: '%s' is not a number from 1 to 4096\n", optarg);
+                fprintf(stderr, "fanal: error: --cube: '%s' is not a number from 1 to 4096\n", optarg);
                 return EXIT_ERROR;
             }
             out->params.cube_size = (uint32_t)size;
@@ -113,21 +114,21 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
         }
     }
     if (argc - optind != 1 || !out->output) {
-        fprintf(stderr, "fanal compress: one picture and -o FILE are needed (see fanal compress --help)\n");
+        fprintf(stderr, "fanal: error: one picture and -o FILE are needed; see 'fanal compress --help'\n");
         return EXIT_ERROR;
     }
     out->input = argv[optind];
     if (!is_texture(out->output) && !(is_texture(out->input) && (has_extension(out->output, "exr") || has_extension(out->output, "hdr")))) {
-        fprintf(stderr, "fanal compress: %s: a picture is compressed to .dds or .ktx2, and these are decoded to .exr or .hdr\n", out->output);
+        fprintf(stderr, "fanal: error: %s: a picture is compressed to .dds or .ktx2, and these are decoded to .exr or .hdr\n", out->output);
         return EXIT_ERROR;
     }
     if (!output_check(out->output)) return EXIT_ERROR;
     if (out->on_gpu && out->params.quality == FNL_COMPRESS_BEST) {
-        fputs("fanal compress: --quality best is for --on cpu alone\n", stderr);
+        fputs("fanal: error: --quality best is for --on cpu alone\n", stderr);
         return EXIT_ERROR;
     }
     if (out->device && !out->on_gpu) {
-        fputs("fanal compress: --device goes with --on gpu\n", stderr);
+        fputs("fanal: error: --device goes with --on gpu\n", stderr);
         return EXIT_ERROR;
     }
     return EXIT_DONE;

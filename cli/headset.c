@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "headset.h"
 
+#include "print.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>

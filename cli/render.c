@@ -10,6 +10,7 @@
 #include "options.h"
 #include "output.h"
 #include "pixel.h"
+#include "print.h"
 #include "views.h"
 
 #include <errno.h>
@@ -478,10 +479,7 @@ int command_render(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal render --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         const char *key = NULL;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg))
             return 0;

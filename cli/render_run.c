@@ -5,6 +5,7 @@
 #include "counters.h"
 #include "output.h"
 #include "pixel.h"
+#include "print.h"
 #include "progress.h"
 #include "stream.h"
 #include "supersample.h"
@@ -298,7 +299,7 @@ static void print_text(const fnl_renderer *renderer, fnl_print what) {
     char *text = malloc(length + 1);
     if (!text) return;
     fnl_renderer_print(renderer, what, text, length + 1);
-    fputs(text, stdout);
+    fputs(text, stdout); /* own text */
     free(text);
 }
 

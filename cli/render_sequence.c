@@ -3,6 +3,7 @@
 #include "bench.h" /* camera paths */
 #include "interrupt.h"
 #include "output.h"
+#include "print.h"
 #include "progress.h"
 #include "render.h"
 #include "stream.h"
@@ -109,7 +110,7 @@ static bool note(const struct sequence *s, uint32_t index, struct render_report 
     report->stats = s->stats;
     report->frame_count = 1;
     char *text = report_note(report, 0, &s->stats) ? report_text(report, true) : NULL;
-    bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0);
+    bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0); /* own text */
     if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
     free(text);
     report_finish(report);

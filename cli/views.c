@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "views.h"
 
+#include "print.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

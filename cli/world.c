@@ -2,6 +2,7 @@
 #include "world.h"
 
 #include "arguments.h"
+#include "print.h"
 #include "progress.h"
 #include "views.h"
 

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "options.h"
 #include "output.h"
+#include "print.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -210,7 +211,7 @@ static bool check(const struct cave_options *c, const struct cave_displays *d) {
 static int print_displays(const char *source, const struct cave_displays *d) {
     const char *text = cave_displays_example(source);
     if (text) {
-        fputs(text, stdout);
+        fputs(text, stdout); /* own text */
         return 0;
     }
     for (uint32_t i = 0; i < d->wall_count; i++) {
@@ -235,10 +236,7 @@ int command_cave(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal cave --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg)) return 0;
         prints = prints || option == O_PRINT;
         if (option == O_PRINT) continue;

@@ -3,6 +3,7 @@
 
 #include "cave/hash.h"
 #include "loading.h"
+#include "print.h"
 
 #include <errno.h>
 #include <jansson.h>

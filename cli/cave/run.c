@@ -3,8 +3,10 @@
 #include "cave/ranks.h"
 
 #include "cave/hash.h"
+#include "json_text.h"
 #include "loading.h"
 #include "output.h"
+#include "print.h"
 #include "program.h"
 #include "progress.h"
 #include "stream.h"
@@ -227,14 +229,14 @@ static char *stats_text(struct run *run) {
     json_t *walls = json_array();
     for (uint32_t v = 0; v < run->view_count; v++) {
         const struct cave_view *view = &run->views[v];
-        json_array_append_new(walls, json_pack("{s:s,s:s,s:i,s:i,s:i,s:i}", "wall", run->d->walls[view->wall].name, "eye", cave_eye_name(view->eye), "width", (int)view->width,
+        json_array_append_new(walls, json_pack("{s:o,s:s,s:i,s:i,s:i,s:i}", "wall", json_text(run->d->walls[view->wall].name), "eye", cave_eye_name(view->eye), "width", (int)view->width,
                                                "height", (int)view->height, "rank", (int)view->rank, "device", (int)view->device));
     }
     const struct cave_quaternion q = run->place.pose.rotation;
-    json_t *json = json_pack("{s:i,s:{s:s,s:s},s:s,s:s,s:i,s:f,s:{s:o,s:[f,f,f,f],s:f},s:o,s:O}", "version", 1, "program", "version", fnl_version(), "commit",
-                             program_commit, "scene", run->o->render.world.scene, "displays", run->d->source, "ranks", (int)run->ranks.count, "ev", run->ev, "origin", "position",
+    json_t *json = json_pack("{s:i,s:{s:s,s:s},s:o,s:o,s:i,s:f,s:{s:o,s:[f,f,f,f],s:f},s:o,s:O}", "version", 1, "program", "version", fnl_version(), "commit",
+                             program_commit, "scene", json_text(run->o->render.world.scene), "displays", json_text(run->d->source), "ranks", (int)run->ranks.count, "ev", run->ev, "origin", "position",
                              vector_json(run->place.pose.position), "rotation", q.x, q.y, q.z, q.w, "scale", run->place.scale, "views", walls, "frames", run->frames);
-    char *text = json ? json_dumps(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL, *ended = NULL;
+    char *text = json ? json_text_write(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL, *ended = NULL;
     if (text && asprintf(&ended, "%s\n", text) < 0) ended = NULL;
     free(text);
     json_decref(json);

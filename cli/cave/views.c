@@ -2,6 +2,7 @@
 /* Which views there are, what each sees, and how its pictures are called. */
 #include "cave/cave.h"
 #include "cave/hash.h"
+#include "print.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,6 +2,7 @@
 /* Frames of the window, pictures that are saved, and the scene that is shown. */
 #include "view/view.h"
 
+#include "print.h"
 #include "render.h"
 #include "view/ui.h"
 

@@ -3,6 +3,7 @@
 #include "view/view.h"
 
 #include "options.h"
+#include "print.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,6 +2,8 @@
 /* What the window remembers: a file of lines "key value". */
 #include "view/view.h"
 
+#include "print.h"
+
 #include <errno.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -105,7 +107,11 @@ bool view_settings_save(const struct view_settings *s) {
             else
                 fprintf(file, "%s %u\n", rows[i].key, rows[i].kind == SWITCH ? *(const bool *)at : *(const uint32_t *)at);
         }
-        for (uint32_t i = 0; i < s->recent_count; i++) fprintf(file, "recent %s\n", s->recent[i]);
+        for (uint32_t i = 0; i < s->recent_count; i++) {
+            fputs("recent ", file);
+            fwrite(s->recent[i], 1, strlen(s->recent[i]), file); /* as it is: it is read again */
+            fputc('\n', file);
+        }
         bool good = !ferror(file);
         if (fclose(file) == 0 && good && rename(temporary, path) == 0) return true;
     }

@@ -42,7 +42,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 2 "no command 'triangle.gltf'" help triangle.gltf
     unset DISPLAY WAYLAND_DISPLAY
     for scene in builtin:hall triangle.gltf nowhere.glb; do
-        expect 2 "(no display for|built without) the viewer. To render a picture: fanal render '$scene' -o picture.png" $scene --lights 3
+        expect 2 "(no display for|built without) the viewer. To render a picture: fanal render $scene -o picture.png" $scene --lights 3
     done
     [ ! -s out ] || fail 'a scene without a display prints to stdout'
     if command -v Xvfb >/dev/null && "$fanal" view --help >/dev/null 2>&1; then
