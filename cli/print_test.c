@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -108,11 +109,14 @@ static void test_json_holds_the_same_and_is_safe(void **state) {
 }
 
 int main(void) {
+    char folder[] = "/tmp/fanal-print-XXXXXX"; /* what a word that is not quoted would do, it does there */
+    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_prints_as_printf_does),
         cmocka_unit_test(test_arguments_cannot_control_a_terminal),
         cmocka_unit_test(test_words_of_a_shell),
         cmocka_unit_test(test_json_holds_the_same_and_is_safe),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    return rmdir(folder) == 0 ? failed : 1;
 }

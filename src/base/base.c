@@ -173,7 +173,10 @@ void arena_reset(struct arena *arena) {
 }
 
 void *arena_allocate(struct arena *arena, size_t size) {
-    if (size > SIZE_MAX - 64) return NULL;
+    if (size > SIZE_MAX - 64) {
+        log_error(arena->host, "out of memory: %zu bytes were asked for", size);
+        return NULL;
+    }
     size = (size_t)align_up(size, 16);
     struct arena_block *block = arena->current;
     while (block && block->size - block->used < size) block = block->next;

@@ -54,7 +54,9 @@ static void parse_json(struct gltf *g, const char *text, size_t size) {
         }
         host_free(g->host, patched, size);
     }
-    if (!g->root) {
+    if (!g->root && json_error_code(&error) == json_error_out_of_memory) {
+        gltf_fail_memory(g);
+    } else if (!g->root) {
         report_syntax(g, &error);
     } else if (!json_is_object(g->root)) {
         gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is not a JSON object");

@@ -69,6 +69,12 @@ grep -qF '??(.gltf' stats.json || fail "--stats leaves the file out: $(shown sta
 [ -s "$broken.png" ] || fail 'no picture was written under a name that is not UTF-8'
 says 0 '"??(.png"' compare "$broken.png" "$broken.png" --json
 
+if ! timeout 900 "$fanal" bench "$broken.gltf" --sizes 16x9 --frames 2 --warm-up 0 --shading forward --lists brute-force --shadows off --msaa 1 --device 0 --no-cache -o bench >out 2>&1; then
+    fail "bench of a name that is not UTF-8: $(shown out)"
+fi
+clean bench out
+for file in results.json results.csv report.html; do grep -qF '??(.gltf' bench/$file || fail "$file leaves the name out"; done
+
 # ---- arguments ----
 
 says 2 "there is no command '$seen'" "$evil"
