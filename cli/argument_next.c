@@ -34,6 +34,11 @@ int argument_next(int argc, char **argv, const char *letters, const struct optio
         complain(argv, option, options);
         return '?';
     }
+    if (option != -1 && optarg && !*optarg) {
+        const char *name = argv[optind - (optarg == argv[optind - 1] ? 2 : 1)];
+        fprintf(stderr, "fanal: error: the value of %.*s is empty; see 'fanal %s --help'\n", (int)strcspn(name, "="), name, argv[0]);
+        return '?';
+    }
     if (option == -1 || !optarg || optarg != argv[optind - 1] || optarg[0] != '-') return option;
     bool named = optarg[1] && !optarg[2] && isalpha((unsigned char)optarg[1]) && strchr(letters, optarg[1]);
     for (const struct option *o = options; o->name && optarg[1] == '-'; o++) {

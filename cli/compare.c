@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compare: how far two pictures are apart. */
 #include "argument_next.h"
+#include "arguments.h"
 #include "commands.h"
 #include "flip.h"
 #include "json_text.h"
@@ -73,16 +74,15 @@ static void print_help(void) {
 
 /* A number, or two of them with a slash between. */
 static bool parse_number(const char *text, double *out) {
-    char *end;
-    *out = strtod(text, &end);
-    if (end == text) return false;
-    if (*end == '/') {
-        const char *divisor = end + 1;
-        double value = strtod(divisor, &end);
-        if (end == divisor || value == 0) return false;
-        *out /= value;
+    double divisor = 1;
+    if (strcmp(text, "inf") == 0) { /* the ratio of equal pictures */
+        *out = INFINITY;
+        return true;
     }
-    return *end == 0 && !isnan(*out);
+    if (!argument_take_number(&text, out)) return false;
+    if (*text == '/' && (++text, !argument_take_number(&text, &divisor) || divisor == 0)) return false;
+    *out /= divisor;
+    return !*text && isfinite(*out);
 }
 
 /* EXIT_WITHIN when the work can begin, EXIT_ERROR after a message; `*helped` when --help was all. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compress: pictures of high dynamic range to BC6H and back. */
 #include "argument_next.h"
+#include "arguments.h"
 #include "commands.h"
 #include "output.h"
 #include "print.h"
@@ -74,7 +75,6 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
     static const char *const qualities[] = {"fast", "quality", "best"}, *const processors[] = {"cpu", "gpu"};
     optind = 0; /* glibc: starts anew, whatever was parsed before */
     for (int key, value; (key = argument_next(argc, argv, "o:h", options)) != -1;) {
-        char *end;
         switch (key) {
         case 'o':
             out->output = optarg;
@@ -90,11 +90,8 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
             out->params.mips = true;
             break;
         case CUBE: {
-            long size = strtol(optarg, &end, 10);
-            if (end == optarg || *end || size < 1 || size > 4096) {
-                fprintf(stderr, "fanal: error: --cube: '%s' is not a number from 1 to 4096\n", optarg);
-                return EXIT_ERROR;
-            }
+            long long size;
+            if (!argument_integer("cube", optarg, 1, 4096, &size)) return EXIT_ERROR;
             out->params.cube_size = (uint32_t)size;
             break;
         }
@@ -151,12 +148,7 @@ static int compress(struct compression *c, const fnl_image *image) {
     fnl_device *device = NULL;
     if (c->on_gpu) {
         fnl_device_params params = fnl_device_params_default();
-        char *end = NULL;
-        long index = c->device ? strtol(c->device, &end, 10) : -1;
-        if (c->device && *c->device && !*end)
-            params.index = (int32_t)(index < 0 || index > INT32_MAX ? INT32_MAX : index);
-        else
-            params.name = c->device;
+        argument_device(c->device, &params);
         if (fnl_device_create(&params, &device) != FNL_OK) return EXIT_ERROR;
         c->params.device = device;
     }

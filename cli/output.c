@@ -68,12 +68,39 @@ bool output_check(const char *path) {
     char *slash = strrchr(target, '/');
     if (slash) *(slash == target ? slash + 1 : slash) = 0;
     const char *folder = slash ? target : ".";
-    if (strchr(folder, '%')) return true;
     if (stat(folder, &is) != 0 && errno == ENOENT) {
         fprintf(stderr, "fanal: error: %s: cannot be written: there is no folder %s\n", path, folder);
         return false;
     }
     return access(folder, W_OK | X_OK) == 0 || complain(path);
+}
+
+const char *output_next_field(const char *pattern, const char **percent, int *width) {
+    const char *at = strchr(pattern, '%');
+    while (at && at[1] == '%') at = strchr(at + 2, '%');
+    if (!at) return NULL;
+    const size_t digits = strspn(at + 1, "0123456789");
+    *percent = at;
+    *width = digits ? atoi(at + 1) : 0;
+    return at + 1 + digits;
+}
+
+size_t output_append(char *out, size_t used, size_t capacity, const char *part, size_t length) {
+    for (size_t i = 0; i < length && used + 1 < capacity; i++) {
+        out[used++] = part[i];
+        i += part[i] == '%' && i + 1 < length && part[i + 1] == '%';
+    }
+    if (used < capacity) out[used] = 0;
+    return used;
+}
+
+bool output_check_pattern(const char *pattern) {
+    char path[PATH_MAX];
+    const char *slash = strrchr(pattern, '/'), *percent;
+    int width;
+    if (slash && output_next_field(pattern, &percent, &width) && percent < slash) return true;
+    output_append(path, 0, sizeof path, pattern, strlen(pattern));
+    return output_check(path);
 }
 
 static bool write_all(int descriptor, const char *bytes, size_t size) {

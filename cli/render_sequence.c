@@ -15,23 +15,29 @@
 #include <string.h>
 
 bool render_is_sequence(const char *path) {
-    const char *percent = strchr(path, '%');
-    if (!percent || strchr(percent + 1, '%')) return false;
-    size_t digits = strspn(percent + 1, "0123456789");
-    return digits <= 2 && percent[1 + digits] == 'd';
+    const char *percent, *field, *second;
+    int width;
+    field = output_next_field(path, &percent, &width);
+    return field && *field == 'd' && field - percent <= 3 && !output_next_field(field, &second, &width);
 }
 
 bool render_makes_sequence(const struct render_options *o) {
     bool sequence = o->camera_path || (o->has_format && o->format >= RENDER_RAW);
-    for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++) sequence = sequence || strchr(o->outputs[i], '%');
+    const char *percent;
+    int width;
+    for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++)
+        sequence = sequence || output_next_field(o->outputs[i], &percent, &width);
     return sequence;
 }
 
 /* Written by hand, as the format is the user's. */
 void render_number_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
-    const char *percent = strchr(pattern, '%');
-    int width = atoi(percent + 1), prefix = (int)(percent - pattern);
-    snprintf(out, capacity, "%.*s%0*u%s", prefix, pattern, width, index, strchr(percent, 'd') + 1);
+    const char *percent, *field;
+    int width;
+    if ((field = output_next_field(pattern, &percent, &width)))
+        snprintf(out, capacity, "%.*s%0*u%s", (int)(percent - pattern), pattern, width, index, field + 1);
+    else
+        snprintf(out, capacity, "%s", pattern);
 }
 
 /* Pictures that show something of earlier ones: how many of those are rendered first when a sequence begins in the middle. */

@@ -102,15 +102,16 @@ static bool add_output(struct render_options *o, const char *path) {
 
 static bool parse_fault(const char *text, struct cave_fault *out) {
     static const char wanted[] = "a drill: RANK,FRAME,late=SECONDS or RANK,FRAME,lost or RANK,FRAME,pose";
-    unsigned rank, frame;
-    int used = 0;
-    if (sscanf(text, "%u,%u,%n", &rank, &frame, &used) != 2 || !used) return argument_bad("fault", text, wanted);
-    *out = (struct cave_fault){.rank = rank, .frame = frame};
-    if (strcmp(text + used, "lost") == 0) out->kind = CAVE_FAULT_LOST;
-    if (strcmp(text + used, "pose") == 0) out->kind = CAVE_FAULT_POSE;
-    if (strncmp(text + used, "late=", 5) == 0) {
+    const char *kind = text;
+    uint64_t rank, frame;
+    if (!argument_take_count(&kind, &rank) || *kind++ != ',' || rank >= CAVE_RANKS) return argument_bad("fault", text, wanted);
+    if (!argument_take_count(&kind, &frame) || *kind++ != ',' || frame > UINT32_MAX) return argument_bad("fault", text, wanted);
+    *out = (struct cave_fault){.rank = (uint32_t)rank, .frame = (uint32_t)frame};
+    if (strcmp(kind, "lost") == 0) out->kind = CAVE_FAULT_LOST;
+    if (strcmp(kind, "pose") == 0) out->kind = CAVE_FAULT_POSE;
+    if (strncmp(kind, "late=", 5) == 0) {
         out->kind = CAVE_FAULT_LATE;
-        if (!argument_number("fault", text + used + 5, &out->seconds)) return false;
+        if (!argument_number("fault", kind + 5, &out->seconds)) return false;
         if (!(out->seconds >= 0 && out->seconds <= 3600)) return argument_bad("fault", text, wanted);
     }
     return out->kind != CAVE_FAULT_NONE || argument_bad("fault", text, wanted);

@@ -73,8 +73,19 @@ static bool check_track(const struct run *run) {
 static bool check_outputs(const struct run *run) {
     const struct render_options *o = &run->o->render;
     bool good = true;
-    for (int i = 0; i < o->output_count && good && (run->ranks.rank == 0 || !run->o->gather); i++) good = output_check(o->outputs[i]);
+    for (int i = 0; i < o->output_count && good && (run->ranks.rank == 0 || !run->o->gather); i++) good = output_check_pattern(o->outputs[i]);
     return good && (run->ranks.rank > 0 || !o->stats || render_is_stdout(o->stats) || output_check(o->stats));
+}
+
+/* A drill that cannot happen would look as if it had been passed. */
+static bool check_fault(const struct run *run) {
+    const struct cave_fault *fault = &run->o->fault;
+    const uint32_t first = run->o->render.start_frame, end = run->o->render.frame_count, ranks = run->ranks.transport ? run->ranks.count : 1;
+    if (fault->kind == CAVE_FAULT_NONE || (fault->rank < ranks && fault->frame >= first && fault->frame < end)) return true;
+    if (run->ranks.rank > 0) return false;
+    if (fault->rank >= ranks) fprintf(stderr, "fanal: error: --fault: there is no rank %u; there %s %u, from 0\n", fault->rank, ranks == 1 ? "is" : "are", ranks);
+    else fprintf(stderr, "fanal: error: --fault: there is no frame %llu; there are %u to %u\n", (unsigned long long)fault->frame, first, end - 1);
+    return false;
 }
 
 static bool prepare(struct run *run, double *ev, bool *meters) {
@@ -82,7 +93,7 @@ static bool prepare(struct run *run, double *ev, bool *meters) {
     fnl_camera camera;
     const struct cave_moment first = cave_predict(o, run->d, o->render.start_frame, 0);
     run->view_count = cave_list_views(o, run->d, run->ranks.transport ? run->ranks.count : 0, run->views);
-    if (run->view_count == 0 || !check_outputs(run)) return false;
+    if (run->view_count == 0 || !check_fault(run) || !check_outputs(run)) return false;
     progress_show("loading the scene", 0, 0);
     if (!world_load(&o->render.world, &run->host, run->views[0].width, run->views[0].height, o->render.quiet || run->ranks.rank > 0, &run->scene, &camera)) return false;
     run->place = cave_find_place(run->d, &first, &camera, o->places_by_camera);

@@ -4,6 +4,7 @@
 
 #include "print.h"
 
+#include <math.h>
 #include <string.h>
 
 bool view_queue_add(struct view_queue *q, const struct view_event *event) {
@@ -52,7 +53,7 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
         const char *arguments = text + read;
         switch (lines[kind].takes) {
         case PLACE:
-            good = sscanf(arguments, "%f %f %1s", &out->x, &out->y, rest) == 2;
+            good = sscanf(arguments, "%f %f %1s", &out->x, &out->y, rest) == 2 && isfinite(out->x) && isfinite(out->y);
             break;
         case PRESS:
             good = sscanf(arguments, "%d %7s %u %1s", &out->code, state, &out->modifiers, rest) == 3 && (!strcmp(state, "down") || !strcmp(state, "up"));

@@ -122,7 +122,8 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
 
 static bool parse_version(const char *text, int *major, int *minor) {
     int used = 0;
-    return text && sscanf(text, "%d.%d%n", major, minor, &used) == 2 && text[used] == 0;
+    if (!text || text[strspn(text, "0123456789.")]) return false; /* %d takes blanks and signs too */
+    return sscanf(text, "%9d.%9d%n", major, minor, &used) == 2 && text[used] == 0;
 }
 
 static void check_asset(struct gltf *g) {

@@ -25,7 +25,7 @@ says() {
     timeout 600 "$fanal" "$@" >out 2>&1
     got=$?
     [ $got = "$status" ] || fail "fanal ${*@Q}: exit $got, not $status: $(shown out)"
-    grep -qF -- "$words" out || fail "fanal ${*@Q}: does not say '$words': $(shown out)"
+    [ -z "$words" ] || grep -qF -- "$words" out || fail "fanal ${*@Q}: does not say '$words': $(shown out)"
     clean "fanal ${*@Q}" out
 }
 # As bash and JSON write it: ESC, OSC 52, CR, a line break, DEL, C1, and a change of direction.
@@ -105,6 +105,23 @@ says 2 'cut.json' render builtin:onetile --hmd cut.json --stereo left -o a.png
 if "$fanal" view --help >/dev/null 2>&1; then
     printf '%s\n' "$evil" | tr -d '\n' >bad.txt
     says 2 'bad.txt:1: not an event: ' view builtin:onetile --headless --replay bad.txt "${small[@]}"
+    # Each error begins as the errors of other commands do, and says what is wrong.
+    view=(view builtin:onetile --headless --size 32x18 --shading forward --lists brute-force --shadows off --no-cache --device 0)
+    printf 'drop missing.gltf\nsettle\n' >drop.txt
+    says 0 'fanal: error: missing.gltf: ' "${view[@]}" --replay drop.txt
+    grep -v '^fanal: error: \|^fanal: warning: \|frames of the scene in' out | grep '^fanal: ' && fail "an error without a prefix: $(shown out)"
+    printf 'size 0 0\nsave none.png\n' >none.txt
+    says 2 'fanal: error: none.png: not written: the picture has 0 x 0 pixels' "${view[@]}" --replay none.txt
+    for number in nan inf -inf; do
+        printf 'wheel 0 %s\n' $number >wheel.txt
+        says 2 "wheel.txt:1: not an event: wheel 0 $number" "${view[@]}" --replay wheel.txt
+    done
+    # However far the wheel turns, there is a picture.
+    printf 'wheel 0 1e9\nframes 2\nwheel 0 -1e9\nframes 2\nwheel 0 -1e30\nwheel 0 -1e9\nframes 2\nsave far.png\nreport far.tsv\n' >wheel.txt
+    says 0 '' "${view[@]}" --replay wheel.txt
+    grep -q '^camera' far.tsv && ! grep -qE '^camera.*(nan|inf)' far.tsv || fail "the wheel lost the camera: $(grep ^camera far.tsv)"
+    [ -s far.png ] || fail 'nothing is seen from where the wheel leads'
+
     # The name of the scene and of the variant shown: a shell must find them again, and run nothing.
     hostile="v'\$(touch x)'\`touch x\`;touch x #\"\\"
     name=${hostile//\\/\\\\} name=${name//\"/\\\"}
