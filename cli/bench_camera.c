@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Where the camera is in each frame: a file of points, or a circle round the scene. */
+#include "arguments.h"
 #include "bench.h"
+#include "print.h"
 
 #include "input.h"
 
@@ -91,9 +93,9 @@ static bool circle_named(const char *source, const char *name, uint32_t *count) 
     size_t length = strlen(name);
     if (strncmp(source, name, length) != 0) return false;
     if (!source[length]) return true;
-    char *end;
-    unsigned long number = source[length] == ':' ? strtoul(source + length + 1, &end, 10) : 0;
-    if (number < 1 || number > POINTS_MAX || *end) return false;
+    const char *at = source + length + 1;
+    uint64_t number;
+    if (source[length] != ':' || !argument_take_count(&at, &number) || *at || number < 1 || number > POINTS_MAX) return false;
     *count = (uint32_t)number;
     return true;
 }

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compare: how far two pictures are apart. */
 #include "argument_next.h"
+#include "arguments.h"
 #include "commands.h"
 #include "flip.h"
+#include "json_text.h"
 #include "leak.h"
 #include "output.h"
+#include "print.h"
 
 #include "fanal/image.h"
 
@@ -71,16 +74,15 @@ static void print_help(void) {
 
 /* A number, or two of them with a slash between. */
 static bool parse_number(const char *text, double *out) {
-    char *end;
-    *out = strtod(text, &end);
-    if (end == text) return false;
-    if (*end == '/') {
-        const char *divisor = end + 1;
-        double value = strtod(divisor, &end);
-        if (end == divisor || value == 0) return false;
-        *out /= value;
+    double divisor = 1;
+    if (strcmp(text, "inf") == 0) { /* the ratio of equal pictures */
+        *out = INFINITY;
+        return true;
     }
-    return *end == 0 && !isnan(*out);
+    if (!argument_take_number(&text, out)) return false;
+    if (*text == '/' && (++text, !argument_take_number(&text, &divisor) || divisor == 0)) return false;
+    *out /= divisor;
+    return !*text && isfinite(*out);
 }
 
 /* EXIT_WITHIN when the work can begin, EXIT_ERROR after a message; `*helped` when --help was all. */
@@ -119,21 +121,21 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         default:
             out->limited[key - 256] = true;
             if (parse_number(optarg, &out->limit[key - 256])) break;
-            fprintf(stderr, "fanal compare: --%s: '%s' is not a number or fraction\n", metrics[key - 256].option, optarg);
+            fprintf(stderr, "fanal: error: --%s: '%s' is not a number or fraction\n", metrics[key - 256].option, optarg);
             return EXIT_ERROR;
         }
     }
     if (argc - optind != 2) {
-        fprintf(stderr, "fanal compare: two pictures are needed, %d given (see fanal compare --help)\n", argc - optind);
+        fprintf(stderr, "fanal: error: two pictures are needed, %d given; see 'fanal compare --help'\n", argc - optind);
         return EXIT_ERROR;
     }
     if (out->limited[METRIC_LEAK] && !out->path[2]) {
-        fputs("fanal compare: --leak needs --lit FILE, the scene without shadows\n", stderr);
+        fputs("fanal: error: --leak needs --lit FILE, the scene without shadows\n", stderr);
         return EXIT_ERROR;
     }
     const char *dot = out->output ? strrchr(out->output, '.') : NULL;
     if (out->output && (!dot || strcasecmp(dot, ".png") != 0)) {
-        fprintf(stderr, "fanal compare: %s: the picture of the differences is a .png file\n", out->output);
+        fprintf(stderr, "fanal: error: %s: the picture of the differences is a .png file\n", out->output);
         return EXIT_ERROR;
     }
     if (out->output && !output_check(out->output)) return EXIT_ERROR;
@@ -193,19 +195,16 @@ static bool print_json(const struct comparison *comparison) {
     for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
         if (is_broken(comparison, m)) json_array_append_new(over, json_string(metrics[m].option));
     json_t *root =
-        json_pack("{s:[ss], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:b, s:o}", "files", comparison->path[0],
-                  comparison->path[1], "width", (int)comparison->image[0].width, "height", (int)comparison->image[0].height,
+        json_pack("{s:[oo], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:b, s:o}", "files", json_text(comparison->path[0]),
+                  json_text(comparison->path[1]), "width", (int)comparison->image[0].width, "height", (int)comparison->image[0].height,
                   "max", json_number(d->max), "max_at", (int)d->max_x, (int)d->max_y, "mean", json_number(d->mean), "rmse",
                   json_number(d->rmse), "psnr", json_number(d->psnr), "ssim", json_number(d->ssim), "differing_pixels",
                   (json_int_t)d->differing_pixels, "alpha_differs", (int)comparison->alpha_differs, "over", over);
     if (root && !isnan(comparison->flip)) json_object_set_new(root, "flip", json_real(comparison->flip));
     if (root && !isnan(comparison->leak)) json_object_set_new(root, "leak", json_number(comparison->leak));
-    bool printed = root && json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0;
+    const bool printed = json_text_print(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     json_decref(root);
-    if (printed)
-        putchar('\n');
-    else
-        fputs("fanal compare: the JSON cannot be made (are the file names UTF-8?)\n", stderr);
+    if (!printed) fputs("fanal: error: the JSON could not be written\n", stderr);
     return printed;
 }
 
@@ -225,7 +224,7 @@ static bool load(struct comparison *comparison) {
         if (!comparison->path[i]) continue;
         if (fnl_image_load(NULL, comparison->path[i], &comparison->image[i]) != FNL_OK) return false;
         if (a->width == image->width && a->height == image->height) continue;
-        fprintf(stderr, "fanal compare: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width, a->height,
+        fprintf(stderr, "fanal: error: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width, a->height,
                 comparison->path[i], image->width, image->height);
         return false;
     }
@@ -261,9 +260,9 @@ static bool find_flip(struct comparison *comparison) {
     if (floats && !comparison->limited[METRIC_FLIP]) return true;
     if (!floats) comparison->flip = flip_compare(a, b, FLIP_PIXELS_PER_DEGREE, NULL);
     if (floats)
-        fprintf(stderr, "fanal compare: --flip is for pictures as a screen shows them, such as .png: %s holds linear light\n", floats);
+        fprintf(stderr, "fanal: error: --flip is for pictures as a screen shows them, such as .png: %s holds linear light\n", floats);
     else if (comparison->flip < 0)
-        fputs("fanal compare: memory ran out\n", stderr);
+        fputs("fanal: error: memory ran out\n", stderr);
     return comparison->flip >= 0;
 }
 
@@ -272,7 +271,7 @@ static bool find_leak(struct comparison *comparison) {
     if (!comparison->path[2]) return true;
     for (int i = 0; i < 3; i++)
         if (comparison->image[i].format != FNL_PIXEL_FORMAT_RGBA32F) {
-            fprintf(stderr, "fanal compare: --lit compares linear light, as in .exr: %s holds none\n", comparison->path[i]);
+            fprintf(stderr, "fanal: error: --lit compares linear light, as in .exr: %s holds none\n", comparison->path[i]);
             return false;
         }
     comparison->leak = leak_compare(&comparison->image[0], &comparison->image[1], &comparison->image[2]);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compress: pictures of high dynamic range to BC6H and back. */
 #include "argument_next.h"
+#include "arguments.h"
 #include "commands.h"
 #include "output.h"
+#include "print.h"
 
 #include "fanal/device.h"
 #include "fanal/image.h"
@@ -50,7 +52,7 @@ static void print_help(void) {
 static bool parse_value(const char *option, const char *text, const char *const *names, int count, int *out) {
     for (*out = 0; *out < count; ++*out)
         if (strcmp(text, names[*out]) == 0) return true;
-    fprintf(stderr, "fanal compress: --%s: '%s' is none of:", option, text);
+    fprintf(stderr, "fanal: error: --%s: '%s' is none of:", option, text);
     for (int i = 0; i < count; i++) fprintf(stderr, "%s %s", i ? "," : "", names[i]);
     fputc('\n', stderr);
     return false;
@@ -73,7 +75,6 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
     static const char *const qualities[] = {"fast", "quality", "best"}, *const processors[] = {"cpu", "gpu"};
     optind = 0; /* glibc: starts anew, whatever was parsed before */
     for (int key, value; (key = argument_next(argc, argv, "o:h", options)) != -1;) {
-        char *end;
         switch (key) {
         case 'o':
             out->output = optarg;
@@ -89,11 +90,8 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
             out->params.mips = true;
             break;
         case CUBE: {
-            long size = strtol(optarg, &end, 10);
-            if (end == optarg || *end || size < 1 || size > 4096) {
-                fprintf(stderr, "fanal compress: --cube: '%s' is not a number from 1 to 4096\n", optarg);
-                return EXIT_ERROR;
-            }
+            long long size;
+            if (!argument_integer("cube", optarg, 1, 4096, &size)) return EXIT_ERROR;
             out->params.cube_size = (uint32_t)size;
             break;
         }
@@ -113,21 +111,21 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
         }
     }
     if (argc - optind != 1 || !out->output) {
-        fprintf(stderr, "fanal compress: one picture and -o FILE are needed (see fanal compress --help)\n");
+        fprintf(stderr, "fanal: error: one picture and -o FILE are needed; see 'fanal compress --help'\n");
         return EXIT_ERROR;
     }
     out->input = argv[optind];
     if (!is_texture(out->output) && !(is_texture(out->input) && (has_extension(out->output, "exr") || has_extension(out->output, "hdr")))) {
-        fprintf(stderr, "fanal compress: %s: a picture is compressed to .dds or .ktx2, and these are decoded to .exr or .hdr\n", out->output);
+        fprintf(stderr, "fanal: error: %s: a picture is compressed to .dds or .ktx2, and these are decoded to .exr or .hdr\n", out->output);
         return EXIT_ERROR;
     }
     if (!output_check(out->output)) return EXIT_ERROR;
     if (out->on_gpu && out->params.quality == FNL_COMPRESS_BEST) {
-        fputs("fanal compress: --quality best is for --on cpu alone\n", stderr);
+        fputs("fanal: error: --quality best is for --on cpu alone\n", stderr);
         return EXIT_ERROR;
     }
     if (out->device && !out->on_gpu) {
-        fputs("fanal compress: --device goes with --on gpu\n", stderr);
+        fputs("fanal: error: --device goes with --on gpu\n", stderr);
         return EXIT_ERROR;
     }
     return EXIT_DONE;
@@ -150,12 +148,7 @@ static int compress(struct compression *c, const fnl_image *image) {
     fnl_device *device = NULL;
     if (c->on_gpu) {
         fnl_device_params params = fnl_device_params_default();
-        char *end = NULL;
-        long index = c->device ? strtol(c->device, &end, 10) : -1;
-        if (c->device && *c->device && !*end)
-            params.index = (int32_t)(index < 0 || index > INT32_MAX ? INT32_MAX : index);
-        else
-            params.name = c->device;
+        argument_device(c->device, &params);
         if (fnl_device_create(&params, &device) != FNL_OK) return EXIT_ERROR;
         c->params.device = device;
     }

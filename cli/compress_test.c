@@ -78,7 +78,7 @@ static void test_errors_name_what_is_wrong(void **state) {
         {"a.exr -o none/a.dds", "none/a.dds"},
         {"a.exr --quality good -o a.dds", "--quality: 'good' is none of: fast, quality, best"},
         {"a.exr --on tpu -o a.dds", "--on: 'tpu'"},
-        {"a.exr --cube 0 -o a.dds", "--cube: '0' is not a number from 1 to 4096"},
+        {"a.exr --cube 0 -o a.dds", "--cube: '0' is not a whole number from 1 to 4096"},
         {"a.exr --cube 4097 -o a.dds", "'4097'"},
         {"a.exr --cube 8x -o a.dds", "'8x'"},
         {"a.exr --device 0 -o a.dds", "--device goes with --on gpu"},

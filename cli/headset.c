@@ -2,6 +2,8 @@
 #include "headset.h"
 #include "input.h"
 
+#include "print.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>

@@ -2,6 +2,7 @@
 #include "loading.h"
 
 #include "arguments.h"
+#include "print.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "loading.h"
 #include "output.h"
+#include "print.h"
 
 #include "fanal/base.h"
 
@@ -67,7 +68,9 @@ static int show(int argc, char **argv) {
 #else
     (void)argc;
 #endif
-    fprintf(stderr, "fanal: error: %s. To render a picture: fanal render '%s' -o picture.png\n", problem, argv[1]);
+    char *scene = print_shell_word(argv[1]);
+    fprintf(stderr, "fanal: error: %s. To render a picture: fanal render %s -o picture.png\n", problem, scene ? scene : "SCENE");
+    free(scene);
     return 2;
 }
 

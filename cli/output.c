@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "output.h"
 
+#include "print.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -69,7 +71,6 @@ bool output_check(const char *path) {
     char *slash = strrchr(target, '/');
     if (slash) *(slash == target ? slash + 1 : slash) = 0;
     const char *folder = slash ? target : ".";
-    if (strchr(folder, '%')) return true;
     if (stat(folder, &is) != 0 && errno == ENOENT) {
         fprintf(stderr, "fanal: error: %s: cannot be written: there is no folder %s\n", path, folder);
         return false;
@@ -77,22 +78,41 @@ bool output_check(const char *path) {
     return access(folder, W_OK | X_OK) == 0 || complain(path);
 }
 
-/* "fanal-PROCESS-NUMBER.part", as src/base/file.c names them too. */
-static bool is_temporary(const char *name) {
-    const size_t digits = strncmp(name, "fanal-", 6) == 0 ? strspn(name + 6, "0123456789abcdef-") : 0;
-    return digits > 0 && strcmp(name + 6 + digits, ".part") == 0;
+const char *output_next_field(const char *pattern, const char **percent, int *width) {
+    const char *at = strchr(pattern, '%');
+    while (at && at[1] == '%') at = strchr(at + 2, '%');
+    if (!at) return NULL;
+    const size_t digits = strspn(at + 1, "0123456789");
+    *percent = at;
+    *width = digits ? atoi(at + 1) : 0;
+    return at + 1 + digits;
 }
 
-/* Removes what runs left behind in a folder that ended in the middle of writing: nobody has written to it for a day. */
-static void remove_stale(const char *folder) {
-    enum { DAY = 24 * 60 * 60 };
-    DIR *directory = opendir(folder);
-    if (!directory) return;
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        struct stat is;
-        if (is_temporary(entry->d_name) && fstatat(dirfd(directory), entry->d_name, &is, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(is.st_mode) &&
-            is.st_mtime < time(NULL) - DAY)
-            unlinkat(dirfd(directory), entry->d_name, 0);
+size_t output_append(char *out, size_t used, size_t capacity, const char *part, size_t length) {
+    for (size_t i = 0; i < length && used + 1 < capacity; i++) {
+        out[used++] = part[i];
+        i += part[i] == '%' && i + 1 < length && part[i + 1] == '%';
+    }
+    if (used < capacity) out[used] = 0;
+    return used;
+}
+
+bool output_check_pattern(const char *pattern) {
+    char path[PATH_MAX];
+    const char *slash = strrchr(pattern, '/'), *percent;
+    int width;
+    if (slash && output_next_field(pattern, &percent, &width) && percent < slash) return true;
+    output_append(path, 0, sizeof path, pattern, strlen(pattern));
+    return output_check(path);
+}
+
+static bool write_all(int descriptor, const char *bytes, size_t size) {
+    while (size > 0) {
+        ssize_t written = write(descriptor, bytes, size);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return false;
+        bytes += written;
+        size -= (size_t)written;
     }
     closedir(directory);
 }

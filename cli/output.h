@@ -11,10 +11,20 @@
 /** Whether two paths lead to one file, by whatever folders and symbolic links; neither has to exist. */
 bool output_is_same(const char *a, const char *b);
 /**
- * Whether a file can be written at `path`: its folder exists and takes files. False with a message. To be called before anything is loaded or rendered. A
- * folder that is named by a pattern (%d) is not looked at.
+ * Whether a file can be written at `path`: its folder exists and takes files. False with a message. To be called before anything is loaded or rendered.
  */
 bool output_check(const char *path);
+
+/**
+ * The next field of a pattern that names pictures, such as %d or %04d: what stands behind its digits. `percent` is where it begins, `width` its digits. NULL:
+ * there is none. "%%" is no field but a percent sign.
+ */
+const char *output_next_field(const char *pattern, const char **percent, int *width);
+/** Appends a part of a pattern that has no field to the `used` bytes in `out`, with a percent sign for "%%"; how many bytes there are then. */
+size_t output_append(char *out, size_t used, size_t capacity, const char *part, size_t length);
+/** output_check() for a pattern; a folder with a field is not looked at. */
+bool output_check_pattern(const char *pattern);
+
 /**
  * A file being written, as the library writes pictures: a new file beside the target, under a name that nobody else has and that is no link, which takes
  * the target's place when it is complete. A symbolic link stays one, and a file that is replaced hands its mode down. A device or a pipe is written to as it is.

@@ -5,6 +5,7 @@
 #include "counters.h"
 #include "output.h"
 #include "pixel.h"
+#include "print.h"
 #include "progress.h"
 #include "stream.h"
 #include "supersample.h"
@@ -121,12 +122,22 @@ static bool save_stdout(const struct render_options *o, const fnl_host *host, co
     return good;
 }
 
+/* What a pattern without a field names: each "%%" is a percent sign. */
+static const char *whole_path(const char *pattern, char path[4096]) {
+    output_append(path, 0, 4096, pattern, strlen(pattern));
+    return path;
+}
+
+static const char *numbered_path(const char *pattern, uint32_t number, char path[4096]) {
+    char numbered[4096];
+    render_number_path(pattern, number, numbered, sizeof numbered);
+    return whole_path(numbered, path);
+}
+
 /* File `index` of a run: those of the first view, then those of the next. */
 static const char *file_path(const struct render_options *o, uint32_t index, uint32_t view_count, char path[4096]) {
     const char *pattern = o->outputs[index % (uint32_t)o->output_count];
-    if (view_count == 0) return pattern;
-    render_number_path(pattern, index / (uint32_t)o->output_count, path, 4096);
-    return path;
+    return view_count ? numbered_path(pattern, index / (uint32_t)o->output_count, path) : whole_path(pattern, path);
 }
 
 static void remove_files(const struct render_options *o, uint32_t count, uint32_t view_count) {
@@ -137,27 +148,23 @@ static void remove_files(const struct render_options *o, uint32_t count, uint32_
     }
 }
 
-/* FIRST to LAST of a pattern's numbers, or the path itself. */
-static void print_wrote(const char *path, uint32_t first, uint32_t end) {
+static void print_wrote(const char *path) {
+    if (path && !render_is_stdout(path)) printf("wrote %s\n", path);
+}
+
+/* FIRST to LAST of a pattern's numbers, or the one path. */
+static void print_pictures(const char *pattern, uint32_t first, uint32_t end) {
     char low[4096], high[4096];
-    if (render_is_stdout(path)) return;
-    if (end == 0) {
-        printf("wrote %s\n", path);
-        return;
-    }
-    render_number_path(path, first, low, sizeof low);
-    render_number_path(path, end - 1, high, sizeof high);
-    if (end - first == 1)
-        printf("wrote %s\n", low);
-    else
-        printf("wrote %s to %s\n", low, high);
+    if (end == 0) print_wrote(whole_path(pattern, low));
+    else if (end - first == 1 || render_is_stdout(pattern)) print_wrote(numbered_path(pattern, first, low));
+    else printf("wrote %s to %s\n", numbered_path(pattern, first, low), numbered_path(pattern, end - 1, high));
 }
 
 void render_print_wrote(const struct render_options *o, uint32_t first, uint32_t end) {
-    for (int i = 0; i < o->output_count; i++) print_wrote(o->outputs[i], first, end);
-    if (o->stats) print_wrote(o->stats, 0, 0);
-    if (o->trace_file) print_wrote(o->trace_file, 0, 0);
-    if (o->save_scene) print_wrote(o->save_scene, 0, 0);
+    for (int i = 0; i < o->output_count; i++) print_pictures(o->outputs[i], first, end);
+    print_wrote(o->stats);
+    print_wrote(o->trace_file);
+    print_wrote(o->save_scene);
 }
 
 /* The pictures of one view, which stay where they are. */
@@ -307,7 +314,7 @@ static void print_text(const fnl_renderer *renderer, fnl_print what) {
     char *text = malloc(length + 1);
     if (!text) return;
     fnl_renderer_print(renderer, what, text, length + 1);
-    fputs(text, stdout);
+    fputs(text, stdout); /* own text */
     free(text);
 }
 

@@ -3,6 +3,7 @@
 #include "bench.h" /* camera paths */
 #include "interrupt.h"
 #include "output.h"
+#include "print.h"
 #include "progress.h"
 #include "render.h"
 #include "stream.h"
@@ -14,23 +15,29 @@
 #include <string.h>
 
 bool render_is_sequence(const char *path) {
-    const char *percent = strchr(path, '%');
-    if (!percent || strchr(percent + 1, '%')) return false;
-    size_t digits = strspn(percent + 1, "0123456789");
-    return digits <= 2 && percent[1 + digits] == 'd';
+    const char *percent, *field, *second;
+    int width;
+    field = output_next_field(path, &percent, &width);
+    return field && *field == 'd' && field - percent <= 3 && !output_next_field(field, &second, &width);
 }
 
 bool render_makes_sequence(const struct render_options *o) {
     bool sequence = o->camera_path || (o->has_format && o->format >= RENDER_RAW);
-    for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++) sequence = sequence || strchr(o->outputs[i], '%');
+    const char *percent;
+    int width;
+    for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++)
+        sequence = sequence || output_next_field(o->outputs[i], &percent, &width);
     return sequence;
 }
 
 /* Written by hand, as the format is the user's. */
 void render_number_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
-    const char *percent = strchr(pattern, '%');
-    int width = atoi(percent + 1), prefix = (int)(percent - pattern);
-    snprintf(out, capacity, "%.*s%0*u%s", prefix, pattern, width, index, strchr(percent, 'd') + 1);
+    const char *percent, *field;
+    int width;
+    if ((field = output_next_field(pattern, &percent, &width)))
+        snprintf(out, capacity, "%.*s%0*u%s", (int)(percent - pattern), pattern, width, index, field + 1);
+    else
+        snprintf(out, capacity, "%s", pattern);
 }
 
 /* Pictures that show something of earlier ones: how many of those are rendered first when a sequence begins in the middle. */
@@ -125,7 +132,7 @@ static bool note(const struct sequence *s, uint32_t index, struct render_report 
     report->stats = s->stats;
     report->frame_count = 1;
     char *text = report_note(report, 0, &s->stats) ? report_text(report, true) : NULL;
-    bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0);
+    bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0); /* own text */
     if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
     free(text);
     report_finish(report);

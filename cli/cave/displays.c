@@ -4,6 +4,7 @@
 #include "cave/hash.h"
 #include "input.h"
 #include "loading.h"
+#include "print.h"
 
 #include <errno.h>
 #include <jansson.h>

@@ -8,6 +8,7 @@
 #include "interrupt.h"
 #include "options.h"
 #include "output.h"
+#include "print.h"
 #include "view/ui.h"
 
 #include "fanal/vulkan.h"
@@ -26,7 +27,7 @@ struct view_options {
     bool has_size, has_scale, has_present, has_color, light, dark, no_panels;
     double scale; /* 0: the screen's */
     uint32_t present, color;
-    char arguments[2048], light_arguments[256], environment_arguments[1200];
+    char arguments[VIEW_ARGUMENTS], light_arguments[VIEW_ARGUMENTS], environment_arguments[VIEW_ARGUMENTS];
 };
 
 static void print_help(void) {
@@ -296,10 +297,13 @@ static void note_argument(struct view_options *o, const struct option *long_opti
     const bool environment = option >= WORLD_ENVIRONMENT && option <= WORLD_ENVIRONMENT_COMPRESSED;
     const bool lights = option >= WORLD_LIGHTS && option <= WORLD_LIGHT_SCALE;
     char *text = environment ? o->environment_arguments : lights ? o->light_arguments : o->arguments;
-    const size_t capacity = environment ? sizeof o->environment_arguments : lights ? sizeof o->light_arguments : sizeof o->arguments, used = strlen(text);
+    const size_t used = strlen(text);
     const struct option *row = long_options;
     while (row->val != option) row++;
-    snprintf(text + used, capacity - used, value ? " --%s '%s'" : " --%s", row->name, value);
+    char *word = value ? print_shell_word(value) : NULL;
+    const int length = snprintf(text + used, VIEW_ARGUMENTS - used, word ? " --%s %s" : " --%s", row->name, word);
+    if ((value && !word) || used + (size_t)length >= VIEW_ARGUMENTS) text[used] = 0; /* no part of an option */
+    free(word);
 }
 
 int command_view(int argc, char **argv) {
@@ -313,10 +317,7 @@ int command_view(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal view --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg)) return 0;
         if (world_has(option)) note_argument(&o, long_options, option, optarg);
         if (!(world_has(option) ? world_parse(option, optarg, &o.world) : parse_option(&o, option, optarg))) return 2;

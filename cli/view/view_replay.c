@@ -5,6 +5,7 @@
 #include "input.h"
 #include "options.h"
 #include "output.h"
+#include "print.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

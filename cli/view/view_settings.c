@@ -4,6 +4,7 @@
 
 #include "input.h"
 #include "output.h"
+#include "print.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -107,7 +108,11 @@ bool view_settings_save(const struct view_settings *s) {
         else
             fprintf(out.stream, "%s %u\n", rows[i].key, rows[i].kind == SWITCH ? *(const bool *)at : *(const uint32_t *)at);
     }
-    for (uint32_t i = 0; i < s->recent_count; i++) fprintf(out.stream, "recent %s\n", s->recent[i]);
+    for (uint32_t i = 0; i < s->recent_count; i++) {
+        fputs("recent ", out.stream);
+        fwrite(s->recent[i], 1, strlen(s->recent[i]), out.stream); /* as it is: it is read again */
+        fputc('\n', out.stream);
+    }
     return output_commit(&out);
 }
 

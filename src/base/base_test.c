@@ -184,6 +184,7 @@ static void test_files_without_memory_fail_and_give_all_back(void **state) {
         atomic_store(&memory.fail_at, needed + 1);
         result = file_save(&host, path, "whole", 5);
         assert_true(result == FNL_OK || result == FNL_ERROR_MEMORY);
+        assert_true(result == FNL_OK || atomic_exchange(&memory.errors, 0) > 0);
         assert_int_equal(count_files(), result == FNL_OK);
         assert_int_equal(memory.live_bytes, 0);
         assert_int_equal(memory.wrong_sizes, 0);
@@ -406,6 +407,45 @@ static void test_half_floats_round_trip(void **state) {
     assert_int_equal(half_from_float(1.0f + 3 * 0x1p-11f), 0x3c02);
 }
 
+/* Replaces in place; what is left is UTF-8 without controls. */
+static void test_text_is_made_safe_to_print(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *text, *expected;
+    } rows[] = {
+        {"", ""},
+        {"plain ~ äß€𝄞", "plain ~ äß€𝄞"},
+        {"\033]52;c;AA\a\r\n\t\b\177", "?]52;c;AA??????"},
+        {"\xc2\x80\xc2\x9b\xc2\x9f\xc2\xa0", "???\xc2\xa0"},                     /* C1, and what follows it */
+        {"\x9b" "1m\xff\xfe", "?1m??"},                                           /* alone: not UTF-8 */
+        {"\xe2\x80\x8e\xe2\x80\x8f\xe2\x80\xaa\xe2\x80\xae\xe2\x81\xa6\xe2\x81\xa9\xd8\x9c", "???????"}, /* direction of writing */
+        {"\xe2\x80\xa8\xe2\x80\xa9\xe2\x80\x90", "??\xe2\x80\x90"},               /* separators; a hyphen */
+        {"\xc0\x8a\xe0\x80\x8a\xf0\x80\x80\x8a", "?????????"},                   /* longer than needed */
+        {"\xed\xa0\x80\xf4\x90\x80\x80", "???????"},                            /* surrogate; above U+10FFFF */
+        {"a\xe2\x82", "a??"},                                                     /* cut off */
+    };
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
+        char text[64];
+        strcpy(text, rows[i].text);
+        assert_int_equal(fnl_text_clean(text), strcmp(rows[i].text, rows[i].expected) != 0);
+        assert_string_equal(text, rows[i].expected);
+    }
+    assert_false(fnl_text_clean(NULL));
+}
+
+static void keep_line(void *user, fnl_log_level level, const char *line) {
+    UNUSED(level);
+    snprintf(user, 64, "%s", line);
+}
+
+static void test_no_name_breaks_a_line_of_the_log(void **state) {
+    UNUSED(state);
+    char line[64] = "";
+    fnl_host host = host_resolve(&(fnl_host){.user = line, .log = keep_line});
+    log_error(&host, "%s: broken", "a\n\033[2J\xe2\x80\xae.gltf");
+    assert_string_equal(line, "a??[2J?.gltf: broken");
+}
+
 static void test_matrix_inverse(void **state) {
     UNUSED(state);
     mat4 m = mat4_from_trs(vec3_make(1, -2, 3e4f), quat_normalize((quat){1, 2, 3, 4}), vec3_make(2, -3, 0.01f)), inverse;
@@ -460,6 +500,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_replacing_keeps_mode_and_links, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_long_names_can_be_written, make_folder, remove_folder),
         cmocka_unit_test(test_half_floats_round_trip),
+        cmocka_unit_test(test_text_is_made_safe_to_print),
+        cmocka_unit_test(test_no_name_breaks_a_line_of_the_log),
         cmocka_unit_test(test_matrix_inverse),
         cmocka_unit_test(test_extreme_vectors_are_normalized),
         cmocka_unit_test(test_octahedral_round_trip),

@@ -79,13 +79,13 @@ static fnl_result read_header(const struct image_source *source, struct header *
     } while (line[0]);
     at = read_line(at, end, line, sizeof line);
     if (!at) return image_fail(source, FNL_ERROR_FORMAT, "broken Radiance HDR: the header is cut off");
-    char y_sign, x_sign, y_axis, x_axis, rest;
-    unsigned long long height, width;
-    if (sscanf(line, "%c%c %9llu %c%c %9llu %c", &y_sign, &y_axis, &height, &x_sign, &x_axis, &width, &rest) != 6 ||
+    char y_sign, x_sign, y_axis, x_axis, rest, high[10], wide[10]; /* digits alone: %llu takes signs too */
+    if (sscanf(line, "%c%c %9[0-9] %c%c %9[0-9] %c", &y_sign, &y_axis, high, &x_sign, &x_axis, wide, &rest) != 6 ||
         !strchr("+-", y_sign) || !strchr("+-", x_sign))
         return image_fail(source, FNL_ERROR_FORMAT, "broken Radiance HDR: '%.60s' is not a resolution", line);
     if (y_axis != 'Y' || x_axis != 'X')
         return image_fail(source, FNL_ERROR_UNSUPPORTED, "Radiance HDR stored by columns ('%.60s')", line);
+    const unsigned long long height = strtoull(high, NULL, 10), width = strtoull(wide, NULL, 10);
     TRY(image_check_size(source, width, height));
     out->width = (uint32_t)width;
     out->height = (uint32_t)height;

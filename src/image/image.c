@@ -41,8 +41,8 @@ fnl_result image_allocate(const struct image_source *source, uint32_t width, uin
         return image_fail(source, FNL_ERROR_FORMAT, "broken: %zu bytes cannot hold the %u x %u pixels of the header",
                           source->size, width, height);
     fnl_image image = {.width = width, .height = height, .format = format};
-    if (image_bytes(&image) / fnl_pixel_size(format) != pixels) return FNL_ERROR_MEMORY; /* 32-bit size_t */
-    image.pixels = host_allocate(source->host, image_bytes(&image));
+    const bool fits = image_bytes(&image) / fnl_pixel_size(format) == pixels; /* in a size_t of 32 bits */
+    image.pixels = fits ? host_allocate(source->host, image_bytes(&image)) : NULL;
     if (!image.pixels) return image_fail(source, FNL_ERROR_MEMORY, "no memory for %u x %u pixels", width, height);
     *out = image;
     return FNL_OK;

@@ -337,6 +337,12 @@ static void test_unknown_and_unsupported_contents(void **state) {
     expect_refusal(rest, sizeof rest - 1, FNL_ERROR_FORMAT, "COLORCORR=1 1 1 1");
     const char primaries[] = "#?RADIANCE\nPRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06\n\n-Y 1 +X 1\n\1\2\3\4";
     expect_refusal(primaries, sizeof primaries - 1, FNL_ERROR_FORMAT, "PRIMARIES=0.64");
+    static const char *const resolutions[] = {"-Y -2 +X 1", "-Y +2 +X 1", "-Y 2 +X -1", "-Y 1 +X 1 1", "-Y 1.5 +X 1", "-Y 0x2 +X 1", "-Y +X 1", "Y 1 X 1"};
+    for (uint32_t i = 0; i < COUNT_OF(resolutions); i++) {
+        char file[128];
+        snprintf(file, sizeof file, "#?RADIANCE\n\n%s\n\1\2\3\4\1\2\3\4", resolutions[i]);
+        expect_refusal(file, strlen(file), FNL_ERROR_FORMAT, "is not a resolution");
+    }
     /* An animation: a VP8X chunk with its flag. */
     const char animated[] = "RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x03\0\0\x03\0\0";
     expect_refusal(animated, sizeof animated - 1, FNL_ERROR_UNSUPPORTED, "animated");

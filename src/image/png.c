@@ -151,6 +151,7 @@ fnl_result image_png_encode(const fnl_host *host, const char *name, const fnl_im
     const bool lost = writer.stream && ferror(writer.stream);
     if (writer.stream && (fclose(writer.stream) != 0 || lost) && result == FNL_OK) result = FNL_ERROR_MEMORY;
     if (result == FNL_OK) return FNL_OK;
+    if (result == FNL_ERROR_MEMORY) log_error(host, "%s: memory ran out", name);
     free(*out);
     *out = NULL;
     return result;

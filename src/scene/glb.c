@@ -30,7 +30,7 @@ void glb_left_out(const struct glb *g, const char *format, ...) {
 }
 
 static void fail_memory(struct glb *g) {
-    if (g->result == FNL_OK) g->result = FNL_ERROR_MEMORY;
+    if (g->result == FNL_OK) glb_fail(g, FNL_ERROR_MEMORY, "memory ran out");
 }
 
 void *glb_memory(struct glb *g, uint64_t count, size_t size) {
@@ -40,6 +40,18 @@ void *glb_memory(struct glb *g, uint64_t count, size_t size) {
 }
 
 /* ---- JSON ---- */
+
+json_t *glb_text(const struct glb *g, const char *text) {
+    json_t *json = json_string(text);
+    char *copy = json ? NULL : host_allocate(g->host, strlen(text) + 1);
+    if (!copy) return json;
+    strcpy(copy, text);
+    fnl_text_clean(copy);
+    json = json_string(copy);
+    glb_left_out(g, "bytes of the name '%s' that are not UTF-8", copy);
+    host_free(g->host, copy, strlen(text) + 1);
+    return json;
+}
 
 /* The shortest text of a float that reads as it again makes the double that is written. */
 json_t *glb_float(float value) {
@@ -104,7 +116,7 @@ uint32_t glb_append(struct glb *g, json_t *array, json_t *value) {
 uint32_t glb_add(struct glb *g, const char *array, json_t *value) { return glb_append(g, glb_array(g, g->root, array), value); }
 
 void glb_set_name(struct glb *g, json_t *object, const char *name, const char *extras) {
-    if (name && *name) glb_set(g, object, "name", json_string(name));
+    if (name && *name) glb_set(g, object, "name", glb_text(g, name));
     if (extras) glb_set(g, object, "extras", json_loads(extras, JSON_DECODE_ANY | JSON_ALLOW_NUL, NULL));
 }
 

@@ -62,6 +62,8 @@ uint32_t glb_add_accessor(struct glb *g, const void *data, uint32_t count, enum 
 
 /* JSON. Values are taken over; NULL is lack of memory. */
 json_t *glb_float(float value);
+/** A name, which JSON cannot hold unless it is UTF-8: otherwise cleaned, with a warning. */
+json_t *glb_text(const struct glb *g, const char *text);
 json_t *glb_floats(const float *values, uint32_t count);
 void glb_set(struct glb *g, json_t *object, const char *key, json_t *value);
 /** The object or array at a key, made if it is not there. */

@@ -51,7 +51,7 @@ static void save_environment(struct glb *g) {
     }
     json_t *object = glb_object(g, glb_extension(g, glb_shown_scene(g), NAME), "environment");
     if (strncmp(e->name, "builtin:", 8) == 0)
-        glb_set(g, object, "source", json_string(e->name));
+        glb_set(g, object, "source", glb_text(g, e->name));
     else if (!add_panorama(g, object, e->name))
         return;
     if (e->rotation != 0) glb_set(g, object, "rotation", glb_float(e->rotation));

@@ -54,7 +54,9 @@ static void parse_json(struct gltf *g, const char *text, size_t size) {
         }
         host_free(g->host, patched, size);
     }
-    if (!g->root) {
+    if (!g->root && json_error_code(&error) == json_error_out_of_memory) {
+        gltf_fail_memory(g);
+    } else if (!g->root) {
         report_syntax(g, &error);
     } else if (!json_is_object(g->root)) {
         gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is not a JSON object");
@@ -124,7 +126,8 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
 
 static bool parse_version(const char *text, int *major, int *minor) {
     int used = 0;
-    return text && sscanf(text, "%d.%d%n", major, minor, &used) == 2 && text[used] == 0;
+    if (!text || text[strspn(text, "0123456789.")]) return false; /* %d takes blanks and signs too */
+    return sscanf(text, "%9d.%9d%n", major, minor, &used) == 2 && text[used] == 0;
 }
 
 static void check_asset(struct gltf *g) {

@@ -32,12 +32,6 @@ void gltf_pointer(const struct at *at, char *out, size_t capacity) {
     memmove(out, out + start, capacity - start);
 }
 
-/** Text quoted from the file must not reach a terminal's control functions. */
-static void clean(char *text) {
-    for (; *text; text++)
-        if ((unsigned char)*text < 0x20 || (unsigned char)*text == 0x7f) *text = '?';
-}
-
 struct message {
     char pointer[256], text[512];
 };
@@ -45,8 +39,6 @@ struct message {
 static void compose(struct message *out, const struct at *at, const char *format, va_list arguments) {
     gltf_pointer(at, out->pointer, sizeof out->pointer);
     text_format_list(out->text, sizeof out->text, format, arguments);
-    clean(out->pointer);
-    clean(out->text);
 }
 
 void gltf_warn(struct gltf *g, const struct at *at, const char *format, ...) {
@@ -69,7 +61,9 @@ void gltf_fail(struct gltf *g, fnl_result result, const struct at *at, const cha
 }
 
 void gltf_fail_memory(struct gltf *g) {
-    if (g->result == FNL_OK) g->result = FNL_ERROR_MEMORY;
+    if (g->result != FNL_OK) return;
+    log_error(g->host, "%s: memory ran out; the file is not loaded", g->name);
+    g->result = FNL_ERROR_MEMORY;
 }
 
 void gltf_refuse(struct gltf *g, fnl_result result, const struct at *at, const char *format, ...) {

@@ -30,7 +30,7 @@ static double number(struct reader *r, const char *what) {
     char *end;
     const double value = *r->at ? number_read(r->at, &end) : 0;
     if (r->result != FNL_OK) return 0;
-    if (!*r->at || end == r->at || !isfinite(value) || (*end && !isspace((unsigned char)*end) && *end != ',')) {
+    if (!*r->at || end == r->at || !strchr("+-.0123456789", *r->at) || memchr(r->at, 'x', (size_t)(end - r->at)) || memchr(r->at, 'X', (size_t)(end - r->at)) || !isfinite(value) || (*end && !isspace((unsigned char)*end) && *end != ',')) {
         snprintf(words, sizeof words, *r->at ? "%s is no number" : "ends before %s", what);
         fail(r, words);
         return 0;

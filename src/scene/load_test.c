@@ -268,10 +268,12 @@ static void test_errors_leave_the_scene_as_it_was(void **state) {
         const struct sight at_first = look_at(scene);
         for (long long n = 1;; n++) {
             atomic_store(&memory.fail_at, atomic_load(&memory.allocations) + n);
+            lines.count = 0;
             fnl_result result = fnl_scene_load_into(scene, nothing, "b.glb", &params, &loaded);
             atomic_store(&memory.fail_at, 0);
             if (result == FNL_OK) break;
             assert_int_equal(result, FNL_ERROR_MEMORY);
+            assert_true(lines.count > 0); /* told */
             now = look_at(scene);
             assert_memory_equal(&now, &at_first, sizeof now);
             failures++;

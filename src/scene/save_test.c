@@ -700,6 +700,23 @@ static void test_what_is_left_out_is_told(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* JSON cannot hold such a name: the file gets one that is near to it. */
+static void test_names_that_are_not_utf8_are_told(void **state) {
+    UNUSED(state);
+    fnl_host host = test_host(&lines);
+    fnl_scene *scene;
+    const fnl_camera camera = fnl_camera_default();
+    assert_int_equal(fnl_scene_create(&host, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_add_camera(scene, "t\xfcr", &camera), FNL_OK);
+    save(scene);
+    assert_non_null(strstr(lines.text, "saved.glb: left out: bytes of the name 't?r' that are not UTF-8"));
+    json_t *root = validate(true);
+    json_t *first = json_array_get(json_object_get(root, "cameras"), 0);
+    assert_string_equal(json_string_value(json_object_get(first, "name")), "t?r");
+    json_decref(root);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_builtin_scenes_load_as_they_were),
@@ -713,6 +730,7 @@ int main(void) {
         cmocka_unit_test(test_probes),
         cmocka_unit_test(test_errors_leave_no_file),
         cmocka_unit_test(test_what_is_left_out_is_told),
+        cmocka_unit_test(test_names_that_are_not_utf8_are_told),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -246,6 +246,7 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) {
         text_format_list(text, sizeof text, format, arguments);
         va_end(arguments);
     }
+    fnl_text_clean(text);
     log_warning(&scene->host, "%s", text);
     const char *kept = arena_string(&scene->arena, text);
     if (kept) UNUSED(array_push(&scene->host, &scene->messages, kept)); /* it has been logged in any case */

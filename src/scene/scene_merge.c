@@ -20,7 +20,9 @@ static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
                 ROOM(variants) && ROOM(profiles) && ROOM(levels) && into->profile_floats + from->profile_floats < SCENE_PROFILE_FLOATS_MAX && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
-    return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
+    if (room) return scene_reserve_lights(into, from->lights.count);
+    log_error(&into->host, "%s: there is no room in %s", from->source, into->source); /* memory, or indices */
+    return FNL_ERROR_MEMORY;
 }
 
 #define APPEND(name)                                                                                                        \

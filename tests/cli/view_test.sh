@@ -154,7 +154,7 @@ command moved.sh
 EOF
 replay moves builtin:onetile --headless --no-panels --size 160x90 --shadows off --lights 5 --environment builtin:sky --environment-rotation 40 || fail 'the replay of moves ended with an error'
 same moved
-grep -q -e "--lights '5'" moved.sh && grep -q -e "--environment 'builtin:overcast'" moved.sh && grep -q -e '--environment-hidden' moved.sh || fail "the command does not say all: $(cat moved.sh)"
+grep -q -e '--lights 5' moved.sh && grep -q -e '--environment builtin:overcast' moved.sh && grep -q -e '--environment-hidden' moved.sh || fail "the command does not say all: $(cat moved.sh)"
 # moved FROM TO: how far the camera went, up and along the ground, in all.
 moved() { awk -F'\t' '$1 == "camera" { if (seen++) printf "%.6f %.6f\n", $3 - y, sqrt(($2 - x) ^ 2 + ($4 - z) ^ 2); x = $2; y = $3; z = $4 }' "$1" "$2"; }
 read -r up along < <(moved start.tsv flown.tsv)
