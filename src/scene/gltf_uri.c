@@ -38,7 +38,7 @@ static bool read_base64(struct gltf *g, const struct at *at, const char *text, b
     size_t length = strlen(text);
     while (length > 0 && text[length - 1] == '=') length--;
     if (!gltf_take_memory(g, at, length / 4 * 3 + 3)) return false;
-    unsigned char *bytes = arena_allocate(&g->scene->arena, length / 4 * 3 + 3);
+    unsigned char *bytes = scene_keep_bytes(g->scene, length / 4 * 3 + 3);
     if (!bytes) {
         gltf_fail_memory(g);
         return false;
