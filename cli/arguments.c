@@ -61,6 +61,19 @@ bool argument_number(const char *option, const char *text, double *out) {
     return (argument_take_number(&at, out) && !*at) || argument_bad(option, text, "a number");
 }
 
+bool argument_bytes(const char *option, const char *text, uint64_t *out) {
+    static const char wanted[] = "a number of bytes such as 65536, 512K, 300M or 4G";
+    char *end;
+    if (*text < '0' || *text > '9') return argument_bad(option, text, wanted);
+    errno = 0;
+    unsigned long long number = strtoull(text, &end, 10);
+    unsigned shift = *end == 'K' ? 10 : *end == 'M' ? 20 : *end == 'G' ? 30 : 0;
+    if (shift) end++;
+    if (*end || errno || number > UINT64_MAX >> shift) return argument_bad(option, text, wanted);
+    *out = (uint64_t)number << shift;
+    return true;
+}
+
 bool argument_vector(const char *option, const char *text, fnl_vec3 *out) {
     const char *at = text;
     float numbers[3];

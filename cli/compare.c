@@ -39,7 +39,8 @@ struct comparison {
     fnl_image image[3];
     fnl_image_difference difference;
     double flip, leak; /* NAN: not known */
-    bool alpha_differs, json, limited[METRIC_COUNT];
+    bool alpha_differs, json, limited[METRIC_COUNT], has_max_memory;
+    uint64_t max_memory; /* of all pictures together */
     double limit[METRIC_COUNT];
 };
 
@@ -61,6 +62,7 @@ static void print_help(void) {
          "                    as a part of the luminance that there would be without shadows. All three are linear (.exr)\n"
          "  --leak X          the leak may be X at most\n"
          "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
+         "  --max-memory SIZE how much memory the pictures may decode to: bytes, or with K, M or G (half of the machine's each)\n"
          "  --json            prints JSON; infinity is \"Infinity\" or \"-Infinity\"\n"
          "  -h, --help        prints this text\n"
          "\n"
@@ -95,6 +97,7 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         {"flip", required_argument, NULL, 256 + METRIC_FLIP},
         {"leak", required_argument, NULL, 256 + METRIC_LEAK},
         {"lit", required_argument, NULL, 'l'},
+        {"max-memory", required_argument, NULL, 'm'},
         {"output", required_argument, NULL, 'o'},
         {"json", no_argument, NULL, 'j'},
         {"help", no_argument, NULL, 'h'},
@@ -108,6 +111,10 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
             break;
         case 'l':
             out->path[2] = optarg;
+            break;
+        case 'm':
+            if (!argument_bytes("max-memory", optarg, &out->max_memory)) return EXIT_ERROR;
+            out->has_max_memory = true;
             break;
         case 'j':
             out->json = true;
@@ -222,7 +229,10 @@ static bool load(struct comparison *comparison) {
     for (int i = 0; i < 3; i++) {
         const fnl_image *image = &comparison->image[i];
         if (!comparison->path[i]) continue;
-        if (fnl_image_load(NULL, comparison->path[i], &comparison->image[i]) != FNL_OK) return false;
+        const fnl_result result = comparison->has_max_memory ? fnl_image_load_within(NULL, comparison->path[i], comparison->max_memory, &comparison->image[i])
+                                                             : fnl_image_load(NULL, comparison->path[i], &comparison->image[i]);
+        if (result != FNL_OK) return false;
+        comparison->max_memory -= comparison->has_max_memory ? (uint64_t)image->width * image->height * fnl_pixel_size(image->format) : 0;
         if (a->width == image->width && a->height == image->height) continue;
         fprintf(stderr, "fanal: error: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width, a->height,
                 comparison->path[i], image->width, image->height);

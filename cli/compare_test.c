@@ -175,6 +175,10 @@ static void test_errors_name_what_is_wrong(void **state) {
         {"a.png b.png --psnr nan", "'nan'"},           {"a.png b.png --max-diff", "max-diff"},
         {"a.png a.png --lit narrow.png", "narrow.png is 16 x 16"}, {"a.png b.png --lit a.png", "a.png holds none"},
         {"a.png b.png --leak 1", "--leak needs --lit"}, {"a.exr a.exr --flip 1", "a.exr holds linear light"},
+        {"a.png b.png --max-memory much", "--max-memory: 'much'"},
+        {"a.png b.png --max-memory 2047", "a.png: the picture of 32 x 16 pixels needs 2048 bytes of memory, over the limit of 2047"},
+        {"a.png b.png --max-memory 4095", "b.png: the picture of 32 x 16 pixels needs 2048 bytes of memory, over the limit of 2047"},
+        {"a.exr a.exr --max-memory 8K", "a.exr: the picture of 32 x 16 pixels needs 8192 bytes of memory, over the limit of 0"},
         {"a.png b.png --frobnicate", "frobnicate"},    {"a.png b.png -o d.jpg", "d.jpg"},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
@@ -182,6 +186,8 @@ static void test_errors_name_what_is_wrong(void **state) {
         if (!strstr(err, cases[i][1])) fail_msg("'%s' is not in '%s'", cases[i][1], err);
         assert_string_equal(out, "");
     }
+    assert_int_equal(run("a.png a.png --max-memory 4K"), 0);
+    assert_int_equal(run("a.exr a.exr --max-memory 16K"), 0);
     assert_int_equal(run("--help"), 0);
     assert_non_null(strstr(out, "Examples:"));
 }

@@ -18,7 +18,8 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 2 };
 
 struct compression {
     const char *input, *output, *device;
-    bool on_gpu;
+    bool on_gpu, has_max_memory;
+    uint64_t max_memory;
     fnl_compress_params params;
 };
 
@@ -39,6 +40,7 @@ static void print_help(void) {
          "                         fanal render has them: +X in the middle of the picture, +Z a quarter of the width to the right\n"
          "  --on cpu|gpu           what compresses (cpu); both give the same file\n"
          "  --device DEVICE        the Vulkan device, by index or part of its name, as 'fanal devices' lists them\n"
+         "  --max-memory SIZE      how much memory the picture may decode to: bytes, or with K, M or G (half of the machine's)\n"
          "  -h, --help             prints this text\n"
          "\n"
          "Exit status: 0 when the file was written, 2 on an error.\n"
@@ -66,11 +68,11 @@ static bool is_texture(const char *path) { return has_extension(path, "dds") || 
 
 /* EXIT_DONE when the work can begin, EXIT_ERROR after a message; `*helped` when --help was all. */
 static int parse_options(int argc, char **argv, struct compression *out, bool *helped) {
-    enum { QUALITY = 256, SIGNED, MIPS, CUBE, ON, DEVICE };
+    enum { QUALITY = 256, SIGNED, MIPS, CUBE, ON, DEVICE, MAX_MEMORY };
     static const struct option options[] = {
         {"output", required_argument, NULL, 'o'}, {"quality", required_argument, NULL, QUALITY}, {"signed", no_argument, NULL, SIGNED},
         {"mips", no_argument, NULL, MIPS},        {"cube", required_argument, NULL, CUBE},       {"on", required_argument, NULL, ON},
-        {"device", required_argument, NULL, DEVICE}, {"help", no_argument, NULL, 'h'},           {0},
+        {"device", required_argument, NULL, DEVICE}, {"max-memory", required_argument, NULL, MAX_MEMORY}, {"help", no_argument, NULL, 'h'},           {0},
     };
     static const char *const qualities[] = {"fast", "quality", "best"}, *const processors[] = {"cpu", "gpu"};
     optind = 0; /* glibc: starts anew, whatever was parsed before */
@@ -101,6 +103,10 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
             break;
         case DEVICE:
             out->device = optarg;
+            break;
+        case MAX_MEMORY:
+            if (!argument_bytes("max-memory", optarg, &out->max_memory)) return EXIT_ERROR;
+            out->has_max_memory = true;
             break;
         case 'h':
             print_help();
@@ -164,7 +170,9 @@ int command_compress(int argc, char **argv) {
     fnl_image image;
     int code = parse_options(argc, argv, &compression, &helped);
     if (code != EXIT_DONE || helped) return code;
-    if (fnl_image_load(NULL, compression.input, &image) != FNL_OK) return EXIT_ERROR;
+    const fnl_result result = compression.has_max_memory ? fnl_image_load_within(NULL, compression.input, compression.max_memory, &image)
+                                                         : fnl_image_load(NULL, compression.input, &image);
+    if (result != FNL_OK) return EXIT_ERROR;
     if (is_texture(compression.output))
         code = compress(&compression, &image);
     else

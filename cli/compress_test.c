@@ -63,6 +63,7 @@ static void test_options(void **state) {
     assert_non_null(strstr(out, "size   8 x 8, 6 faces, 4 mips\n"));
     assert_non_null(strstr(out, "modes  11: 42  (blocks)\n")); /* 6 (4 + 1 + 1 + 1) */
     assert_int_equal(run("a.exr --signed --quality best -o a.dds"), 0);
+    assert_int_equal(run("a.exr --quality fast --max-memory 2K -o a.dds"), 0);
     assert_int_equal(run("--help"), 0);
     assert_non_null(strstr(out, "Examples:"));
 }
@@ -83,6 +84,8 @@ static void test_errors_name_what_is_wrong(void **state) {
         {"a.exr --cube 8x -o a.dds", "'8x'"},
         {"a.exr --device 0 -o a.dds", "--device goes with --on gpu"},
         {"a.exr --on gpu --quality best -o a.dds", "for --on cpu alone"},
+        {"a.exr --max-memory 1K -o a.dds", "a.exr: the picture of 16 x 8 pixels needs 2048 bytes of memory, over the limit of 1024"},
+        {"a.exr --max-memory x -o a.dds", "--max-memory: 'x'"},
         {"a.exr --frobnicate", "frobnicate"},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {

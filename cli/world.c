@@ -357,6 +357,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->ies && !give_profile(*scene, o->ies)) return false;
     fnl_environment_params environment = o->environment_params;
     environment.source = o->environment;
+    environment.max_memory = o->loading.max_memory;
     if (!environment.source && lights_studio(o, *scene)) environment.source = "builtin:studio"; /* turned, or as bright, as the options say */
     environment.background &= !o->has_background || o->environment;
     if (!set_environment(&environment, *scene)) return false;

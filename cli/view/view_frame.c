@@ -155,6 +155,7 @@ void view_apply_surroundings(struct view *v) {
     struct view_surroundings *s = &v->surroundings;
     fnl_environment_params params = s->params;
     params.source = s->source[0] ? s->source : NULL;
+    params.max_memory = v->world.loading.max_memory;
     /* On errors, which the log tells, the scene keeps what it had. */
     if (fnl_scene_set_environment(v->shown.scene, s->none ? NULL : &params) == FNL_OK) {
         s->changed = true;

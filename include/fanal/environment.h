@@ -51,6 +51,11 @@ typedef struct fnl_environment_params {
      * Renderers keep it as BC6H where fnl_device_info.texture_compression: an eighth of the memory, 1.4 to 2.9 % off. Default false.
      */
     bool compressed;
+    /**
+     * Bytes that the picture of `source` may take, decoded and as the scene keeps it, counted before anything is allocated. A file that needs more is
+     * FNL_ERROR_MEMORY. UINT64_MAX: no limit. Default: half of the machine's memory.
+     */
+    uint64_t max_memory;
 } fnl_environment_params;
 
 FNL_API fnl_environment_params fnl_environment_params_default(void);

@@ -2,6 +2,7 @@
 #include "base/base.h"
 
 #include <time.h>
+#include <unistd.h>
 
 #define STRINGIFY_(x) #x
 #define STRINGIFY(x) STRINGIFY_(x)
@@ -80,6 +81,11 @@ void *host_allocate_zero(const fnl_host *host, size_t size) {
 
 void host_free(const fnl_host *host, void *block, size_t size) {
     if (block) host->reallocate(host->user, block, size, 0);
+}
+
+uint64_t host_memory_limit(void) {
+    const long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page_size > 0 ? (uint64_t)pages * (uint64_t)page_size / 2 : (uint64_t)4 << 30;
 }
 
 void host_log_list(const fnl_host *host, fnl_log_level level, const char *format, va_list arguments) {

@@ -116,7 +116,7 @@ fnl_result image_exr_peek(const struct image_source *source, struct image_file_i
     fnl_result result = read_header(&reader);
     exr_finish(&reader.exr);
     current = NULL;
-    if (result == FNL_OK) *out = (struct image_file_info){.kind = IMAGE_FILE_EXR, .width = reader.picture_width, .height = reader.picture_height};
+    if (result == FNL_OK) *out = (struct image_file_info){.kind = IMAGE_FILE_EXR, .width = reader.picture_width, .height = reader.picture_height, .pixel_bytes = 16};
     return result;
 }
 

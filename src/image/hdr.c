@@ -98,7 +98,7 @@ static fnl_result read_header(const struct image_source *source, struct header *
 fnl_result image_hdr_peek(const struct image_source *source, struct image_file_info *out) {
     struct header header;
     TRY(read_header(source, &header));
-    *out = (struct image_file_info){.kind = IMAGE_FILE_HDR, .width = header.width, .height = header.height};
+    *out = (struct image_file_info){.kind = IMAGE_FILE_HDR, .width = header.width, .height = header.height, .pixel_bytes = 16};
     return FNL_OK;
 }
 

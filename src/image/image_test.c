@@ -771,6 +771,22 @@ static void test_saves_on_a_full_disk_leave_nothing(void **state) {
         assert_int_equal(watch.lines, 1);
         assert_int_equal(count_files(), 0);
     }
+    /* A header larger than a stream's buffer, which OpenEXR writes under a lock. */
+    static char names[100][200];
+    fnl_exr_channel channels[100];
+    for (int i = 0; i < 100; i++) {
+        memset(names[i], 'a', 190);
+        snprintf(names[i] + 190, 10, "%d", i);
+        channels[i] = (fnl_exr_channel){names[i], floats.pixels, 1};
+    }
+    small = before;
+    small.rlim_cur = 0;
+    setrlimit(RLIMIT_FSIZE, &small);
+    const fnl_result result = fnl_exr_save(&host, path_of("long.exr"), 4, 4, channels, 100);
+    setrlimit(RLIMIT_FSIZE, &before);
+    assert_int_equal(result, FNL_ERROR_FILE);
+    assert_non_null(strstr(watch.line, "long.exr: cannot be written: File too large"));
+    assert_int_equal(count_files(), 0);
     alarm(0);
     signal(SIGXFSZ, SIG_DFL);
     assert_int_equal(watch.live, 0);

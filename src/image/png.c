@@ -40,7 +40,7 @@ fnl_result image_png_peek(const struct image_source *source, struct image_file_i
     struct spng_ihdr header;
     TRY(open_png(source, &png, &header));
     spng_ctx_free(png);
-    *out = (struct image_file_info){.kind = IMAGE_FILE_PNG, .width = header.width, .height = header.height};
+    *out = (struct image_file_info){.kind = IMAGE_FILE_PNG, .width = header.width, .height = header.height, .pixel_bytes = header.bit_depth > 8 ? 8 : 4};
     return FNL_OK;
 }
 

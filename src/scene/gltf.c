@@ -255,7 +255,8 @@ fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size
     *out = NULL;
     TRY(scene_create(host, name, &scene));
     /* Images point into the bytes for as long as the scene lives, so it keeps a copy. */
-    const unsigned char *copy = arena_copy(&scene->arena, bytes, size);
+    unsigned char *copy = scene_keep_bytes(scene, size);
+    if (copy && size) memcpy(copy, bytes, size);
     fnl_result result = copy ? load_into(scene, copy, size, NULL, params, NULL) : FNL_ERROR_MEMORY;
     if (result != FNL_OK) {
         fnl_scene_destroy(&scene);

@@ -32,6 +32,7 @@ static void load_panorama(struct gltf *g, json_t *object, const struct at *at, f
 
 static void load_environment(struct gltf *g, json_t *object, const struct at *at) {
     fnl_environment_params params = fnl_environment_params_default();
+    params.max_memory = g->memory_left;
     gltf_float(g, object, at, "rotation", false, -FLT_MAX, FLT_MAX, &params.rotation);
     gltf_float(g, object, at, "intensity", false, 0, 1e6f, &params.intensity);
     params.background = gltf_bool(g, object, at, "visible", true);

@@ -74,7 +74,7 @@ static bool read_data(struct gltf *g, const struct at *at, const char *uri, bool
     }
     const size_t most = base64 ? length / 4 * 3 + 3 : MAX(length, 1);
     if (!gltf_take_memory(g, at, most)) return false;
-    unsigned char *bytes = arena_allocate(&g->scene->arena, most);
+    unsigned char *bytes = scene_keep_bytes(g->scene, most);
     if (!bytes) {
         gltf_fail_memory(g);
         return false;

@@ -48,6 +48,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     }
     array_free(&host, &scene->resources);
     array_free(&host, &scene->sources);
+    array_free(&host, &scene->parts);
     array_free(&host, &scene->images);
     array_free(&host, &scene->samplers);
     array_free(&host, &scene->materials);
@@ -416,6 +417,7 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
             scene->free_nodes.data[scene->free_nodes.count++] = i;
     }
     scene->decal_version++;
+    scene_drop_parts(scene);
     return FNL_OK;
 }
 

@@ -16,6 +16,8 @@
 #include "scene/ies.h"
 #include "scene/scene_environment.h"
 
+#include <stdatomic.h>
+
 #define SCENE_NONE UINT32_MAX
 
 /** The generation of images, materials and meshes, which are never removed. */
@@ -367,6 +369,12 @@ struct scene_stage {
     uint64_t bounds_version, light_version; /* of the scene, at which `bounds` and the fill's strength were found */
 };
 
+/** A file that was loaded into the scene (fnl_scene_load_into), until its root is removed: scene_part.c. */
+struct scene_part {
+    uint32_t root, generation;
+    uint32_t first_image, image_count, first_material, material_count, first_file, file_count;
+};
+
 struct fnl_scene {
     fnl_host host;
     struct arena arena;
@@ -376,6 +384,8 @@ struct fnl_scene {
     ARRAY(struct scene_source) sources;
     struct scene_document document;
 
+    ARRAY(struct scene_part) parts;
+    atomic_uint readers; /* renderers that decode images in the background: files stay */
     ARRAY(struct scene_image) images;
     ARRAY(struct scene_sampler) samplers;
     ARRAY(struct scene_material) materials;
@@ -519,6 +529,10 @@ void scene_activate(fnl_scene *scene, uint32_t root);
  * host. An error leaves both as they were.
  */
 fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_loaded *out);
+/** Bytes that images may point into, as into a file, which the caller fills; NULL: memory ran out. */
+unsigned char *scene_keep_bytes(fnl_scene *scene, size_t size);
+/** After nodes were removed: frees the images of files whose root is gone, unless an instance's material, another material or a decal uses them. */
+void scene_drop_parts(fnl_scene *scene);
 /** Hides a node with what is below it, or shows what is not hidden below it. */
 void scene_show_node(fnl_scene *scene, uint32_t node, bool visible);
 /** Removes a node, what is below it, and the lights there. */

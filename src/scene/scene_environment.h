@@ -40,6 +40,7 @@ struct scene_environment {
     bool background, parted, compressed;
     bool staged; /* the stage's studio: public calls find no environment */
     bool animated; /* something of `own` is new: scene_environment_moved() */
+    uint64_t max_memory; /* of the params */
     uint64_t version; /* of the panorama */
 };
 

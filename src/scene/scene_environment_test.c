@@ -4,6 +4,8 @@
 #include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -254,12 +256,47 @@ static void test_relative_pictures_beside_lights(void **state) {
     }
 }
 
+static void test_pictures_are_counted_before_they_are_decoded(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *name;
+        uint64_t bytes; /* a pixel, with 12 as the scene keeps it */
+        fnl_pixel_format format;
+    } files[] = {{"a.exr", 16 + 12, FNL_PIXEL_FORMAT_RGBA32F}, {"a.hdr", 16 + 12, FNL_PIXEL_FORMAT_RGBA32F}, {"a.png", 4 + 12, FNL_PIXEL_FORMAT_RGBA8}, {"b.png", 8 + 12, FNL_PIXEL_FORMAT_RGBA16}};
+    static uint8_t pixels[64 * 32 * 16];
+    char folder[] = "/tmp/fanal-environment-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    for (uint32_t i = 0; i < COUNT_OF(files); i++) {
+        char path[128], expected[256];
+        snprintf(path, sizeof path, "%s/%s", folder, files[i].name);
+        assert_int_equal(fnl_image_save(NULL, path, &(fnl_image){64, 32, files[i].format, pixels}), FNL_OK);
+        fnl_scene *scene = empty();
+        fnl_environment_params params = fnl_environment_params_default();
+        const uint64_t usual = params.max_memory, needed = 64 * 32 * files[i].bytes;
+        assert_true(usual >= (uint64_t)1 << 20);
+        params.source = path;
+        params.max_memory = needed - 1;
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_ERROR_MEMORY);
+        snprintf(expected, sizeof expected, "%s: the picture of 64 x 32 pixels needs %llu bytes of memory, over the limit of %llu", path,
+                 (unsigned long long)needed, (unsigned long long)needed - 1);
+        if (!strstr(lines.text, expected)) fail_msg("'%s' is not in '%s'", expected, lines.text);
+        params.max_memory = needed;
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+        assert_int_equal(fnl_scene_query_environment(scene, &params), FNL_OK);
+        assert_true(params.max_memory == needed);
+        fnl_scene_destroy(&scene);
+        unlink(path);
+    }
+    rmdir(folder);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_skies_are_in_physical_units),     cmocka_unit_test(test_wrong_environments_are_explained),
         cmocka_unit_test(test_a_sky_beside_a_sun),              cmocka_unit_test(test_the_studio_has_a_key_light),
         cmocka_unit_test(test_pictures_keep_their_values),
         cmocka_unit_test(test_suns_keep_their_light),           cmocka_unit_test(test_relative_pictures_beside_lights),
+        cmocka_unit_test(test_pictures_are_counted_before_they_are_decoded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
