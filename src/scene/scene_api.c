@@ -239,6 +239,7 @@ fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fn
     changed.extras = before.extras;
     memcpy(changed.textures, before.textures, sizeof changed.textures);
     changed.parts = before.parts;
+    memcpy(changed.tangent_frame, before.tangent_frame, sizeof changed.tangent_frame);
     for (size_t i = 0; i < COUNT_OF(image_rows); i++) change_image(&changed.textures[image_rows[i].slot], image_of_row(p, &image_rows[i]));
     scene->materials.data[id.index] = changed;
     scene_materials_changed(scene);
