@@ -56,7 +56,7 @@ static void print_help(void) {
          "Defaults are in brackets.\n"
          "\n"
          "Picture\n"
-         "  -o, --output FILE|-        the file to write, - for stdout; can be given several times\n"
+         "  -o, --output FILE|-        the file to write, - for stdout; can be given several times; %% is a percent sign\n"
          "  --format KIND              what -o - writes: png exr raw y4m y4m444 (png; for a sequence y4m)\n"
          "  --size WxH                 pixels (1280x720)\n"
          WORLD_CAMERA_HELP
