@@ -572,7 +572,9 @@ static void test_resolvers_decide_about_every_uri(void **state) {
         assert_string_equal(library.uris[0], "/vault/a%20b.bin");
         assert_string_equal(library.uris[1], "file:///x.png");
         assert_string_equal(library.uris[2], "../../y.png");
-        assert_int_equal(scene->files.count, from_file); /* no other was opened */
+        uint32_t opened = 0;
+        for (uint32_t i = 0; i < scene->files.count; i++) opened += scene->files.data[i].identity.node != 0;
+        assert_int_equal(opened, from_file); /* no other was opened */
         for (int i = 0; i < 2; i++) {
             assert_true(scene->images.data[i].encoded == test_png); /* read where it is, later */
             assert_int_equal(scene->images.data[i].width, 1);

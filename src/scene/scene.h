@@ -379,7 +379,7 @@ struct fnl_scene {
     fnl_host host;
     struct arena arena;
     char *source;                  /* path or builtin:… for messages */
-    ARRAY(struct file_view) files; /* kept while images point into them */
+    ARRAY(struct file_view) files; /* kept while images point into them; without an identity: bytes from memory or of a data URI */
     ARRAY(fnl_resource) resources; /* from a resolver; so too */
     ARRAY(struct scene_source) sources;
     struct scene_document document;
