@@ -106,13 +106,22 @@ bool output_check_pattern(const char *pattern) {
     return output_check(path);
 }
 
-static bool write_all(int descriptor, const char *bytes, size_t size) {
-    while (size > 0) {
-        ssize_t written = write(descriptor, bytes, size);
-        if (written < 0 && errno == EINTR) continue;
-        if (written < 0) return false;
-        bytes += written;
-        size -= (size_t)written;
+/* "fanal-PROCESS-NUMBER.part", as src/base/file.c names them too. */
+static bool is_temporary(const char *name) {
+    const size_t digits = strncmp(name, "fanal-", 6) == 0 ? strspn(name + 6, "0123456789abcdef-") : 0;
+    return digits > 0 && strcmp(name + 6 + digits, ".part") == 0;
+}
+
+/* Removes what runs left behind in a folder that ended in the middle of writing: nobody has written to it for a day. */
+static void remove_stale(const char *folder) {
+    enum { DAY = 24 * 60 * 60 };
+    DIR *directory = opendir(folder);
+    if (!directory) return;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        struct stat is;
+        if (is_temporary(entry->d_name) && fstatat(dirfd(directory), entry->d_name, &is, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(is.st_mode) &&
+            is.st_mtime < time(NULL) - DAY)
+            unlinkat(dirfd(directory), entry->d_name, 0);
     }
     closedir(directory);
 }
