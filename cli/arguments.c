@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "arguments.h"
 
+#include "print.h"
+
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,34 +15,79 @@ bool argument_bad(const char *option, const char *value, const char *wanted) {
     return false;
 }
 
-bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out) {
+bool argument_take_number(const char **at, double *out) {
+    const char *digits = *at + (**at == '-');
+    const bool hexadecimal = digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X');
+    if (hexadecimal || !isdigit((unsigned char)digits[*digits == '.'])) return false;
+    char *end;
+    *out = strtod(*at, &end);
+    *at = end;
+    return isfinite(*out);
+}
+
+bool argument_take_count(const char **at, uint64_t *out) {
+    if (!isdigit((unsigned char)**at)) return false;
     char *end;
     errno = 0;
-    *out = strtoll(text, &end, 10);
-    if (*text && !*end && errno == 0 && *out >= low && *out <= high) return true;
+    *out = strtoull(*at, &end, 10);
+    *at = end;
+    return errno == 0;
+}
+
+bool argument_take_numbers(const char **at, float *out, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        double number;
+        if (i > 0 && *(*at)++ != ',') return false;
+        if (!argument_take_number(at, &number)) return false;
+        out[i] = (float)number;
+        if (!isfinite(out[i])) return false;
+    }
+    return true;
+}
+
+bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out) {
+    const char *at = text + (*text == '-');
+    uint64_t count;
+    const bool whole = argument_take_count(&at, &count) && !*at && count <= INT64_MAX;
+    *out = !whole ? 0 : *text == '-' ? -(long long)count : (long long)count;
+    if (whole && *out >= low && *out <= high) return true;
     char wanted[96];
     snprintf(wanted, sizeof wanted, "a whole number from %lld to %lld", low, high);
     return argument_bad(option, text, wanted);
 }
 
 bool argument_number(const char *option, const char *text, double *out) {
+    const char *at = text;
+    return (argument_take_number(&at, out) && !*at) || argument_bad(option, text, "a number");
+}
+
+bool argument_bytes(const char *option, const char *text, uint64_t *out) {
+    static const char wanted[] = "a number of bytes such as 65536, 512K, 300M or 4G";
     char *end;
-    *out = strtod(text, &end);
-    return (*text && !*end && isfinite(*out)) || argument_bad(option, text, "a number");
+    if (*text < '0' || *text > '9') return argument_bad(option, text, wanted);
+    errno = 0;
+    unsigned long long number = strtoull(text, &end, 10);
+    unsigned shift = *end == 'K' ? 10 : *end == 'M' ? 20 : *end == 'G' ? 30 : 0;
+    if (shift) end++;
+    if (*end || errno || number > UINT64_MAX >> shift) return argument_bad(option, text, wanted);
+    *out = (uint64_t)number << shift;
+    return true;
 }
 
 bool argument_vector(const char *option, const char *text, fnl_vec3 *out) {
-    int used = 0;
-    if (sscanf(text, "%f,%f,%f%n", &out->x, &out->y, &out->z, &used) == 3 && !text[used] && isfinite(out->x) &&
-        isfinite(out->y) && isfinite(out->z))
+    const char *at = text;
+    float numbers[3];
+    if (argument_take_numbers(&at, numbers, 3) && !*at) {
+        *out = (fnl_vec3){numbers[0], numbers[1], numbers[2]};
         return true;
+    }
     return argument_bad(option, text, "three numbers such as 1,2.5,-3");
 }
 
 bool argument_size(const char *option, const char *text, uint32_t *out_width, uint32_t *out_height) {
-    char *end, *second_end;
-    unsigned long width = strtoul(text, &end, 10), height = *end == 'x' ? strtoul(end + 1, &second_end, 10) : 0;
-    if (end != text && *end == 'x' && second_end != end + 1 && !*second_end && width >= 1 && width <= 16384 && height >= 1 &&
+    const char *at = text;
+    uint64_t width, height;
+    if (argument_take_count(&at, &width) && *at++ == 'x' && argument_take_count(&at, &height) && !*at && width >= 1 && width <= 16384 && height >= 1 &&
         height <= 16384) {
         *out_width = (uint32_t)width;
         *out_height = (uint32_t)height;
@@ -68,9 +116,10 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
     strcpy(copy, text);
     memset(out->shares, 0, sizeof out->shares);
     for (char *part; (part = strsep(&rest, ","));) {
-        char *equals = strchr(part, '='), *end = NULL;
-        double share = equals ? strtod(equals + 1, &end) : 1;
-        if (equals && (!equals[1] || *end || !(share > 0 && share <= 1e6))) return argument_bad(option, text, wanted);
+        char *equals = strchr(part, '=');
+        const char *at = equals ? equals + 1 : NULL;
+        double share = 1;
+        if (equals && (!argument_take_number(&at, &share) || *at || !(share > 0 && share <= 1e6))) return argument_bad(option, text, wanted);
         if (equals) *equals = 0;
         fnl_light_kind kind = FNL_LIGHT_POINT;
         while (kind < FNL_LIGHT_KIND_COUNT && strcmp(part, fnl_value_name(FNL_ENUM_LIGHT_KIND, kind)) != 0) kind++;
@@ -81,23 +130,22 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
 }
 
 bool argument_exposure(const char *option, const char *text, fnl_exposure *out, float *out_ev) {
-    char *end;
-    double ev = strtod(text, &end);
+    const char *at = text;
+    double ev = 0;
     *out = strcmp(text, "auto") == 0 ? FNL_EXPOSURE_AUTO : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE : FNL_EXPOSURE_EV;
-    if (*out != FNL_EXPOSURE_EV)
-        ev = 0;
-    else if (!*text || *end || !(ev >= -64 && ev <= 64))
+    if (*out == FNL_EXPOSURE_EV && (!argument_take_number(&at, &ev) || *at || !(ev >= -64 && ev <= 64)))
         return argument_bad(option, text, "auto, none, or an EV100 from -64 to 64");
     *out_ev = (float)ev;
     return true;
 }
 
 void argument_device(const char *value, fnl_device_params *out) {
-    char *end;
     if (!value) return;
-    long index = strtol(value, &end, 10);
-    if (*value && !*end)
-        out->index = index < 0 || index > INT32_MAX ? INT32_MAX : (int32_t)index; /* no machine has that one */
+    const bool negative = *value == '-';
+    const char *at = value + negative;
+    uint64_t index;
+    if (argument_take_count(&at, &index) && !*at)
+        out->index = negative || index > INT32_MAX ? INT32_MAX : (int32_t)index; /* no machine has that one */
     else
         out->name = value;
 }

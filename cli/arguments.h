@@ -7,8 +7,18 @@
 
 /** Prints "--option: 'value' is not wanted"; returns false. */
 bool argument_bad(const char *option, const char *value, const char *wanted);
+/**
+ * Each reads a number at `*at` and moves `*at` behind it; false prints nothing. Numbers begin with a digit, a point or a minus sign, and are finite: no
+ * blanks, no plus sign, no hexadecimal, no "inf". A count has digits only.
+ */
+bool argument_take_number(const char **at, double *out);
+bool argument_take_count(const char **at, uint64_t *out);
+/** `count` numbers with commas between; the same. */
+bool argument_take_numbers(const char **at, float *out, uint32_t count);
 bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out);
 bool argument_number(const char *option, const char *text, double *out);
+/** Bytes: "65536", "512K", "300M", "4G". */
+bool argument_bytes(const char *option, const char *text, uint64_t *out);
 /** Three numbers: "1,2.5,-3". */
 bool argument_vector(const char *option, const char *text, fnl_vec3 *out);
 /** "1280x720". */

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "loading.h"
 #include "options.h"
+#include "print.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -418,10 +419,7 @@ static int read_arguments(struct bench_options *o, int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal bench --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         if (!(loading_has(option) ? loading_parse(option, optarg, &o->settings.loading) : parse_option(o, option, optarg)))
             return 2;
     }
@@ -447,14 +445,16 @@ static int read_over_suite(struct bench_options *o, int argc, char **argv) {
     return read_arguments(o, argc, argv);
 }
 
-/* What a shell reads as these arguments; cut off where there is no more room. */
+/* What a shell reads as these arguments; ends with " …" where there is no more room. */
 static void quote_command(int argc, char **argv, char *text, size_t capacity) {
+    static const char more[] = " …";
     size_t used = (size_t)snprintf(text, capacity, "fanal");
-    for (int i = 0; i < argc && used < capacity; i++) {
-        const bool plain = *argv[i] && !argv[i][strspn(argv[i], "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/%@")];
-        used += (size_t)snprintf(text + used, capacity - used, plain ? " " : " '");
-        for (const char *c = argv[i]; *c && used < capacity; c++) used += (size_t)snprintf(text + used, capacity - used, *c == '\'' ? "'\\''" : "%c", *c);
-        if (!plain && used < capacity) used += (size_t)snprintf(text + used, capacity - used, "'");
+    for (int i = 0; i < argc; i++) {
+        char *word = print_shell_word(argv[i]);
+        const bool fits = word && used + strlen(word) + sizeof more < capacity;
+        used += (size_t)snprintf(text + used, capacity - used, fits ? " %s" : more, word);
+        free(word);
+        if (!fits) return;
     }
 }
 

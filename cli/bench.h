@@ -244,8 +244,8 @@ double bench_others(const struct bench_busy *from, const struct bench_busy *to);
 
 /* ---- pictures (bench_picture.c) ---- */
 
-/** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */
-json_t *bench_picture_uri(const fnl_image *picture, uint32_t width, const char *folder);
+/** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. */
+json_t *bench_picture_uri(const fnl_image *picture, uint32_t width);
 /** How many pixels differ in any bit, and the greatest difference of a channel. */
 void bench_picture_compare(const fnl_image *a, const fnl_image *b, uint64_t *differing, double *max);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Antialiasing against supersampling: how far each method's picture is from the mean of 64 frames, and what it costs. */
 #include "bench_lane.h"
+#include "json_text.h"
+#include "print.h"
 #include "supersample.h"
 
 #include <math.h>
@@ -121,7 +123,7 @@ static void add_rows(json_t *rows, const char *scene, struct subject *subjects, 
         /* A pass that comes on top is timed by itself; samples are in every pass, so whole frames are compared. */
         double cost = methods[m].msaa == methods[methods[m].base].msaa ? bench_median_of(subjects[m].own, subjects[m].count)
                                                                        : times[m] - times[methods[m].base];
-        json_t *row = json_pack("{s:s,s:s,s:f,s:f,s:f,s:f,s:f}", "scene", scene, "method", methods[m].name, "frame_ms",
+        json_t *row = json_pack("{s:o,s:s,s:f,s:f,s:f,s:f,s:f}", "scene", json_text(scene), "method", methods[m].name, "frame_ms",
                                 times[m], "extra_ms", cost, "mean_error", errors[m].mean * 255, "psnr",
                                 fmin(errors[m].psnr, 999), "ssim", errors[m].ssim);
         json_object_set_new(row, "removed_per_ms",

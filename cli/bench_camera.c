@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Where the camera is in each frame: a file of points, or a circle round the scene. */
+#include "arguments.h"
 #include "bench.h"
+#include "print.h"
 
-#include <errno.h>
-#include <fcntl.h>
+#include "input.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { POINTS_MAX = 1 << 20 };
 static const double CIRCLE_STEP = 1 / 30.0; /* seconds */
@@ -48,19 +48,8 @@ static bool parse_line(struct bench_path *path, const char *file, unsigned line,
     return add_point(path, &point) || bad_line(file, line, "memory ran out");
 }
 
-/* Not a pipe: each case reads the file anew, and opening a pipe waits for a writer. */
-static FILE *open_points(const char *file) {
-    struct stat status;
-    int descriptor = open(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor >= 0 && fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) return fdopen(descriptor, "r");
-    fprintf(stderr, "fanal: error: --camera-path: %s: %s%s\n", file, descriptor < 0 ? "cannot be opened: " : "is not a regular file",
-            descriptor < 0 ? strerror(errno) : "");
-    if (descriptor >= 0) close(descriptor);
-    return NULL;
-}
-
 static bool load_points(struct bench_path *path, const char *file, const fnl_camera *base) {
-    FILE *in = open_points(file);
+    FILE *in = input_open(file, 1 << 30);
     char text[1024];
     bool good = in != NULL;
     for (unsigned line = 1; good && fgets(text, sizeof text, in); line++) {
@@ -104,9 +93,9 @@ static bool circle_named(const char *source, const char *name, uint32_t *count) 
     size_t length = strlen(name);
     if (strncmp(source, name, length) != 0) return false;
     if (!source[length]) return true;
-    char *end;
-    unsigned long number = source[length] == ':' ? strtoul(source + length + 1, &end, 10) : 0;
-    if (number < 1 || number > POINTS_MAX || *end) return false;
+    const char *at = source + length + 1;
+    uint64_t number;
+    if (source[length] != ':' || !argument_take_count(&at, &number) || *at || number < 1 || number > POINTS_MAX) return false;
     *count = (uint32_t)number;
     return true;
 }

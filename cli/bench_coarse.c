@@ -2,6 +2,8 @@
 /* Coarse shading against the full rate, as shading becomes dearer: what it saves, what its G-buffer costs, what is left of the picture. */
 #include "bench_lane.h"
 #include "counters.h"
+#include "json_text.h"
+#include "print.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -109,7 +111,7 @@ static bool add_rows(json_t *rows, const struct coarse_scene *scene, int cost,
         fnl_image_difference difference;
         if (fnl_image_compare(NULL, &s->picture, &subjects[0].picture, &difference) != FNL_OK) return false;
         double coarse = least_of(s->shading, s->count), more = least_of(s->gbuffer, s->count) - gbuffer;
-        json_t *row = json_pack("{s:s,s:s,s:i,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", scene->source, "way",
+        json_t *row = json_pack("{s:o,s:s,s:i,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", json_text(scene->source), "way",
                                 ways[i - 1].name, "cost", (int)costs[cost], "pixel_ms", pixel, "coarse_ms", coarse, "saving",
                                 100 * (1 - coarse / pixel), "source_saving", scene->savings[cost], "shared", 100 * s->shared,
                                 "evaluations_saved", 100 * (1 - s->shaded), "gbuffer_ms", more, "net",

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What the numbers say: sentences and tables. */
 #include "bench.h"
+#include "json_text.h"
+#include "print.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -88,7 +90,7 @@ static json_t *conclude_case(const json_t *results, const json_t *first) {
         snprintf(text + used, sizeof text - used, " That is %.2f times the ideal: the same frame with perfect lists that cost nothing.",
                  bench_number(sorted[0], "over_ideal", 1));
     free(sorted);
-    return json_string(text);
+    return json_text(text);
 }
 
 /* Why times are not to be trusted; an empty array where they are. */
@@ -107,14 +109,14 @@ static json_t *warnings_of(const json_t *root) {
     }
     if (bench_is_busy(others, cores)) {
         snprintf(text, sizeof text, "The machine was busy: other programs used up to %.1f of its %u processors while frames were timed.", others, cores);
-        json_array_append_new(warnings, json_string(text));
+        json_array_append_new(warnings, json_text(text));
     }
     if (unsteady) {
         snprintf(text, sizeof text,
                  "In %zu of %zu results the slow frames took more than 1.5 times as long as the fast ones (95th and 5th percentile). Trust a lead only if "
                  "the intervals of both medians do not overlap, or measure again on an idle machine.",
                  unsteady, json_array_size(results));
-        json_array_append_new(warnings, json_string(text));
+        json_array_append_new(warnings, json_text(text));
     }
     return warnings;
 }
@@ -133,7 +135,7 @@ void bench_conclude(struct bench_data *data) {
         bench_describe(result, what, sizeof what);
         snprintf(text, sizeof text, "WRONG PICTURE on %s: with %s %.0f pixels differ from the reference, by up to %.4g.",
                  place, what, bench_number(result, "differing_pixels", 0), bench_number(result, "max_difference", 0));
-        json_array_append_new(lines, json_string(text));
+        json_array_append_new(lines, json_text(text));
     }
     json_object_set_new(data->root, "conclusions", lines);
     json_object_set_new(data->root, "warnings", warnings_of(data->root));
@@ -252,5 +254,5 @@ void bench_print(const struct bench_data *data) {
     fflush(stdout);
     json_array_foreach(json_object_get(data->root, "warnings"), i, line) fprintf(stderr, "fanal: warning: %s\n", json_string_value(line));
     putchar('\n');
-    json_array_foreach(json_object_get(data->root, "conclusions"), i, line) { puts(json_string_value(line)); }
+    json_array_foreach(json_object_get(data->root, "conclusions"), i, line) printf("%s\n", json_string_value(line));
 }

@@ -2,6 +2,7 @@
 /* Deferred attribute interpolation against a G-buffer, pass by pass, as triangles get smaller: where one overtakes the other. */
 #include "bench_lane.h"
 #include "counters.h"
+#include "json_text.h"
 #include "progress.h"
 
 #include <math.h>
@@ -115,7 +116,7 @@ static bool add_row(json_t *rows, const char *source, const char *series, const 
     double cache = 16.0 * frame->dais.cache_buckets, record = ((double)target->bytes - cache - 4 * samples) / triangles;
     double gbuffer = (double)subjects[DEFERRED].bytes;
     json_t *row =
-        json_pack("{s:s,s:s,s:i,s:i,s:i,s:I,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", source, "series", series, "width",
+        json_pack("{s:o,s:s,s:i,s:i,s:i,s:I,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", json_text(source), "series", series, "width",
                   (int)frame->width, "height", (int)frame->height, "msaa", (int)frame->msaa, "triangles",
                   (json_int_t)target->triangles, "samples_per_triangle", samples / triangles, "record_bytes", record,
                   "bytes_even_at", record / (gbuffer / samples - 4), "bytes_of_deferred",
@@ -244,7 +245,7 @@ static void add_crossings(json_t *lines, const json_t *rows) {
         used += describe_crossing(rows, row, "time, both with a depth prepass", "of_deferred_prepass", text + used, sizeof text - used);
         used += describe_crossing(rows, row, "bytes", "bytes_of_deferred", text + used, sizeof text - used);
         snprintf(text + used, sizeof text - used, ".");
-        json_array_append_new(lines, json_string(text));
+        json_array_append_new(lines, json_text(text));
     }
 }
 

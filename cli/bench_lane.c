@@ -2,6 +2,7 @@
 #include "bench_lane.h"
 
 #include "counters.h"
+#include "json_text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -199,7 +200,7 @@ static void add_counts(const struct lane *lane, json_t *result) {
 static void add_comparison(const struct lane *lane, json_t *result) {
     if (lane->checked == 0) {
         json_object_set_new(result, "equal", json_null());
-        json_object_set_new(result, "unchecked", json_string(lane->unchecked));
+        json_object_set_new(result, "unchecked", json_text(lane->unchecked));
         return;
     }
     json_object_del(result, "unchecked");

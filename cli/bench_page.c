@@ -4,6 +4,7 @@
 #include "bench.h"
 
 #include "bench_page_parts.h"
+#include "json_text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,7 +33,7 @@ static void append(struct page *page, const char *text, size_t length) {
 
 /* Inside a script element no '<' may stand, whatever a scene's file is called. */
 static void append_json(struct page *page, const json_t *json) {
-    char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    char *text = json_text_write(json, JSON_COMPACT | JSON_REAL_PRECISION(9));
     if (!text) page->failed = true;
     for (const char *from = text; from && *from;) {
         size_t length = strcspn(from, "<");

@@ -2,6 +2,8 @@
 /* Small pictures for the page, and the comparison of big ones. */
 #include "bench.h"
 
+#include "output.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,14 +68,16 @@ static json_t *encode_file(const char *path) {
     return uri;
 }
 
-json_t *bench_picture_uri(const fnl_image *picture, uint32_t width, const char *folder) {
-    char path[4096];
+json_t *bench_picture_uri(const fnl_image *picture, uint32_t width) {
+    char folder[PATH_MAX], path[PATH_MAX + 16];
     fnl_image small;
     json_t *uri = NULL;
     if (picture->format != FNL_PIXEL_FORMAT_RGBA8 || !picture->width || !picture->height) return NULL;
-    if (snprintf(path, sizeof path, "%s/picture-%ld.part.png", folder, (long)getpid()) >= (int)sizeof path) return NULL;
+    if (!output_make_folder(folder)) return NULL;
+    snprintf(path, sizeof path, "%s/picture.png", folder);
     if (shrink(picture, width, &small) && fnl_image_save(NULL, path, &small) == FNL_OK) uri = encode_file(path);
     unlink(path);
+    rmdir(folder);
     free(small.pixels);
     return uri;
 }

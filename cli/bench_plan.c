@@ -2,6 +2,7 @@
 /* What is measured: cases, and of each the ways to render that are compared. */
 #include "bench.h"
 
+#include "json_text.h"
 #include "options.h"
 
 #include <stdio.h>
@@ -34,7 +35,7 @@ static bool skip(struct bench_plan *plan, const struct bench_case *where, const 
     const json_t *other;
     size_t i;
     if (!entry) return false;
-    json_object_set_new(entry, "reason", json_string(reason));
+    json_object_set_new(entry, "reason", json_text(reason));
     json_array_foreach(plan->skipped, i, other) {
         if (!json_equal(entry, other)) continue;
         json_decref(entry);

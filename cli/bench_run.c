@@ -4,6 +4,8 @@
 #include "arguments.h"
 #include "bench.h"
 #include "bench_lane.h"
+#include "json_text.h"
+#include "print.h"
 #include "program.h"
 #include "progress.h"
 #include "stereo.h"
@@ -30,8 +32,7 @@ static void receive_log(void *user, fnl_log_level level, const char *line) {
     if (level == FNL_LOG_ERROR && sink->keep)
         snprintf(sink->last, sizeof sink->last, "%s", line);
     else if (level >= FNL_LOG_WARNING)
-        fprintf(stderr, "%sfanal: %s: %s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "",
-                level == FNL_LOG_ERROR ? "error" : "warning", line);
+        fprintf(stderr, isatty(STDERR_FILENO) ? "\r\033[Kfanal: %s: %s\n" : "fanal: %s: %s\n", level == FNL_LOG_ERROR ? "error" : "warning", line);
 }
 
 /* ---- state ---- */
@@ -199,7 +200,7 @@ static void open_lane(struct bench_run *run, struct lane *lane) {
 static void add_picture(struct bench_run *run, const json_t *key, const char *kind, const fnl_image *picture) {
     char name[2400];
     lane_picture_name(key, kind, name, sizeof name);
-    json_t *uri = bench_picture_uri(picture, 360, run->settings->output);
+    json_t *uri = bench_picture_uri(picture, 360);
     if (uri) json_object_set_new(run->data->pictures, name, uri);
 }
 
@@ -340,7 +341,7 @@ static void keep_result(struct bench_run *run, struct lane *lane) {
     fnl_scene_info info = {0};
     fnl_scene_query_info(run->scene, &info);
     if (lane->failed) {
-        json_object_set_new(key, "reason", json_string(lane->reason));
+        json_object_set_new(key, "reason", json_text(lane->reason));
         if (!lane->told) json_array_append(skipped, key);
         for (size_t i = json_array_size(results); i-- > 0 && !lane->told;)
             if (json_array_get(results, i) == before) json_array_remove(results, i);
@@ -535,11 +536,11 @@ static json_t *describe_device(const fnl_device_info *info) {
 static json_t *describe_settings(const struct bench_run *run) {
     const struct bench_settings *s = run->settings;
     const char *camera = run->plan->case_count && run->plan->cases[0].camera ? run->plan->cases[0].camera : "";
-    json_t *settings = json_pack("{s:I,s:I,s:I,s:s,s:s,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
+    json_t *settings = json_pack("{s:I,s:I,s:I,s:s,s:s,s:o,s:o,s:o}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
                      "checks", (json_int_t)s->checks, "reference", fnl_value_name(FNL_ENUM_LISTS, s->reference), "camera", camera,
-                     "camera_path", s->camera_path ? s->camera_path : "", "variant", s->variant ? s->variant : "", "environment",
-                     s->environment ? s->environment : "");
-    if (s->stereo) json_object_set_new(settings, "stereo", json_string(s->hmd ? s->hmd : "camera"));
+                     "camera_path", json_text(s->camera_path ? s->camera_path : ""), "variant", json_text(s->variant ? s->variant : ""),
+                     "environment", json_text(s->environment ? s->environment : ""));
+    if (s->stereo) json_object_set_new(settings, "stereo", json_text(s->hmd ? s->hmd : "camera"));
     return settings;
 }
 
@@ -552,7 +553,7 @@ static bool agrees(const json_t *root, const char *part, const json_t *now) {
     json_object_foreach((json_t *)now, key, value) {
         const json_t *old = json_object_get(before, key);
         if (json_equal(old, value)) continue;
-        char *a = old ? json_dumps(old, JSON_ENCODE_ANY) : NULL, *b = json_dumps(value, JSON_ENCODE_ANY);
+        char *a = old ? json_text_write(old, JSON_ENCODE_ANY) : NULL, *b = json_text_write(value, JSON_ENCODE_ANY);
         fprintf(stderr, "fanal: error: --resume: %s %s was %s, now it is %s\n", part, key, a ? a : "unknown", b ? b : "?");
         free(a);
         free(b);
@@ -574,7 +575,7 @@ static bool begin_data(struct bench_run *run) {
     if (good) {
         json_object_set_new(root, "format", json_integer(FORMAT_VERSION));
         json_object_set(root, "program", version);
-        json_object_set_new(root, "command", json_string(run->settings->command));
+        json_object_set_new(root, "command", json_text(run->settings->command));
         json_object_set_new(root, "machine", bench_machine());
         json_object_set_new(root, "date", json_string(date));
         json_object_set(root, "device", device);

@@ -15,6 +15,7 @@ bool bench_scene_load(const fnl_host *host, const struct bench_settings *setting
     if (result == FNL_OK && !loading_select_variant(*out, settings->variant, NULL)) result = FNL_ERROR_INVALID;
     if (result == FNL_OK && scattered > 0) result = fnl_scene_scatter_lights(*out, scattered, 1);
     fnl_environment_params environment = fnl_environment_params_default();
+    environment.max_memory = settings->loading.max_memory;
     environment.source = settings->environment;
     if (result == FNL_OK && settings->environment) result = fnl_scene_set_environment(*out, &environment);
     if (result != FNL_OK) fnl_scene_destroy(out);

@@ -5,6 +5,7 @@
 #include "bench_lane.h"
 #include "counters.h"
 #include "flip.h"
+#include "json_text.h"
 #include "leak.h"
 #include "progress.h"
 
@@ -156,12 +157,12 @@ static void add_pictures(const struct bench_settings *settings, const struct ben
         shown.lists = settings->reference;
         json_t *key = bench_key(where, &shown), *uri = NULL;
         if (fnl_renderer_read(subjects[i].lane.renderer, FNL_OUTPUT_COLOR, &color) == FNL_OK)
-            uri = bench_picture_uri(&color, PICTURE_WIDTH, settings->output);
+            uri = bench_picture_uri(&color, PICTURE_WIDTH);
         lane_picture_name(key, "reference", name, sizeof name);
         if (uri) json_object_set_new(pictures, name, uri);
         uri = NULL;
         if (i != FNL_SHADOWS_RAYS && fnl_image_difference_picture(NULL, &truth, &color, 16, &difference) == FNL_OK)
-            uri = bench_picture_uri(&difference, PICTURE_WIDTH, settings->output);
+            uri = bench_picture_uri(&difference, PICTURE_WIDTH);
         lane_picture_name(key, "shading", name, sizeof name);
         if (uri) json_object_set_new(pictures, name, uri);
         fnl_image_free(NULL, &color);
@@ -203,7 +204,7 @@ static bool add_rows(const struct bench_settings *settings, const struct bench_c
             shading = bench_median(result, "shading_ms");
         }
         double leak = leak_compare(&s->radiance, &subjects[FNL_SHADOWS_RAYS].radiance, &subjects[FNL_SHADOWS_OFF].radiance);
-        json_t *row = json_pack("{s:s,s:I,s:i,s:i,s:s,s:f,s:f,s:f,s:f,s:f}", "scene", where->scene, "lights", (json_int_t)where->lights, "width",
+        json_t *row = json_pack("{s:o,s:I,s:i,s:i,s:s,s:f,s:f,s:f,s:f,s:f}", "scene", json_text(where->scene), "lights", (json_int_t)where->lights, "width",
                                 (int)where->width, "height", (int)where->height, "shadows", way_name(i), "frame_ms", bench_median(result, "frame_ms"),
                                 "frame_of_off", bench_median(result, "frame_ms") / frame, "shading_ms", bench_median(result, "shading_ms"),
                                 "shading_of_off", bench_median(result, "shading_ms") / shading, "shadows_ms", bench_median(result, "shadows_ms"));
@@ -253,7 +254,7 @@ static bool add_equal_rows(const struct bench_case *where, struct subject *subje
         if (i != FNL_SHADOWS_RAYS && i != FNL_SHADOWS_MAPS && i != FNL_SHADOWS_SAMPLED && way_name(i)) continue;
         const double over = passes - off, cost = over > 0 ? over * error * error : NAN;
         if (i == FNL_SHADOWS_SAMPLED) first = cost;
-        json_t *row = json_pack("{s:s,s:I,s:i,s:i,s:s,s:f,s:f}", "scene", where->scene, "lights", (json_int_t)where->lights, "width", (int)where->width, "height",
+        json_t *row = json_pack("{s:o,s:I,s:i,s:i,s:s,s:f,s:f}", "scene", json_text(where->scene), "lights", (json_int_t)where->lights, "width", (int)where->width, "height",
                                 (int)where->height, "way", i == FNL_SHADOWS_SAMPLED ? "sampled, 1 ray" : s->name, "frame_ms", frame, "over_off_ms", over);
         if (!row) return false;
         json_object_set_new(row, "rmse", real_or_null(error));
@@ -354,7 +355,7 @@ static void add_best(const json_t *rows, size_t first, json_t *lines) {
     char text[320];
     snprintf(text, sizeof text, "%s, %.0f lights: for the same noise \"%s\" takes %.2f of the time of one sampled ray.", json_string_value(json_object_get(best, "scene")),
              bench_number(best, "lights", 0), json_string_value(json_object_get(best, "way")), 1 / bench_number(best, "gain", NAN));
-    json_array_append_new(lines, json_string(text));
+    json_array_append_new(lines, json_text(text));
 }
 
 static void tabulate_equal(const struct bench_data *data, json_t *tables) {
@@ -426,7 +427,7 @@ void bench_table_shadows(const struct bench_data *data, json_t *tables) {
     char text[256];
     snprintf(text, sizeof text, "Of %llu lights with shadow maps %llu found no room for a map: rays found their shadows.",
              (unsigned long long)lights, (unsigned long long)traced);
-    if (lights) json_array_append_new(lines, json_string(text));
+    if (lights) json_array_append_new(lines, json_text(text));
     json_array_append_new(tables, json_pack("{s:s,s:s,s:o,s:o,s:o}", "name", "shadows", "title",
                                             "Shadows of more and more lights: medians; pages of shadow maps in the first frames, in a still one, and "
                                             "in each frame of a moving camera",

@@ -3,6 +3,8 @@
  * machine mean nothing here, so every quantity is a ratio within one run. */
 #include "bench.h"
 
+#include "json_text.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -317,7 +319,7 @@ static json_t *headline(const json_t *rows) {
     for (int k = 0; k < OTHERS; k++)
         if (counts[k]) used += (size_t)snprintf(text + used, sizeof text - used, ", %u %s", counts[k], others[k].text);
     snprintf(text + used, sizeof text - used, ".");
-    return json_string(text);
+    return json_text(text);
 }
 
 void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What the suites that are a matrix make of its results: tables and sentences. */
 #include "bench.h"
+#include "json_text.h"
+#include "print.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -82,7 +84,7 @@ static void add_column(json_t *table, const char *name) {
     json_array_append_new(json_object_get(table, "columns"), json_string(name));
 }
 static void add_line(json_t *table, const char *text) {
-    json_array_append_new(json_object_get(table, "lines"), json_string(text));
+    json_array_append_new(json_object_get(table, "lines"), json_text(text));
 }
 
 static json_t *row_of_case(const json_t *results, const json_t *where) {
@@ -136,7 +138,7 @@ void bench_table_geometry(const struct bench_data *data, json_t *tables) {
         double total = bench_number(result, "triangles", 0), drawn = bench_number(result, "triangles_drawn", NAN),
                frame = bench_median(result, "frame_ms"), geometry = bench_median(result, "geometry_ms");
         json_t *row = row_of_case(results, result);
-        json_array_append_new(row, json_string(label));
+        json_array_append_new(row, json_text(label));
         json_array_append_new(row, json_integer((json_int_t)total));
         json_array_append_new(row, isfinite(drawn) ? json_integer((json_int_t)drawn) : json_null());
         json_array_append_new(row, real_or_null(100 * bench_number(result, "triangles_culled_share", NAN)));
@@ -201,7 +203,7 @@ static void add_fastest(json_t *table, const json_t *results, const json_t *wher
     if (best < count) {
         bool clear = second == LABELS_MAX || bench_clear(found[best], found[second]);
         note_win(&wins[best], results, where, clear);
-        json_array_append_new(row, json_string(labels[best]));
+        json_array_append_new(row, json_text(labels[best]));
         json_array_append_new(row, real_or_null(second == LABELS_MAX ? NAN
                                                                      : bench_median(found[second], "frame_ms") /
                                                                            bench_median(found[best], "frame_ms")));
@@ -300,7 +302,7 @@ static void print_table(const json_t *table) {
         }
         putchar('\n');
     }
-    json_array_foreach(json_object_get(table, "lines"), i, line) { puts(json_string_value(line)); }
+    json_array_foreach(json_object_get(table, "lines"), i, line) printf("%s\n", json_string_value(line));
 }
 
 void bench_tables_print(const struct bench_data *data) {

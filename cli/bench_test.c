@@ -407,6 +407,33 @@ static char *read_file(const char *name) {
     return text;
 }
 
+/* Whether results can be written is tried before hours of measuring: with a file of its own. */
+static void test_preparing_the_folder_touches_no_file(void **state) {
+    bool made = true;
+    char victim[256], link[256];
+    (void)state;
+    snprintf(victim, sizeof victim, "%s/path.txt", folder);
+    snprintf(link, sizeof link, "%s/writable.part", folder);
+    FILE *file = fopen(victim, "w");
+    assert_non_null(file);
+    fputs("precious", file);
+    fclose(file);
+    assert_int_equal(symlink(victim, link), 0);
+    assert_true(bench_prepare_folder(folder, &made));
+    assert_false(made);
+    char *text = read_file("path.txt");
+    assert_string_equal(text, "precious");
+    free(text);
+    assert_int_equal(unlink(link), 0); /* it is still there */
+    assert_int_equal(mkfifo(link, 0600), 0);
+    alarm(60); /* opening a pipe waits for ever */
+    assert_true(bench_prepare_folder(folder, &made));
+    alarm(0);
+    assert_int_equal(unlink(link), 0);
+    unlink(victim);
+    assert_false(bench_prepare_folder("/proc", &made));
+}
+
 static void test_files_round_trip(void **state) {
     (void)state;
     json_t *one = make_result("tiled", 4, 0.25, "yes"), *other = make_result("clustered", 4, 0.25, "yes");
@@ -889,6 +916,7 @@ int main(void) {
         cmocka_unit_test(test_warnings),
         cmocka_unit_test(test_shadows_are_cases),
         cmocka_unit_test(test_ideals_are_of_one_frame),
+        cmocka_unit_test(test_preparing_the_folder_touches_no_file),
         cmocka_unit_test(test_files_round_trip),
         cmocka_unit_test(test_candidate_options),
         cmocka_unit_test(test_varied_options),

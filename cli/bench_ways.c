@@ -3,6 +3,7 @@
 #include "bench.h"
 
 #include "options.h"
+#include "print.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,9 @@
 /* results.json and results.csv, and reading them again. */
 #include "bench.h"
 
+#include "json_text.h"
 #include "output.h"
+#include "print.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -19,7 +21,7 @@ static const char *const case_keys[] = {"scene", "asked_lights", "width", "heigh
 static const char *const candidate_keys[] = {"shading", "lists", "options"};
 
 json_t *bench_key(const struct bench_case *where, const struct bench_candidate *what) {
-    json_t *key = json_pack("{s:s,s:o,s:i,s:i,s:i}", "scene", where->scene, "asked_lights",
+    json_t *key = json_pack("{s:o,s:o,s:i,s:i,s:i}", "scene", json_text(where->scene), "asked_lights",
                             where->lights < 0 ? json_null() : json_integer(where->lights), "width", (int)where->width,
                             "height", (int)where->height, "msaa", (int)where->msaa);
     if (key && what) {
@@ -159,16 +161,15 @@ bool bench_check_folder(const struct bench_settings *settings) {
 
 bool bench_prepare_folder(const char *folder, bool *made) {
     char path[4096];
-    if (snprintf(path, sizeof path, "%s/writable.part", folder) >= (int)sizeof path) {
+    struct output probe;
+    if (snprintf(path, sizeof path, "%s/results.json", folder) >= (int)sizeof path) {
         fputs("fanal: error: --output: the name of the folder is too long\n", stderr);
         return false;
     }
     *made = mkdir(folder, 0777) == 0;
     if (!*made && errno != EEXIST) return complain(folder);
-    FILE *file = fopen(path, "w"); /* hours of measuring must not end at a folder that cannot be written to */
-    if (!file) return complain(folder);
-    fclose(file);
-    unlink(path);
+    if (!output_begin(path, &probe)) return false; /* hours of measuring must not end at a folder that cannot be written to */
+    output_abandon(&probe);
     return true;
 }
 
@@ -202,10 +203,12 @@ static void append(struct text *t, const char *bytes, size_t length) {
 
 static void append_field(struct text *t, const json_t *value) {
     char number[64] = "";
-    const char *text = number;
-    if (json_is_string(value))
-        text = json_string_value(value);
-    else if (json_is_integer(value))
+    char *copy = json_is_string(value) ? strdup(json_string_value(value)) : NULL;
+    const char *text = copy ? copy : number;
+    if (json_is_string(value)) {
+        if (copy) fnl_text_clean(copy);
+        else t->failed = true;
+    } else if (json_is_integer(value))
         snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
     else if (json_is_real(value))
         snprintf(number, sizeof number, "%.9g", json_real_value(value));
@@ -218,6 +221,7 @@ static void append_field(struct text *t, const json_t *value) {
         append(t, text, 1);
     }
     if (quote) append(t, "\"", 1);
+    free(copy);
 }
 
 /* A column is a key, or "times.statistic". */
@@ -327,7 +331,7 @@ static bool save_csv(const char *folder, const json_t *root) {
 }
 
 static bool save_json(const char *folder, const json_t *root) {
-    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    char *text = json_text_write(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
     bool good = text && bench_save_file(folder, "results.json", text, strlen(text));
     free(text);
     return good;

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compare: how far two pictures are apart. */
 #include "argument_next.h"
+#include "arguments.h"
 #include "commands.h"
 #include "flip.h"
+#include "json_text.h"
 #include "leak.h"
 #include "output.h"
+#include "print.h"
 
 #include "fanal/image.h"
 
@@ -36,7 +39,8 @@ struct comparison {
     fnl_image image[3];
     fnl_image_difference difference;
     double flip, leak; /* NAN: not known */
-    bool json, limited[METRIC_COUNT];
+    bool alpha_differs, json, limited[METRIC_COUNT], has_max_memory;
+    uint64_t max_memory; /* of all pictures together */
     double limit[METRIC_COUNT];
 };
 
@@ -47,7 +51,7 @@ static void print_help(void) {
          "mean, the root of the mean square (RMSE), PSNR in dB, and the structural similarity (SSIM, 1 is equal). The\n"
          "pictures are PNG, EXR, HDR, JPEG, WebP, KTX2 or DDS files; integer pixels are taken from 0 to 1, floats as they\n"
          "are. For two pictures with integer pixels also FLIP, which is how different they look to somebody who flips\n"
-         "between them (0 to 1; Andersson et al. 2020).\n"
+         "between them (0 to 1; Andersson et al. 2020). SSIM and FLIP leave alpha out; a note says so if it differs.\n"
          "\n"
          "  --max-diff X      the greatest difference may be X at most; X is a number or a fraction such as 2/255\n"
          "  --mean-diff X     the mean difference may be X at most\n"
@@ -58,7 +62,8 @@ static void print_help(void) {
          "                    as a part of the luminance that there would be without shadows. All three are linear (.exr)\n"
          "  --leak X          the leak may be X at most\n"
          "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
-         "  --json            prints JSON; null stands for infinity\n"
+         "  --max-memory SIZE how much memory the pictures may decode to: bytes, or with K, M or G (half of the machine's each)\n"
+         "  --json            prints JSON; infinity is \"Infinity\" or \"-Infinity\"\n"
          "  -h, --help        prints this text\n"
          "\n"
          "Exit status: 0 within all limits, 1 over a limit, 2 on an error, such as sizes that differ.\n"
@@ -71,16 +76,15 @@ static void print_help(void) {
 
 /* A number, or two of them with a slash between. */
 static bool parse_number(const char *text, double *out) {
-    char *end;
-    *out = strtod(text, &end);
-    if (end == text) return false;
-    if (*end == '/') {
-        const char *divisor = end + 1;
-        double value = strtod(divisor, &end);
-        if (end == divisor || value == 0) return false;
-        *out /= value;
+    double divisor = 1;
+    if (strcmp(text, "inf") == 0) { /* the ratio of equal pictures */
+        *out = INFINITY;
+        return true;
     }
-    return *end == 0 && !isnan(*out);
+    if (!argument_take_number(&text, out)) return false;
+    if (*text == '/' && (++text, !argument_take_number(&text, &divisor) || divisor == 0)) return false;
+    *out /= divisor;
+    return !*text && isfinite(*out);
 }
 
 /* EXIT_WITHIN when the work can begin, EXIT_ERROR after a message; `*helped` when --help was all. */
@@ -93,6 +97,7 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         {"flip", required_argument, NULL, 256 + METRIC_FLIP},
         {"leak", required_argument, NULL, 256 + METRIC_LEAK},
         {"lit", required_argument, NULL, 'l'},
+        {"max-memory", required_argument, NULL, 'm'},
         {"output", required_argument, NULL, 'o'},
         {"json", no_argument, NULL, 'j'},
         {"help", no_argument, NULL, 'h'},
@@ -107,6 +112,10 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         case 'l':
             out->path[2] = optarg;
             break;
+        case 'm':
+            if (!argument_bytes("max-memory", optarg, &out->max_memory)) return EXIT_ERROR;
+            out->has_max_memory = true;
+            break;
         case 'j':
             out->json = true;
             break;
@@ -119,21 +128,21 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         default:
             out->limited[key - 256] = true;
             if (parse_number(optarg, &out->limit[key - 256])) break;
-            fprintf(stderr, "fanal compare: --%s: '%s' is not a number or fraction\n", metrics[key - 256].option, optarg);
+            fprintf(stderr, "fanal: error: --%s: '%s' is not a number or fraction\n", metrics[key - 256].option, optarg);
             return EXIT_ERROR;
         }
     }
     if (argc - optind != 2) {
-        fprintf(stderr, "fanal compare: two pictures are needed, %d given (see fanal compare --help)\n", argc - optind);
+        fprintf(stderr, "fanal: error: two pictures are needed, %d given; see 'fanal compare --help'\n", argc - optind);
         return EXIT_ERROR;
     }
     if (out->limited[METRIC_LEAK] && !out->path[2]) {
-        fputs("fanal compare: --leak needs --lit FILE, the scene without shadows\n", stderr);
+        fputs("fanal: error: --leak needs --lit FILE, the scene without shadows\n", stderr);
         return EXIT_ERROR;
     }
     const char *dot = out->output ? strrchr(out->output, '.') : NULL;
     if (out->output && (!dot || strcasecmp(dot, ".png") != 0)) {
-        fprintf(stderr, "fanal compare: %s: the picture of the differences is a .png file\n", out->output);
+        fprintf(stderr, "fanal: error: %s: the picture of the differences is a .png file\n", out->output);
         return EXIT_ERROR;
     }
     if (out->output && !output_check(out->output)) return EXIT_ERROR;
@@ -178,13 +187,14 @@ static void print_text(const struct comparison *comparison) {
     if (!isnan(comparison->flip)) printf("flip   %.9f\n", comparison->flip);
     if (!isnan(comparison->leak)) printf("leak   %.9g\n", comparison->leak);
     printf("pixels %llu of %llu differ\n", (unsigned long long)d->differing_pixels, (unsigned long long)pixels);
+    if (comparison->alpha_differs) printf("note   alpha differs; %s not count it\n", isnan(comparison->flip) ? "ssim does" : "ssim and flip do");
     for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
         if (is_broken(comparison, m))
             printf("over   %s is %.9g, the limit --%s is %.9g\n", metrics[m].name, value_of(comparison, m), metrics[m].option,
                    comparison->limit[m]);
 }
 
-static json_t *json_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+static json_t *json_number(double value) { return isfinite(value) ? json_real(value) : isnan(value) ? json_null() : json_string(value > 0 ? "Infinity" : "-Infinity"); }
 
 static bool print_json(const struct comparison *comparison) {
     const fnl_image_difference *d = &comparison->difference;
@@ -192,19 +202,16 @@ static bool print_json(const struct comparison *comparison) {
     for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
         if (is_broken(comparison, m)) json_array_append_new(over, json_string(metrics[m].option));
     json_t *root =
-        json_pack("{s:[ss], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:o}", "files", comparison->path[0],
-                  comparison->path[1], "width", (int)comparison->image[0].width, "height", (int)comparison->image[0].height,
+        json_pack("{s:[oo], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:b, s:o}", "files", json_text(comparison->path[0]),
+                  json_text(comparison->path[1]), "width", (int)comparison->image[0].width, "height", (int)comparison->image[0].height,
                   "max", json_number(d->max), "max_at", (int)d->max_x, (int)d->max_y, "mean", json_number(d->mean), "rmse",
                   json_number(d->rmse), "psnr", json_number(d->psnr), "ssim", json_number(d->ssim), "differing_pixels",
-                  (json_int_t)d->differing_pixels, "over", over);
+                  (json_int_t)d->differing_pixels, "alpha_differs", (int)comparison->alpha_differs, "over", over);
     if (root && !isnan(comparison->flip)) json_object_set_new(root, "flip", json_real(comparison->flip));
     if (root && !isnan(comparison->leak)) json_object_set_new(root, "leak", json_number(comparison->leak));
-    bool printed = root && json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0;
+    const bool printed = json_text_print(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     json_decref(root);
-    if (printed)
-        putchar('\n');
-    else
-        fputs("fanal compare: the JSON cannot be made (are the file names UTF-8?)\n", stderr);
+    if (!printed) fputs("fanal: error: the JSON could not be written\n", stderr);
     return printed;
 }
 
@@ -222,13 +229,36 @@ static bool load(struct comparison *comparison) {
     for (int i = 0; i < 3; i++) {
         const fnl_image *image = &comparison->image[i];
         if (!comparison->path[i]) continue;
-        if (fnl_image_load(NULL, comparison->path[i], &comparison->image[i]) != FNL_OK) return false;
+        const fnl_result result = comparison->has_max_memory ? fnl_image_load_within(NULL, comparison->path[i], comparison->max_memory, &comparison->image[i])
+                                                             : fnl_image_load(NULL, comparison->path[i], &comparison->image[i]);
+        if (result != FNL_OK) return false;
+        comparison->max_memory -= comparison->has_max_memory ? (uint64_t)image->width * image->height * fnl_pixel_size(image->format) : 0;
         if (a->width == image->width && a->height == image->height) continue;
-        fprintf(stderr, "fanal compare: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width, a->height,
+        fprintf(stderr, "fanal: error: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width, a->height,
                 comparison->path[i], image->width, image->height);
         return false;
     }
     return true;
+}
+
+static double alpha_of(const fnl_image *image, size_t pixel) {
+    switch (image->format) {
+    case FNL_PIXEL_FORMAT_RGBA8:
+        return ((const unsigned char *)image->pixels)[4 * pixel + 3] / 255.0;
+    case FNL_PIXEL_FORMAT_RGBA16:
+        return ((const uint16_t *)image->pixels)[4 * pixel + 3] / 65535.0;
+    default:
+        return (double)((const float *)image->pixels)[4 * pixel + 3];
+    }
+}
+
+static bool alpha_differs(const fnl_image *a, const fnl_image *b) {
+    const size_t count = (size_t)a->width * a->height;
+    for (size_t i = 0; i < count; i++) {
+        const double x = alpha_of(a, i), y = alpha_of(b, i);
+        if (fabs(x - y) > 1e-6 || isnan(x) != isnan(y)) return true;
+    }
+    return false;
 }
 
 static bool find_flip(struct comparison *comparison) {
@@ -240,9 +270,9 @@ static bool find_flip(struct comparison *comparison) {
     if (floats && !comparison->limited[METRIC_FLIP]) return true;
     if (!floats) comparison->flip = flip_compare(a, b, FLIP_PIXELS_PER_DEGREE, NULL);
     if (floats)
-        fprintf(stderr, "fanal compare: --flip is for pictures as a screen shows them, such as .png: %s holds linear light\n", floats);
+        fprintf(stderr, "fanal: error: --flip is for pictures as a screen shows them, such as .png: %s holds linear light\n", floats);
     else if (comparison->flip < 0)
-        fputs("fanal compare: memory ran out\n", stderr);
+        fputs("fanal: error: memory ran out\n", stderr);
     return comparison->flip >= 0;
 }
 
@@ -251,7 +281,7 @@ static bool find_leak(struct comparison *comparison) {
     if (!comparison->path[2]) return true;
     for (int i = 0; i < 3; i++)
         if (comparison->image[i].format != FNL_PIXEL_FORMAT_RGBA32F) {
-            fprintf(stderr, "fanal compare: --lit compares linear light, as in .exr: %s holds none\n", comparison->path[i]);
+            fprintf(stderr, "fanal: error: --lit compares linear light, as in .exr: %s holds none\n", comparison->path[i]);
             return false;
         }
     comparison->leak = leak_compare(&comparison->image[0], &comparison->image[1], &comparison->image[2]);
@@ -263,6 +293,7 @@ static int compare(struct comparison *comparison) {
     if (!load(comparison)) return EXIT_ERROR;
     if (fnl_image_compare(NULL, a, b, &comparison->difference) != FNL_OK || !find_flip(comparison) || !find_leak(comparison))
         return EXIT_ERROR;
+    comparison->alpha_differs = alpha_differs(a, b);
     if (comparison->output && !save_picture(comparison)) return EXIT_ERROR;
     if (!comparison->json)
         print_text(comparison);

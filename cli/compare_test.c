@@ -7,6 +7,7 @@
 #include "fanal/image.h"
 
 #include <jansson.h>
+#include <math.h>
 
 static char folder[64];
 static int run(const char *line) {
@@ -19,10 +20,11 @@ static void save(const char *name, uint32_t width, fnl_pixel_format format, int 
     uint8_t bytes[32 * 16 * 4];
     float floats[32 * 16 * 4];
     for (uint32_t i = 0; i < COUNT_OF(bytes); i++) {
-        bytes[i] = (uint8_t)(i % 4 == 3 ? 255 : i % 200);
+        bytes[i] = (uint8_t)(i % 4 == 3 ? (strcmp(name, "clear.png") == 0 ? 100 : 255) : i % 200);
         floats[i] = (float)bytes[i] / 255;
     }
     bytes[(5 * 32 + 7) * 4 + 1] = (uint8_t)(bytes[(5 * 32 + 7) * 4 + 1] + step);
+    if (strcmp(name, "infinite.exr") == 0) floats[77] = HUGE_VALF;
     fnl_image image = {width, 16, format, format == FNL_PIXEL_FORMAT_RGBA8 ? (void *)bytes : floats};
     assert_int_equal(fnl_image_save(NULL, name, &image), FNL_OK);
 }
@@ -35,13 +37,15 @@ static int set_up(void **state) {
     save("b.png", 32, FNL_PIXEL_FORMAT_RGBA8, 3);
     save("narrow.png", 16, FNL_PIXEL_FORMAT_RGBA8, 0);
     save("a.exr", 32, FNL_PIXEL_FORMAT_RGBA32F, 0);
+    save("clear.png", 32, FNL_PIXEL_FORMAT_RGBA8, 0);
+    save("infinite.exr", 32, FNL_PIXEL_FORMAT_RGBA32F, 0);
     fnl_host host = host_resolve(NULL);
     return file_save(&host, "broken.png", "no picture", 10) == FNL_OK ? 0 : -1;
 }
 
 static int tear_down(void **state) {
     UNUSED(state);
-    const char *names[] = {"a.png", "b.png", "narrow.png", "a.exr", "broken.png", "out", "err", "d.png"};
+    const char *names[] = {"a.png", "b.png", "narrow.png", "a.exr", "clear.png", "infinite.exr", "broken.png", "out", "err", "d.png"};
     for (uint32_t i = 0; i < COUNT_OF(names); i++) unlink(names[i]);
     return rmdir(folder); /* fails when anything else was left */
 }
@@ -94,8 +98,30 @@ static void test_json(void **state) {
     json_decref(root);
     assert_int_equal(run("a.png a.png --json"), 0);
     root = json_loads(out, 0, NULL);
-    assert_true(json_is_null(json_object_get(root, "psnr")));
+    assert_string_equal(json_string_value(json_object_get(root, "psnr")), "Infinity");
+    assert_true(json_is_false(json_object_get(root, "alpha_differs")));
     assert_int_equal(json_array_size(json_object_get(root, "over")), 0);
+    json_decref(root);
+    assert_int_equal(run("a.exr infinite.exr --json"), 0);
+    root = json_loads(out, 0, NULL);
+    assert_string_equal(json_string_value(json_object_get(root, "psnr")), "-Infinity");
+    assert_string_equal(json_string_value(json_object_get(root, "max")), "Infinity");
+    json_decref(root);
+}
+
+/* Where only alpha differs, SSIM and FLIP are those of equal pictures, and the report says why. */
+static void test_alpha_that_does_not_count(void **state) {
+    UNUSED(state);
+    assert_int_equal(run("a.png clear.png"), 0);
+    assert_non_null(strstr(out, "ssim   1.000000000"));
+    assert_non_null(strstr(out, "note   alpha differs; ssim and flip do not count it"));
+    assert_int_equal(run("a.exr clear.png"), 0);
+    assert_non_null(strstr(out, "note   alpha differs; ssim does not count it"));
+    assert_int_equal(run("a.png b.png"), 0);
+    assert_null(strstr(out, "note"));
+    assert_int_equal(run("clear.png a.png --json"), 0);
+    json_t *root = json_loads(out, 0, NULL);
+    assert_true(json_is_true(json_object_get(root, "alpha_differs")));
     json_decref(root);
 }
 
@@ -149,6 +175,10 @@ static void test_errors_name_what_is_wrong(void **state) {
         {"a.png b.png --psnr nan", "'nan'"},           {"a.png b.png --max-diff", "max-diff"},
         {"a.png a.png --lit narrow.png", "narrow.png is 16 x 16"}, {"a.png b.png --lit a.png", "a.png holds none"},
         {"a.png b.png --leak 1", "--leak needs --lit"}, {"a.exr a.exr --flip 1", "a.exr holds linear light"},
+        {"a.png b.png --max-memory much", "--max-memory: 'much'"},
+        {"a.png b.png --max-memory 2047", "a.png: the picture of 32 x 16 pixels needs 2048 bytes of memory, over the limit of 2047"},
+        {"a.png b.png --max-memory 4095", "b.png: the picture of 32 x 16 pixels needs 2048 bytes of memory, over the limit of 2047"},
+        {"a.exr a.exr --max-memory 8K", "a.exr: the picture of 32 x 16 pixels needs 8192 bytes of memory, over the limit of 0"},
         {"a.png b.png --frobnicate", "frobnicate"},    {"a.png b.png -o d.jpg", "d.jpg"},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
@@ -156,6 +186,8 @@ static void test_errors_name_what_is_wrong(void **state) {
         if (!strstr(err, cases[i][1])) fail_msg("'%s' is not in '%s'", cases[i][1], err);
         assert_string_equal(out, "");
     }
+    assert_int_equal(run("a.png a.png --max-memory 4K"), 0);
+    assert_int_equal(run("a.exr a.exr --max-memory 16K"), 0);
     assert_int_equal(run("--help"), 0);
     assert_non_null(strstr(out, "Examples:"));
 }
@@ -165,6 +197,7 @@ int main(void) {
         cmocka_unit_test(test_equal_and_different),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_json),
+        cmocka_unit_test(test_alpha_that_does_not_count),
         cmocka_unit_test(test_leak_and_flip),
         cmocka_unit_test(test_difference_picture),
         cmocka_unit_test(test_errors_name_what_is_wrong),

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compress: pictures of high dynamic range to BC6H and back. */
 #include "argument_next.h"
+#include "arguments.h"
 #include "commands.h"
 #include "output.h"
+#include "print.h"
 
 #include "fanal/device.h"
 #include "fanal/image.h"
@@ -16,7 +18,8 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 2 };
 
 struct compression {
     const char *input, *output, *device;
-    bool on_gpu;
+    bool on_gpu, has_max_memory;
+    uint64_t max_memory;
     fnl_compress_params params;
 };
 
@@ -37,6 +40,7 @@ static void print_help(void) {
          "                         fanal render has them: +X in the middle of the picture, +Z a quarter of the width to the right\n"
          "  --on cpu|gpu           what compresses (cpu); both give the same file\n"
          "  --device DEVICE        the Vulkan device, by index or part of its name, as 'fanal devices' lists them\n"
+         "  --max-memory SIZE      how much memory the picture may decode to: bytes, or with K, M or G (half of the machine's)\n"
          "  -h, --help             prints this text\n"
          "\n"
          "Exit status: 0 when the file was written, 2 on an error.\n"
@@ -50,7 +54,7 @@ static void print_help(void) {
 static bool parse_value(const char *option, const char *text, const char *const *names, int count, int *out) {
     for (*out = 0; *out < count; ++*out)
         if (strcmp(text, names[*out]) == 0) return true;
-    fprintf(stderr, "fanal compress: --%s: '%s' is none of:", option, text);
+    fprintf(stderr, "fanal: error: --%s: '%s' is none of:", option, text);
     for (int i = 0; i < count; i++) fprintf(stderr, "%s %s", i ? "," : "", names[i]);
     fputc('\n', stderr);
     return false;
@@ -64,16 +68,15 @@ static bool is_texture(const char *path) { return has_extension(path, "dds") || 
 
 /* EXIT_DONE when the work can begin, EXIT_ERROR after a message; `*helped` when --help was all. */
 static int parse_options(int argc, char **argv, struct compression *out, bool *helped) {
-    enum { QUALITY = 256, SIGNED, MIPS, CUBE, ON, DEVICE };
+    enum { QUALITY = 256, SIGNED, MIPS, CUBE, ON, DEVICE, MAX_MEMORY };
     static const struct option options[] = {
         {"output", required_argument, NULL, 'o'}, {"quality", required_argument, NULL, QUALITY}, {"signed", no_argument, NULL, SIGNED},
         {"mips", no_argument, NULL, MIPS},        {"cube", required_argument, NULL, CUBE},       {"on", required_argument, NULL, ON},
-        {"device", required_argument, NULL, DEVICE}, {"help", no_argument, NULL, 'h'},           {0},
+        {"device", required_argument, NULL, DEVICE}, {"max-memory", required_argument, NULL, MAX_MEMORY}, {"help", no_argument, NULL, 'h'},           {0},
     };
     static const char *const qualities[] = {"fast", "quality", "best"}, *const processors[] = {"cpu", "gpu"};
     optind = 0; /* glibc: starts anew, whatever was parsed before */
     for (int key, value; (key = argument_next(argc, argv, "o:h", options)) != -1;) {
-        char *end;
         switch (key) {
         case 'o':
             out->output = optarg;
@@ -89,11 +92,8 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
             out->params.mips = true;
             break;
         case CUBE: {
-            long size = strtol(optarg, &end, 10);
-            if (end == optarg || *end || size < 1 || size > 4096) {
-                fprintf(stderr, "fanal compress: --cube: '%s' is not a number from 1 to 4096\n", optarg);
-                return EXIT_ERROR;
-            }
+            long long size;
+            if (!argument_integer("cube", optarg, 1, 4096, &size)) return EXIT_ERROR;
             out->params.cube_size = (uint32_t)size;
             break;
         }
@@ -104,6 +104,10 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
         case DEVICE:
             out->device = optarg;
             break;
+        case MAX_MEMORY:
+            if (!argument_bytes("max-memory", optarg, &out->max_memory)) return EXIT_ERROR;
+            out->has_max_memory = true;
+            break;
         case 'h':
             print_help();
             *helped = true;
@@ -113,21 +117,21 @@ static int parse_options(int argc, char **argv, struct compression *out, bool *h
         }
     }
     if (argc - optind != 1 || !out->output) {
-        fprintf(stderr, "fanal compress: one picture and -o FILE are needed (see fanal compress --help)\n");
+        fprintf(stderr, "fanal: error: one picture and -o FILE are needed; see 'fanal compress --help'\n");
         return EXIT_ERROR;
     }
     out->input = argv[optind];
     if (!is_texture(out->output) && !(is_texture(out->input) && (has_extension(out->output, "exr") || has_extension(out->output, "hdr")))) {
-        fprintf(stderr, "fanal compress: %s: a picture is compressed to .dds or .ktx2, and these are decoded to .exr or .hdr\n", out->output);
+        fprintf(stderr, "fanal: error: %s: a picture is compressed to .dds or .ktx2, and these are decoded to .exr or .hdr\n", out->output);
         return EXIT_ERROR;
     }
     if (!output_check(out->output)) return EXIT_ERROR;
     if (out->on_gpu && out->params.quality == FNL_COMPRESS_BEST) {
-        fputs("fanal compress: --quality best is for --on cpu alone\n", stderr);
+        fputs("fanal: error: --quality best is for --on cpu alone\n", stderr);
         return EXIT_ERROR;
     }
     if (out->device && !out->on_gpu) {
-        fputs("fanal compress: --device goes with --on gpu\n", stderr);
+        fputs("fanal: error: --device goes with --on gpu\n", stderr);
         return EXIT_ERROR;
     }
     return EXIT_DONE;
@@ -150,12 +154,7 @@ static int compress(struct compression *c, const fnl_image *image) {
     fnl_device *device = NULL;
     if (c->on_gpu) {
         fnl_device_params params = fnl_device_params_default();
-        char *end = NULL;
-        long index = c->device ? strtol(c->device, &end, 10) : -1;
-        if (c->device && *c->device && !*end)
-            params.index = (int32_t)(index < 0 || index > INT32_MAX ? INT32_MAX : index);
-        else
-            params.name = c->device;
+        argument_device(c->device, &params);
         if (fnl_device_create(&params, &device) != FNL_OK) return EXIT_ERROR;
         c->params.device = device;
     }
@@ -171,7 +170,9 @@ int command_compress(int argc, char **argv) {
     fnl_image image;
     int code = parse_options(argc, argv, &compression, &helped);
     if (code != EXIT_DONE || helped) return code;
-    if (fnl_image_load(NULL, compression.input, &image) != FNL_OK) return EXIT_ERROR;
+    const fnl_result result = compression.has_max_memory ? fnl_image_load_within(NULL, compression.input, compression.max_memory, &image)
+                                                         : fnl_image_load(NULL, compression.input, &image);
+    if (result != FNL_OK) return EXIT_ERROR;
     if (is_texture(compression.output))
         code = compress(&compression, &image);
     else

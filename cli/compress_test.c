@@ -63,6 +63,7 @@ static void test_options(void **state) {
     assert_non_null(strstr(out, "size   8 x 8, 6 faces, 4 mips\n"));
     assert_non_null(strstr(out, "modes  11: 42  (blocks)\n")); /* 6 (4 + 1 + 1 + 1) */
     assert_int_equal(run("a.exr --signed --quality best -o a.dds"), 0);
+    assert_int_equal(run("a.exr --quality fast --max-memory 2K -o a.dds"), 0);
     assert_int_equal(run("--help"), 0);
     assert_non_null(strstr(out, "Examples:"));
 }
@@ -78,11 +79,13 @@ static void test_errors_name_what_is_wrong(void **state) {
         {"a.exr -o none/a.dds", "none/a.dds"},
         {"a.exr --quality good -o a.dds", "--quality: 'good' is none of: fast, quality, best"},
         {"a.exr --on tpu -o a.dds", "--on: 'tpu'"},
-        {"a.exr --cube 0 -o a.dds", "--cube: '0' is not a number from 1 to 4096"},
+        {"a.exr --cube 0 -o a.dds", "--cube: '0' is not a whole number from 1 to 4096"},
         {"a.exr --cube 4097 -o a.dds", "'4097'"},
         {"a.exr --cube 8x -o a.dds", "'8x'"},
         {"a.exr --device 0 -o a.dds", "--device goes with --on gpu"},
         {"a.exr --on gpu --quality best -o a.dds", "for --on cpu alone"},
+        {"a.exr --max-memory 1K -o a.dds", "a.exr: the picture of 16 x 8 pixels needs 2048 bytes of memory, over the limit of 1024"},
+        {"a.exr --max-memory x -o a.dds", "--max-memory: 'x'"},
         {"a.exr --frobnicate", "frobnicate"},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "counters.h"
 
+#include "json_text.h"
+#include "print.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,8 +26,8 @@ static void print_row(const fnl_counter *c, bool markdown) {
         printf("| `%s` | %s | %s | %s%s%s%s%s |\n", c->key, unit, c->help, paths, both, *c->needs ? "`" : "", c->needs,
                *c->needs ? "`" : "");
     else
-        printf("%s%s%s%s\n    %s\n%s%s%s%s%s", c->key, *unit ? " (" : "", unit, *unit ? ")" : "", c->help,
-               *paths || *c->needs ? "    with: " : "", paths, both, c->needs, *paths || *c->needs ? "\n" : "");
+        printf(*paths || *c->needs ? "%s%s%s%s\n    %s\n%s%s%s%s\n" : "%s%s%s%s\n    %s\n%s%s%s%s", c->key, *unit ? " (" : "", unit, *unit ? ")" : "", c->help,
+               *paths || *c->needs ? "    with: " : "", paths, both, c->needs);
 }
 
 void counters_print(enum options_form form) {
@@ -52,9 +55,7 @@ void counters_print(enum options_form form) {
         else
             print_row(&c, form == OPTIONS_MARKDOWN);
     }
-    char *text = form == OPTIONS_JSON ? json_dumps(all, JSON_INDENT(1)) : NULL;
-    if (text) puts(text);
-    free(text);
+    if (form == OPTIONS_JSON) json_text_print(all, JSON_INDENT(1));
     json_decref(all);
 }
 

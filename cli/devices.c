@@ -2,6 +2,8 @@
 /* fanal devices: the Vulkan devices of this machine. */
 #include "argument_next.h"
 #include "commands.h"
+#include "json_text.h"
+#include "print.h"
 
 #include "fanal/device.h"
 
@@ -81,8 +83,7 @@ static int print_json(const fnl_device_info *infos, uint32_t count) {
                             "max_msaa", (int)d->max_msaa, "subgroup_size", (int)d->subgroup_size, "max_views", (int)d->max_views,
                             "features", optional));
     }
-    int status = json_dumpf(list, stdout, JSON_INDENT(2)) == 0 ? 0 : 2;
-    putchar('\n');
+    int status = json_text_print(list, JSON_INDENT(2)) ? 0 : 2;
     json_decref(list);
     return status;
 }
@@ -101,7 +102,6 @@ int command_devices(int argc, char **argv) {
             print_help();
             return 0;
         default:
-            fputs("fanal: see 'fanal devices --help'\n", stderr);
             return 2;
         }
     }

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "headset.h"
+#include "input.h"
+
+#include "print.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -224,7 +227,13 @@ static bool read_all(struct reader *r, json_t *root, struct headset *out) {
 }
 
 static json_t *load(struct reader *r, const char *path, json_error_t *error) {
-    if (strncmp(path, "builtin:", 8) != 0) return json_load_file(path, JSON_REJECT_DUPLICATES, error);
+    if (strncmp(path, "builtin:", 8) != 0) {
+        FILE *file = input_open(path, 1 << 28);
+        json_t *root = file ? json_loadf(file, JSON_REJECT_DUPLICATES, error) : NULL;
+        r->failed = !file;
+        if (file) fclose(file);
+        return root;
+    }
     for (uint32_t i = 0; headset_builtin(i); i++)
         if (strcmp(path + 8, builtins[i].name) == 0) return json_loads(builtins[i].text, 0, error);
     r->failed = true;

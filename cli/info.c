@@ -5,7 +5,9 @@
 #include "argument_next.h"
 #include "arguments.h"
 #include "commands.h"
+#include "json_text.h"
 #include "loading.h"
+#include "print.h"
 
 #include "fanal/scene.h"
 
@@ -240,7 +242,7 @@ static void print_metadata(const fnl_scene *scene) {
         json_object_foreach(packet, key, value) {
             if (strcmp(key, "@context") == 0) continue;
             json_t *name = json_string(key);
-            char *name_text = json_dumps(name, JSON_ENCODE_ANY), *text = json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT);
+            char *name_text = json_text_write(name, JSON_ENCODE_ANY), *text = json_text_write(value, JSON_ENCODE_ANY | JSON_COMPACT);
             if (name_text && text) printf("       %s: %.160s\n", name_text, text);
             free(name_text);
             free(text);
@@ -252,7 +254,7 @@ static void print_metadata(const fnl_scene *scene) {
 }
 
 static void print_text(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
-    puts(source);
+    printf("%s\n", source);
     print_counts(info);
     print_images(scene, info->image_count);
     print_lights(scene, info->light_count);
@@ -299,7 +301,7 @@ static json_t *json_counts(const fnl_scene_info *info) {
 
 static json_t *json_light(const char *name, const fnl_light_params *light) {
     json_t *object =
-        json_pack("{s:s,s:s,s:f,s:[f,f,f]}", "name", name, "kind", fnl_value_name(FNL_ENUM_LIGHT_KIND, light->kind), "intensity", (double)light->intensity,
+        json_pack("{s:o,s:s,s:f,s:[f,f,f]}", "name", json_text(name), "kind", fnl_value_name(FNL_ENUM_LIGHT_KIND, light->kind), "intensity", (double)light->intensity,
                   "color", (double)light->color[0], (double)light->color[1], (double)light->color[2]);
     if (light->kind != FNL_LIGHT_DIRECTIONAL) {
         json_object_set_new(object, "position", json_vec3(light->position));
@@ -337,7 +339,7 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
     fnl_camera camera;
     fnl_scene_query_camera(scene, index, &camera);
     json_t *object = json_object();
-    json_object_set_new(object, "name", json_string(name_of(scene, FNL_ENTITY_CAMERA, index)));
+    json_object_set_new(object, "name", json_text(name_of(scene, FNL_ENTITY_CAMERA, index)));
     json_object_set_new(object, "orthographic", json_boolean(camera.orthographic));
     json_object_set_new(object, camera.orthographic ? "vertical_extent" : "vertical_fov",
                         json_real((double)(camera.orthographic ? camera.vertical_extent : camera.vertical_fov)));
@@ -365,7 +367,7 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     for (uint32_t i = 0; i < info->image_count; i++) {
         fnl_image_info image;
         fnl_scene_query_image(scene, i, &image);
-        json_array_append_new(images, json_pack("{s:s,s:s,s:I,s:I}", "name", image.name, "kind", image.file_kind, "width",
+        json_array_append_new(images, json_pack("{s:o,s:s,s:I,s:I}", "name", json_text(image.name), "kind", image.file_kind, "width",
                                                 (json_int_t)image.width, "height", (json_int_t)image.height));
     }
     for (uint32_t i = 0; i < info->light_count; i++) {
@@ -377,20 +379,20 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     for (uint32_t i = 0; i < info->animation_count; i++) {
         fnl_animation_info animation;
         fnl_scene_query_animation(scene, i, &animation);
-        json_array_append_new(animations, json_pack("{s:s,s:f,s:I}", "name", animation.name, "duration", animation.duration,
+        json_array_append_new(animations, json_pack("{s:o,s:f,s:I}", "name", json_text(animation.name), "duration", animation.duration,
                                                     "channels", (json_int_t)animation.channel_count));
     }
-    for (uint32_t i = 0; i < info->variant_count; i++) json_array_append_new(variants, json_string(name_of(scene, FNL_ENTITY_VARIANT, i)));
+    for (uint32_t i = 0; i < info->variant_count; i++) json_array_append_new(variants, json_text(name_of(scene, FNL_ENTITY_VARIANT, i)));
     for (uint32_t i = 0; i < info->extension_count; i++) {
         fnl_extension_info extension;
         fnl_scene_query_extension(scene, i, &extension);
-        json_array_append_new(extensions, json_pack("{s:s,s:b,s:s}", "name", extension.name, "required", extension.required,
+        json_array_append_new(extensions, json_pack("{s:o,s:b,s:s}", "name", json_text(extension.name), "required", extension.required,
                                                     "treatment", extension.treatment));
     }
     for (uint32_t i = 0; i < info->message_count; i++)
-        json_array_append_new(warnings, json_string(fnl_scene_message(scene, i)));
+        json_array_append_new(warnings, json_text(fnl_scene_message(scene, i)));
     bool empty = info->bounds_low.x > info->bounds_high.x;
-    json_object_set_new(root, "source", json_string(source));
+    json_object_set_new(root, "source", json_text(source));
     json_object_set_new(root, "counts", json_counts(info));
     json_object_set_new(
         root, "extent",
@@ -405,7 +407,7 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     for (int k = 0; k < NAMED_COUNT; k++) {
         json_t *names = json_array();
         uint32_t count = fnl_scene_count(scene, named[k].kind);
-        for (uint32_t i = 0; i < count; i++) json_array_append_new(names, json_string(name_of(scene, named[k].kind, i)));
+        for (uint32_t i = 0; i < count; i++) json_array_append_new(names, json_text(name_of(scene, named[k].kind, i)));
         json_object_set_new(root, named[k].key, names);
     }
     json_t *metadata = json_array();
@@ -418,10 +420,9 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
 
 static int print_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
     json_t *root = make_json(scene, source, info, variant);
-    int failed = json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    putchar('\n');
+    const bool failed = !json_text_print(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     json_decref(root);
-    if (failed) fprintf(stderr, "fanal: error: the JSON could not be written\n");
+    if (failed) fputs("fanal: error: the JSON could not be written\n", stderr);
     return failed ? EXIT_ERROR : EXIT_GOOD;
 }
 
@@ -476,7 +477,6 @@ int command_info(int argc, char **argv) {
             if (!loading_parse(option, optarg, &loading)) return EXIT_ERROR;
             break;
         default:
-            fputs("fanal: see 'fanal info --help'\n", stderr);
             return EXIT_ERROR;
         }
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal info --gbuffers: the layouts of the G-buffer, and what they cost. */
 #include "info.h"
+#include "print.h"
 
 #include "fanal/renderer.h"
 

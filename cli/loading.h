@@ -20,7 +20,8 @@ enum { LOADING_LENIENT = 1, LOADING_CONFINE, LOADING_MAX_MEMORY, LOADING_END };
     "  --lenient                  loads what it can of a file that is refused otherwise: one that requires an extension\n"  \
     "                             that Fanal does not show, or whose data is missing\n"                                     \
     "  --confine                  refuses to read files outside the scene's folder\n"                                       \
-    "  --max-memory SIZE          how much memory the file may decode to: bytes, or with K, M or G (half of the machine's)\n"
+    "  --max-memory SIZE          how much memory the file, and the environment's, may each decode to: bytes,\n"  \
+    "                             or with K, M or G (half of the machine's)\n"
 
 /** Whether an option that getopt_long gave is one of them. */
 bool loading_has(int option);

@@ -2,9 +2,11 @@
 #include "commands.h"
 #include "loading.h"
 #include "output.h"
+#include "print.h"
 
 #include "fanal/base.h"
 
+#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,7 +68,9 @@ static int show(int argc, char **argv) {
 #else
     (void)argc;
 #endif
-    fprintf(stderr, "fanal: error: %s. To render a picture: fanal render '%s' -o picture.png\n", problem, argv[1]);
+    char *scene = print_shell_word(argv[1]);
+    fprintf(stderr, "fanal: error: %s. To render a picture: fanal render %s -o picture.png\n", problem, scene ? scene : "SCENE");
+    free(scene);
     return 2;
 }
 
@@ -100,8 +104,15 @@ static int run(int argc, char **argv) {
     return 2;
 }
 
+/* Options, files and reports have decimal points, whatever locale a library that is loaded sets for the process: a headset's runtime, a layer of Vulkan. */
+static void fix_numbers(void) {
+    locale_t base = duplocale(LC_GLOBAL_LOCALE), fixed = base ? newlocale(LC_NUMERIC_MASK, "C", base) : base;
+    if (fixed) uselocale(fixed);
+}
+
 int main(int argc, char **argv) {
     output_guard_streams();
+    fix_numbers();
     int status = run(argc, argv);
     return output_flush() ? status : 2;
 }

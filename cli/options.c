@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "options.h"
 
+#include "json_text.h"
+#include "print.h"
+
 #include <math.h>
 #include <float.h>
 #include <stdio.h>
@@ -98,7 +101,7 @@ bool options_print_values(const char *key, const char *value) {
     for (uint32_t i = 0; (name = fnl_value_name(option.names, i)); i++) {
         const char *help = fnl_value_help(option.names, i);
         if (help) printf("%-15s %s\n", name, help);
-        else puts(name);
+        else printf("%s\n", name);
     }
     return true;
 }
@@ -249,9 +252,7 @@ void options_print(enum options_form form) {
     }
     json_t *all = json_array();
     for (uint32_t i = 0; fnl_option_query(i, &o); i++) json_array_append_new(all, describe(&o, &usual));
-    char *text = json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    if (text) puts(text);
-    free(text);
+    json_text_print(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
     json_decref(all);
 }
 

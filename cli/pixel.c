@@ -2,6 +2,8 @@
 #include "pixel.h"
 
 #include "arguments.h"
+#include "json_text.h"
+#include "print.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -84,7 +86,7 @@ static json_t *light_json(const fnl_scene *scene, const fnl_pixel_light *l) {
     if (l->shadow == FNL_PIXEL_SHADOW_MAP)
         map = json_pack("{s:i,s:i,s:[i,i],s:[i,i]}", "face", (int)l->shadow_face, "level", (int)l->shadow_level, "page", (int)l->shadow_page[0],
                         (int)l->shadow_page[1], "atlas", (int)l->shadow_atlas[0], (int)l->shadow_atlas[1]);
-    return json_pack("{s:o,s:s,s:b,s:b,s:o,s:f,s:f,s:s,s:o}", "light", index_or_null(l->index), "name", pixel_light_name(scene, l), "directional",
+    return json_pack("{s:o,s:o,s:b,s:b,s:o,s:f,s:f,s:s,s:o}", "light", index_or_null(l->index), "name", json_text(pixel_light_name(scene, l)), "directional",
                      l->directional, "listed", l->listed, "radiance", rgb(l->radiance), "luminance", (double)l->luminance, "visibility", (double)l->visibility,
                      "shadow", pixel_shadow_name(l->shadow), "map", map);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "progress.h"
 
+#include "print.h"
+
 #include <math.h>
 #include <pthread.h>
 #include <stdarg.h>

@@ -10,6 +10,7 @@
 #include "options.h"
 #include "output.h"
 #include "pixel.h"
+#include "print.h"
 #include "views.h"
 
 #include <errno.h>
@@ -55,7 +56,7 @@ static void print_help(void) {
          "Defaults are in brackets.\n"
          "\n"
          "Picture\n"
-         "  -o, --output FILE|-        the file to write, - for stdout; can be given several times\n"
+         "  -o, --output FILE|-        the file to write, - for stdout; can be given several times; %% is a percent sign\n"
          "  --format KIND              what -o - writes: png exr raw y4m y4m444 (png; for a sequence y4m)\n"
          "  --size WxH                 pixels (1280x720)\n"
          WORLD_CAMERA_HELP
@@ -121,10 +122,10 @@ static void print_help(void) {
 /* ---- reading arguments ---- */
 
 bool render_parse_aov(const char *text, uint32_t *aovs) {
-    char copy[128];
+    char copy[128], *rest = copy;
     if (strlen(text) >= sizeof copy) return argument_bad("aov", text, "a list such as depth,normal");
     strcpy(copy, text);
-    for (char *part = strtok(copy, ","); part; part = strtok(NULL, ",")) {
+    for (char *part; (part = strsep(&rest, ","));) {
         int index;
         if (!argument_name("aov", part, render_aov_name, &index)) return false;
         *aovs |= 1u << index;
@@ -353,22 +354,26 @@ static const struct option own_options[] = {
 };
 enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
 
-/* Of two outputs that are one file the first would be lost. Patterns of sequences count without the widths of their numbers. */
-static bool is_same_file(const char *a, const char *b) {
-    char plain[2][4096];
-    for (int i = 0; i < 2; i++) {
-        const char *path = i ? b : a, *percent = strchr(path, '%');
-        int before = percent ? (int)(percent + 1 - path) : (int)strlen(path);
-        const char *after = path + before + strspn(path + before, percent ? "0123456789" : "");
-        snprintf(plain[i], sizeof plain[i], "%.*s%s", before, path, after);
+/* The path of an output; a field stays, without the width of its number. */
+static const char *plain_path(const char *pattern, char path[4096]) {
+    const char *percent, *field;
+    int width;
+    size_t used = 0;
+    if ((field = output_next_field(pattern, &percent, &width))) {
+        used = output_append(path, 0, 4096, pattern, (size_t)(percent - pattern));
+        used = output_append(path, used, 4096, "%", 1);
+        pattern = field;
     }
-    return output_is_same(plain[0], plain[1]);
+    output_append(path, used, 4096, pattern, strlen(pattern));
+    return path;
 }
 
+/* Of two outputs that are one file the first would be lost. */
 static bool check_files(const struct render_options *o) {
     const char *files[RENDER_MAX_OUTPUTS + 5];
+    char paths[RENDER_MAX_OUTPUTS][4096];
     int count = 0;
-    for (; count < o->output_count; count++) files[count] = o->outputs[count];
+    for (; count < o->output_count; count++) files[count] = plain_path(o->outputs[count], paths[count]);
     if (o->stats) files[count++] = o->stats;
     if (o->trace_file) files[count++] = o->trace_file;
     if (o->save_scene) files[count++] = o->save_scene;
@@ -377,13 +382,13 @@ static bool check_files(const struct render_options *o) {
     if (o->stereo.hmd) files[count++] = o->stereo.hmd;
     for (int i = 0; i < written; i++)
         for (int k = i + 1; k < count; k++) {
-            if (!is_same_file(files[i], files[k])) continue;
+            if (!output_is_same(files[i], files[k])) continue;
             fprintf(stderr, "fanal: error: %s and %s are one file%s\n", files[i], files[k],
                     k < written ? ", which would be written twice" : k == written ? ": the scene would be overwritten" : ": the headset would be overwritten");
             return false;
         }
     for (int i = 0; i < written; i++)
-        if (!render_is_stdout(files[i]) && !output_check(files[i])) return false;
+        if (!render_is_stdout(files[i]) && !(i < o->output_count ? output_check_pattern(o->outputs[i]) : output_check(files[i]))) return false;
     return true;
 }
 
@@ -400,13 +405,13 @@ static bool check_options(struct render_options *o) {
         has_stdout = has_stdout || is_stdout;
         if (sequence && is_stdout && format < RENDER_RAW) problem = "a sequence goes to stdout as --format raw, y4m or y4m444";
         if (sequence && !is_stdout && !render_is_sequence(o->outputs[i]))
-            problem = "each output of a sequence has one %d, or as %04d, for the frame's number";
+            problem = "each output of a sequence has one %d, or as %04d, for the frame's number (%% is a percent sign)";
         if (o->views && is_stdout) problem = "-o - takes the picture of one view, not those of --views";
         if (o->views && !is_stdout && !render_is_sequence(o->outputs[i]))
-            problem = "each output of --views has one %d, or as %02d, for the view's number";
+            problem = "each output of --views has one %d, or as %02d, for the view's number (%% is a percent sign)";
         if (o->stereo.kind == STEREO_LAYERS && is_stdout) problem = "-o - takes one picture, not those of --stereo layers";
         if (o->stereo.kind == STEREO_LAYERS && !is_stdout && !render_is_sequence(o->outputs[i]))
-            problem = "each output of --stereo layers has one %d for the eye's number";
+            problem = "each output of --stereo layers has one %d for the eye's number (%% is a percent sign)";
     }
     if (render_shows_nothing(o) && !o->save_scene)
         problem = "no output was asked for: give -o FILE, --stats FILE, --pixel X,Y, --plan, --traffic, --trace-file FILE or --save-scene FILE";
@@ -478,10 +483,7 @@ int command_render(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal render --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         const char *key = NULL;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg))
             return 0;

@@ -137,12 +137,12 @@ struct trace_history;
  * to be. What is saved is exact if memory lasts.
  */
 bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats);
-/** Of the last frame; `view_count` 0: it has one view, or two that are joined, and the paths of outputs are no patterns for the numbers of views. */
-bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer,
+/** Of the last frame, what is not the picture from `linear`, if not NULL; `view_count` 0: it has one view, or two that are joined, and the paths of outputs are no patterns for the numbers of views. */
+bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer, fnl_renderer *linear,
                          const struct supersample *mean, uint32_t view_count);
 /** Says what was written: each output, whose pattern stands for the numbers `first` to `end` - 1 (end 0: it is none), and the other files. */
 void render_print_wrote(const struct render_options *options, uint32_t first, uint32_t end);
-bool render_sequence(const struct render_options *options, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
+bool render_sequence(const struct render_options *options, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer, fnl_renderer *linear,
                      const fnl_frame *frame, struct render_report *report, struct trace_history *trace);
 
 #endif

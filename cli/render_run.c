@@ -5,6 +5,7 @@
 #include "counters.h"
 #include "output.h"
 #include "pixel.h"
+#include "print.h"
 #include "progress.h"
 #include "stream.h"
 #include "supersample.h"
@@ -112,13 +113,8 @@ static bool save_stdout(const struct render_options *o, const fnl_host *host, co
     enum render_format format = render_format_of(o, "-");
     if (format == RENDER_RAW) return stream_raw(&p->images[0]);
     if (format >= RENDER_Y4M) return stream_y4m(&p->images[0], format == RENDER_Y4M ? Y4M_420 : Y4M_444, o->frame_time);
-    const char *parent = getenv("TMPDIR");
-    char folder[3072], path[4096];
-    snprintf(folder, sizeof folder, "%s/fanal-XXXXXX", parent && *parent ? parent : "/tmp");
-    if (!mkdtemp(folder)) {
-        fprintf(stderr, "fanal: error: %s: cannot be made: %s\n", folder, strerror(errno));
-        return false;
-    }
+    char folder[PATH_MAX], path[PATH_MAX + 16];
+    if (!output_make_folder(folder)) return false;
     snprintf(path, sizeof path, "%s/picture.%s", folder, render_format_name(format));
     bool good = render_save_picture(o, host, path, p) && stream_file(path);
     unlink(path);
@@ -126,12 +122,22 @@ static bool save_stdout(const struct render_options *o, const fnl_host *host, co
     return good;
 }
 
+/* What a pattern without a field names: each "%%" is a percent sign. */
+static const char *whole_path(const char *pattern, char path[4096]) {
+    output_append(path, 0, 4096, pattern, strlen(pattern));
+    return path;
+}
+
+static const char *numbered_path(const char *pattern, uint32_t number, char path[4096]) {
+    char numbered[4096];
+    render_number_path(pattern, number, numbered, sizeof numbered);
+    return whole_path(numbered, path);
+}
+
 /* File `index` of a run: those of the first view, then those of the next. */
 static const char *file_path(const struct render_options *o, uint32_t index, uint32_t view_count, char path[4096]) {
     const char *pattern = o->outputs[index % (uint32_t)o->output_count];
-    if (view_count == 0) return pattern;
-    render_number_path(pattern, index / (uint32_t)o->output_count, path, 4096);
-    return path;
+    return view_count ? numbered_path(pattern, index / (uint32_t)o->output_count, path) : whole_path(pattern, path);
 }
 
 static void remove_files(const struct render_options *o, uint32_t count, uint32_t view_count) {
@@ -142,27 +148,23 @@ static void remove_files(const struct render_options *o, uint32_t count, uint32_
     }
 }
 
-/* FIRST to LAST of a pattern's numbers, or the path itself. */
-static void print_wrote(const char *path, uint32_t first, uint32_t end) {
+static void print_wrote(const char *path) {
+    if (path && !render_is_stdout(path)) printf("wrote %s\n", path);
+}
+
+/* FIRST to LAST of a pattern's numbers, or the one path. */
+static void print_pictures(const char *pattern, uint32_t first, uint32_t end) {
     char low[4096], high[4096];
-    if (render_is_stdout(path)) return;
-    if (end == 0) {
-        printf("wrote %s\n", path);
-        return;
-    }
-    render_number_path(path, first, low, sizeof low);
-    render_number_path(path, end - 1, high, sizeof high);
-    if (end - first == 1)
-        printf("wrote %s\n", low);
-    else
-        printf("wrote %s to %s\n", low, high);
+    if (end == 0) print_wrote(whole_path(pattern, low));
+    else if (end - first == 1 || render_is_stdout(pattern)) print_wrote(numbered_path(pattern, first, low));
+    else printf("wrote %s to %s\n", numbered_path(pattern, first, low), numbered_path(pattern, end - 1, high));
 }
 
 void render_print_wrote(const struct render_options *o, uint32_t first, uint32_t end) {
-    for (int i = 0; i < o->output_count; i++) print_wrote(o->outputs[i], first, end);
-    if (o->stats) print_wrote(o->stats, 0, 0);
-    if (o->trace_file) print_wrote(o->trace_file, 0, 0);
-    if (o->save_scene) print_wrote(o->save_scene, 0, 0);
+    for (int i = 0; i < o->output_count; i++) print_pictures(o->outputs[i], first, end);
+    print_wrote(o->stats);
+    print_wrote(o->trace_file);
+    print_wrote(o->save_scene);
 }
 
 /* The pictures of one view, which stay where they are. */
@@ -177,13 +179,13 @@ static struct render_pictures pictures_of(const struct render_pictures *all, uin
     return own;
 }
 
-bool render_save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer,
+bool render_save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer, fnl_renderer *linear,
                          const struct supersample *mean, uint32_t view_count) {
     struct render_pictures p = {0};
     uint32_t outputs = render_wanted_outputs(o);
     bool good = true;
     for (int i = 0; i < RENDER_PICTURES && good; i++)
-        if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
+        if (outputs & 1u << i) good = fnl_renderer_read(linear && i > 0 ? linear : renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
     if (good && o->screen && o->display.given) good = display_show(o->screen, host, &p.images[0]);
@@ -293,12 +295,26 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     return true;
 }
 
+/* The frames of `linear`: as those of an .exr without a picture beside it. */
+static bool run_linear(const struct render_options *o, fnl_renderer *linear, fnl_frame frame, struct supersample *mean) {
+    struct render_report unused = {.options = o};
+    struct supersample radiance = {0};
+    frame.outputs = render_wanted_outputs(o) & ~(uint32_t)FNL_OUTPUT_COLOR;
+    frame.pixel.asked = false;
+    bool good = run_frames(o, linear, frame, &unused, NULL);
+    frame.pin_choice = true;
+    if (good && o->supersample > 1) good = supersample_render(&radiance, linear, &frame, o->supersample);
+    supersample_join(mean, &radiance);
+    report_finish(&unused);
+    return good;
+}
+
 static void print_text(const fnl_renderer *renderer, fnl_print what) {
     size_t length = fnl_renderer_print(renderer, what, NULL, 0);
     char *text = malloc(length + 1);
     if (!text) return;
     fnl_renderer_print(renderer, what, text, length + 1);
-    fputs(text, stdout);
+    fputs(text, stdout); /* own text */
     free(text);
 }
 
@@ -352,10 +368,12 @@ static int run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
     fnl_device *device = NULL;
-    fnl_renderer *renderer = NULL;
+    fnl_renderer *renderer = NULL, *linear = NULL;
     struct render_report report = {.options = o, .time = o->world.time, .picture = UINT32_MAX};
     fnl_frame frame = o->frame;
     frame.outputs = render_wanted_outputs(o);
+    const bool both = frame.outputs & FNL_OUTPUT_COLOR && frame.outputs & FNL_OUTPUT_RADIANCE;
+    if (both) frame.outputs = FNL_OUTPUT_COLOR; /* the rest is of frames of its own: linear ones have more bits, which would show in the picture */
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
     if (!check_video(o) || (takes_stdout(o) && !stream_open())) return 2;
@@ -375,7 +393,7 @@ static int run(const struct render_options *o) {
     bool good = load_and_save(o, &host, &scene, &frame.camera) &&
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) &&
                 (!o->eyes || stereo_cameras(o->eyes, &frame.camera, o->world.time, frame.width, frame.height, cameras)) && fnl_device_create(&device_params, &device) == FNL_OK &&
-                fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
+                fnl_renderer_create(device, scene, &renderer) == FNL_OK && (!both || fnl_renderer_create(device, scene, &linear) == FNL_OK) &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
     if (good && o->screen) good = display_open(o->screen, &o->display, o->eyes, device, frame.width, frame.height);
     if (good && o->screen) frame.hidden_areas = display_hidden(o->screen);
@@ -393,12 +411,13 @@ static int run(const struct render_options *o) {
         good = false;
     }
     if (good) good = warm_up(renderer, &frame);
-    if (good && sequence) good = render_sequence(o, &host, scene, renderer, &frame, &report, trace);
+    if (good && sequence) good = render_sequence(o, &host, scene, renderer, linear, &frame, &report, trace);
     if (good && !sequence) good = run_frames(o, renderer, frame, &report, trace);
     if (good && !sequence && o->supersample > 1) {
         frame.pin_choice = true;
         good = supersample_render(&mean, renderer, &frame, o->supersample);
     }
+    if (good && !sequence && linear) good = run_linear(o, linear, frame, &mean);
     report.frame = frame;
     if (good && frame.pixel.asked) good = query_pixel(renderer, scene, &report);
     if (good && o->validate && fnl_device_validation_count(device)) {
@@ -417,7 +436,7 @@ static int run(const struct render_options *o) {
     if (good && frame.pixel.asked) pixel_print(scene, &report.pixel);
     good = good && output_flush(); /* before anything is written: all or nothing */
     const uint32_t first = sequence ? o->start_frame : 0, end = sequence ? first + report.picture_count : view_count;
-    if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean, view_count);
+    if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, linear, &mean, view_count);
     supersample_free(&mean);
     const bool traced = good && trace && trace_save(trace, o->trace_file), failed = good && trace && !traced;
     if (failed || (good && o->stats && !sequence && !save_stats(o, &report))) {
@@ -431,6 +450,7 @@ static int run(const struct render_options *o) {
     trace_destroy(&trace);
     report_finish(&report);
     if (o->screen) display_close(o->screen);
+    fnl_renderer_destroy(&linear);
     fnl_renderer_destroy(&renderer);
     fnl_device_destroy(&device);
     fnl_scene_destroy(&scene);

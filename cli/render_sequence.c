@@ -3,6 +3,7 @@
 #include "bench.h" /* camera paths */
 #include "interrupt.h"
 #include "output.h"
+#include "print.h"
 #include "progress.h"
 #include "render.h"
 #include "stream.h"
@@ -14,23 +15,29 @@
 #include <string.h>
 
 bool render_is_sequence(const char *path) {
-    const char *percent = strchr(path, '%');
-    if (!percent || strchr(percent + 1, '%')) return false;
-    size_t digits = strspn(percent + 1, "0123456789");
-    return digits <= 2 && percent[1 + digits] == 'd';
+    const char *percent, *field, *second;
+    int width;
+    field = output_next_field(path, &percent, &width);
+    return field && *field == 'd' && field - percent <= 3 && !output_next_field(field, &second, &width);
 }
 
 bool render_makes_sequence(const struct render_options *o) {
     bool sequence = o->camera_path || (o->has_format && o->format >= RENDER_RAW);
-    for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++) sequence = sequence || strchr(o->outputs[i], '%');
+    const char *percent;
+    int width;
+    for (int i = 0; i < o->output_count && !o->views && o->stereo.kind != STEREO_LAYERS; i++)
+        sequence = sequence || output_next_field(o->outputs[i], &percent, &width);
     return sequence;
 }
 
 /* Written by hand, as the format is the user's. */
 void render_number_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
-    const char *percent = strchr(pattern, '%');
-    int width = atoi(percent + 1), prefix = (int)(percent - pattern);
-    snprintf(out, capacity, "%.*s%0*u%s", prefix, pattern, width, index, strchr(percent, 'd') + 1);
+    const char *percent, *field;
+    int width;
+    if ((field = output_next_field(pattern, &percent, &width)))
+        snprintf(out, capacity, "%.*s%0*u%s", (int)(percent - pattern), pattern, width, index, field + 1);
+    else
+        snprintf(out, capacity, "%s", pattern);
 }
 
 /* Pictures that show something of earlier ones: how many of those are rendered first when a sequence begins in the middle. */
@@ -46,7 +53,7 @@ struct sequence {
     fnl_vec3 gaze;
     const fnl_host *host;
     fnl_scene *scene;
-    fnl_renderer *renderer;
+    fnl_renderer *renderer, *linear; /* the second: of what is not the picture, where both are wanted; or NULL */
     fnl_frame frame;
     fnl_frame_stats stats;
     struct trace_history *trace;
@@ -69,7 +76,21 @@ static bool pose(struct sequence *s, uint32_t index) {
     return world_set_time(&o->world, s->scene, s->time);
 }
 
-static bool render(struct sequence *s, struct supersample *mean) {
+static bool render_linear(struct sequence *s, struct supersample *mean) {
+    fnl_frame frame = s->frame;
+    fnl_frame_stats stats;
+    frame.outputs = render_wanted_outputs(s->o) & ~(uint32_t)FNL_OUTPUT_COLOR;
+    if (s->o->supersample > 1) {
+        struct supersample radiance = {0};
+        const bool good = supersample_render(&radiance, s->linear, &frame, s->o->supersample);
+        supersample_join(mean, &radiance);
+        return good;
+    }
+    if (fnl_renderer_render(s->linear, &frame) != FNL_OK || fnl_renderer_query_stats(s->linear, &stats) != FNL_OK) return false;
+    return earlier_pictures(&frame) > 0 || render_settle_pools(s->linear, &frame, &stats);
+}
+
+static bool render_picture(struct sequence *s, struct supersample *mean) {
     const double called = trace_now();
     trace_mark(s->trace, "render");
     if (s->o->supersample > 1 ? !supersample_render(mean, s->renderer, &s->frame, s->o->supersample)
@@ -89,6 +110,8 @@ static void keep_exposure(struct sequence *s) {
     s->frame.ev = s->stats.ev;
 }
 
+static bool render(struct sequence *s, struct supersample *mean) { return render_picture(s, mean) && (!s->linear || render_linear(s, mean)); }
+
 static bool save(struct sequence *s, uint32_t index, const struct supersample *mean) {
     char paths[RENDER_MAX_OUTPUTS][4096];
     struct render_options single = *s->o;
@@ -97,7 +120,7 @@ static bool save(struct sequence *s, uint32_t index, const struct supersample *m
         render_number_path(single.outputs[k], index, paths[k], sizeof paths[k]);
         single.outputs[k] = paths[k];
     }
-    return render_save_outputs(&single, s->host, s->renderer, mean, 0);
+    return render_save_outputs(&single, s->host, s->renderer, s->linear, mean, 0);
 }
 
 /* One line for each picture: as they come to stdout, all together at the end to a file. */
@@ -109,7 +132,7 @@ static bool note(const struct sequence *s, uint32_t index, struct render_report 
     report->stats = s->stats;
     report->frame_count = 1;
     char *text = report_note(report, 0, &s->stats) ? report_text(report, true) : NULL;
-    bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0);
+    bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0); /* own text */
     if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
     free(text);
     report_finish(report);
@@ -140,9 +163,9 @@ static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
     return true;
 }
 
-bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
+bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer, fnl_renderer *linear,
                      const fnl_frame *frame, struct render_report *report, struct trace_history *trace) {
-    struct sequence s = {.o = o, .host = host, .scene = scene, .renderer = renderer, .frame = *frame, .trace = trace};
+    struct sequence s = {.o = o, .host = host, .scene = scene, .renderer = renderer, .linear = linear, .frame = *frame, .trace = trace};
     if (o->eyes) s.frame.views = s.eyes;
     s.frame.pin_choice = true;
     char *text = NULL;

@@ -2,6 +2,7 @@
 /* The numbers of a run as a table for people; report_json.c has them for programs. */
 #include "legend.h"
 #include "counters.h"
+#include "print.h"
 #include "render.h"
 
 #include <inttypes.h>

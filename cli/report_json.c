@@ -4,6 +4,7 @@
  * where it was not counted. Those of single techniques come from their rows (counters.h).
  */
 #include "counters.h"
+#include "json_text.h"
 #include "pixel.h"
 #include "program.h"
 #include "render.h"
@@ -41,7 +42,7 @@ static json_t *make_view(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     return json_pack("{s:i,s:i,s:s,s:s,s:i,s:o,s:o,s:o,s:f,s:o}", "width", (int)r->frame.width, "height", (int)r->frame.height,
                      "shading", fnl_value_name(FNL_ENUM_SHADING, s->shading), "lists", fnl_value_name(FNL_ENUM_LISTS, s->lists), "msaa",
-                     (int)s->msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "candidates", make_candidates(s), "picture",
+                     (int)s->msaa, "choice", s->choice[0] ? json_text(s->choice) : json_null(), "candidates", make_candidates(s), "picture",
                      counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera",
                      make_camera(&r->frame.camera));
 }
@@ -129,10 +130,10 @@ char *report_text(const struct render_report *r, bool line) {
     const fnl_scene_info *scene = &r->scene;
     double gpu = report_summarise(r->gpu_times, r->frame_count).median;
     json_t *json = json_pack(
-        "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f,s:o},s:o,s:i,s:o}",
+        "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f,s:o},s:o,s:i,s:o}",
         "version", FORMAT_VERSION, "program", "version", fnl_version(), "commit", program_commit, "device", "name",
         r->device.name, "driver", r->device.driver, "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, r->device.type), "scene", "source",
-        r->options->world.scene, "triangles", integer(scene->triangle_count), "instances", integer(scene->instance_count), "lights",
+        json_text(r->options->world.scene), "triangles", integer(scene->triangle_count), "instances", integer(scene->instance_count), "lights",
         integer(s->lights_total), "decals", integer(scene->decal_count), "meshes", integer(scene->mesh_count), "materials",
         integer(scene->material_count), "images", integer(scene->image_count), "animations",
         integer(scene->animation_count), "settings", report_settings(r->options), "view", make_view(r), "passes",
@@ -149,7 +150,7 @@ char *report_text(const struct render_report *r, bool line) {
     json_object_set_new(json, "images", make_images(r));
     json_object_set_new(json, "pixel", pixel_json(r->pixel_scene, &r->pixel));
     counters_set_groups(json, s);
-    char *text = json_dumps(json, (line ? JSON_COMPACT : JSON_INDENT(2)) | JSON_REAL_PRECISION(DIGITS));
+    char *text = json_text_write(json, (line ? JSON_COMPACT : JSON_INDENT(2)) | JSON_REAL_PRECISION(DIGITS));
     json_decref(json);
     char *ended = NULL;
     if (text && asprintf(&ended, "%s\n", text) < 0) ended = NULL;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report_settings.h"
 
+#include "json_text.h"
 #include "options.h"
 
 #include <math.h>
@@ -10,7 +11,6 @@ static json_t *vector(bool is_set, fnl_vec3 v) {
     return is_set ? json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z) : json_null();
 }
 static json_t *number(bool is_set, double value) { return is_set ? json_real(value) : json_null(); }
-static json_t *text(const char *value) { return value ? json_string(value) : json_null(); }
 
 static json_t *names(uint32_t bits, const char *(*name_of)(int)) {
     json_t *array = json_array();
@@ -20,25 +20,25 @@ static json_t *names(uint32_t bits, const char *(*name_of)(int)) {
 }
 
 static void add_eyes(json_t *json, const struct render_options *o) {
-    json_object_set_new(json, "stereo", text(stereo_kind_name((int)o->stereo.kind - 1)));
+    json_object_set_new(json, "stereo", json_text(stereo_kind_name((int)o->stereo.kind - 1)));
     json_object_set_new(json, "ipd", number(!isnan(o->stereo.ipd), (double)o->stereo.ipd));
-    json_object_set_new(json, "hmd", text(o->stereo.hmd));
-    json_object_set_new(json, "lens", text(o->display.given ? display_warp_name((int)o->display.warp) : NULL));
-    json_object_set_new(json, "lens_view", text(display_view_name((int)o->display.view)));
+    json_object_set_new(json, "hmd", json_text(o->stereo.hmd));
+    json_object_set_new(json, "lens", json_text(o->display.given ? display_warp_name((int)o->display.warp) : NULL));
+    json_object_set_new(json, "lens_view", json_text(display_view_name((int)o->display.view)));
     json_object_set_new(json, "hidden_mesh", json_boolean(o->display.hides));
 }
 
 static json_t *make_picture(const struct render_options *o) {
     const fnl_environment_params *environment = &o->world.environment_params;
     json_t *outputs = json_array();
-    for (int i = 0; i < o->output_count; i++) json_array_append_new(outputs, json_string(o->outputs[i]));
+    for (int i = 0; i < o->output_count; i++) json_array_append_new(outputs, json_text(o->outputs[i]));
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:o,s:b,s:b,s:o,s:o}", "output", outputs, "format",
-                     text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", text(o->world.camera), "views", text(o->views), "camera_path",
-                     text(o->camera_path), "eye", vector(o->world.has_eye, o->world.eye), "look_at", vector(o->world.has_look_at, o->world.look_at), "fov",
+                     json_text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", json_text(o->world.camera), "views", json_text(o->views), "camera_path",
+                     json_text(o->camera_path), "eye", vector(o->world.has_eye, o->world.eye), "look_at", vector(o->world.has_look_at, o->world.look_at), "fov",
                      number(o->world.fov > 0, (double)o->world.fov * 57.295779513082321), "near", number(o->world.near > 0, (double)o->world.near), "up",
                      vector(o->world.up.x != 0 || o->world.up.y != 0 || o->world.up.z != 0, o->world.up), "background",
                      vector(o->world.has_background, o->world.background), "ambient", vector(o->world.has_ambient, o->world.ambient), "environment",
-                     text(o->world.environment), "environment_rotation", (double)environment->rotation * 57.295779513082321, "environment_intensity",
+                     json_text(o->world.environment), "environment_rotation", (double)environment->rotation * 57.295779513082321, "environment_intensity",
                      number(!environment->intensity_auto, (double)environment->intensity), "environment_hidden", !environment->background, "environment_compressed", environment->compressed, "anisotropy",
                      number(o->world.has_anisotropy, (double)o->world.anisotropy), "aov", names(o->aovs, render_aov_name));
 }
@@ -65,7 +65,7 @@ static void add_scene(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "light_seed", json_integer((json_int_t)o->world.scatter.seed));
     json_object_set_new(json, "light_shapes", shapes);
     json_object_set_new(json, "light_scale", json_real((double)o->world.scatter.radius_scale));
-    json_object_set_new(json, "ies", text(o->world.ies));
+    json_object_set_new(json, "ies", json_text(o->world.ies));
     uint64_t most = o->world.loading.max_memory < INT64_MAX ? o->world.loading.max_memory : INT64_MAX;
     json_object_set_new(json, "probe", probes(o));
     json_object_set_new(json, "probe_auto", json_boolean(o->world.probe_auto));
@@ -76,8 +76,8 @@ static void add_scene(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "max_memory", json_integer((json_int_t)most));
     json_object_set_new(json, "range_roughness", number(o->world.has_range_roughness, (double)o->world.range_roughness));
     json_object_set_new(json, "time", json_real(o->world.time));
-    json_object_set_new(json, "animation", text(o->world.animation));
-    json_object_set_new(json, "variant", text(o->world.variant));
+    json_object_set_new(json, "animation", json_text(o->world.animation));
+    json_object_set_new(json, "variant", json_text(o->world.variant));
 }
 
 static void add_run(json_t *json, const struct render_options *o) {
@@ -85,14 +85,14 @@ static void add_run(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "start_frame", json_integer(o->start_frame));
     json_object_set_new(json, "frame_time", json_real(o->frame_time));
     json_object_set_new(json, "choose_seconds", json_real(o->choose_seconds));
-    json_object_set_new(json, "stats", text(o->stats));
-    json_object_set_new(json, "trace_file", text(o->trace_file));
-    json_object_set_new(json, "save_scene", text(o->save_scene));
+    json_object_set_new(json, "stats", json_text(o->stats));
+    json_object_set_new(json, "trace_file", json_text(o->trace_file));
+    json_object_set_new(json, "save_scene", json_text(o->save_scene));
     const fnl_pixel_query *pixel = &o->frame.pixel;
     json_object_set_new(json, "pixel", pixel->asked ? json_pack("[i,i,i]", (int)pixel->x, (int)pixel->y, (int)pixel->view) : json_null());
-    json_object_set_new(json, "plan", text(render_plan_name((int)o->plan)));
+    json_object_set_new(json, "plan", json_text(render_plan_name((int)o->plan)));
     json_object_set_new(json, "traffic", json_boolean(o->traffic));
-    json_object_set_new(json, "device", text(o->device));
+    json_object_set_new(json, "device", json_text(o->device));
     json_object_set_new(json, "validate", json_boolean(o->validate));
     json_object_set_new(json, "no_cache", json_boolean(o->no_cache));
     json_object_set_new(json, "quiet", json_boolean(o->quiet));

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "stereo.h"
 
+#include "print.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

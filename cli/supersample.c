@@ -54,6 +54,13 @@ void supersample_store(const struct supersample *s, fnl_image *picture) {
     }
 }
 
+void supersample_join(struct supersample *s, struct supersample *radiance) {
+    free(s->radiance);
+    s->radiance = radiance->radiance;
+    radiance->radiance = NULL;
+    supersample_free(radiance);
+}
+
 void supersample_free(struct supersample *s) {
     free(s->color);
     free(s->radiance);

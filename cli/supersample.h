@@ -17,6 +17,8 @@ struct supersample {
 bool supersample_render(struct supersample *s, fnl_renderer *renderer, const fnl_frame *frame, uint32_t count);
 /** Replaces the pixels of a picture of the same size, RGBA8 or RGBA32F, by the mean. */
 void supersample_store(const struct supersample *s, fnl_image *picture);
+/** Takes the radiance of another mean, and frees the rest of it. */
+void supersample_join(struct supersample *s, struct supersample *radiance);
 void supersample_free(struct supersample *s);
 
 #endif

@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "output.h"
+#include "print.h"
 #include "progress.h"
 #include "world.h"
 
@@ -268,10 +269,7 @@ int command_trace(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal trace --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         if (!(world_has(option) ? world_parse(option, optarg, &o.world) : parse_option(&o, option, optarg))) return 2;
     }
     if (argc - optind != 1) {

@@ -2,6 +2,7 @@
 #include "trace_file.h"
 
 #include "output.h"
+#include "print.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "views.h"
 
+#include "arguments.h"
+#include "print.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,11 +48,11 @@ static void say_there_is_none(const fnl_scene *scene, const char *option, const 
 
 bool views_find_camera(const fnl_scene *scene, const char *option, const char *name, fnl_camera *out) {
     const uint32_t count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
-    char *end;
-    unsigned long number = strtoul(name, &end, 10);
-    if (*name && !*end && number < count) return fnl_scene_query_camera(scene, (uint32_t)number, out) == FNL_OK;
+    const char *at = name;
+    uint64_t number;
+    if (argument_take_count(&at, &number) && !*at && number < count) return fnl_scene_query_camera(scene, (uint32_t)number, out) == FNL_OK;
     const char *known;
-    for (uint32_t i = 0; i < count && query_name(scene, i, &known); i++)
+    for (uint32_t i = 0; *name && i < count && query_name(scene, i, &known); i++)
         if (strcmp(known, name) == 0) return fnl_scene_query_camera(scene, i, out) == FNL_OK;
     say_there_is_none(scene, option, name, count);
     return false;

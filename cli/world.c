@@ -2,6 +2,7 @@
 #include "world.h"
 
 #include "arguments.h"
+#include "print.h"
 #include "progress.h"
 #include "views.h"
 
@@ -17,13 +18,15 @@ bool world_has(int option) { return loading_has(option) || (option >= WORLD_CAME
 
 static bool parse_probe(const char *value, struct world_options *o) {
     fnl_probe_params p = fnl_probe_params_default();
-    int used = 0, more = 0;
+    const char *at = value;
+    float numbers[6];
     if (strcmp(value, "auto") == 0) return o->probe_auto = true;
     if (o->probe_count == WORLD_PROBES) return argument_bad("probe", value, "given 32 times at most");
-    if (sscanf(value, "%f,%f,%f,%f,%f,%f%n", &p.centre.x, &p.centre.y, &p.centre.z, &p.half_size.x, &p.half_size.y, &p.half_size.z, &used) != 6)
-        return argument_bad("probe", value, "auto, or six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
-    if (value[used] == ',' && sscanf(value + used, ",%f%n", &p.softness, &more) == 1) used += more;
-    if (value[used]) return argument_bad("probe", value, "auto, or six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
+    bool good = argument_take_numbers(&at, numbers, 6);
+    if (good && *at == ',') good = (++at, argument_take_numbers(&at, &p.softness, 1));
+    p.centre = (fnl_vec3){numbers[0], numbers[1], numbers[2]};
+    p.half_size = (fnl_vec3){numbers[3], numbers[4], numbers[5]};
+    if (!good || *at) return argument_bad("probe", value, "auto, or six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
     o->probes[o->probe_count++] = p;
     return true;
 }
@@ -175,9 +178,9 @@ const char *world_problem(const struct world_options *o) {
 }
 
 static bool find_animation(const fnl_scene *scene, uint32_t count, const char *name, uint32_t *out) {
-    char *end;
-    unsigned long index = strtoul(name, &end, 10);
-    if (*name && !*end && index < count) {
+    const char *at = name;
+    uint64_t index;
+    if (argument_take_count(&at, &index) && !*at && index < count) {
         *out = (uint32_t)index;
         return true;
     }
@@ -197,12 +200,12 @@ static bool find_animations(const fnl_scene *scene, uint32_t animation_count, co
     bool good = copy != NULL;
     *count = 0;
     for (char *part; good && (part = strsep(&rest, ","));) {
-        char *colon = strrchr(part, ':'), *end = part;
+        char *colon = strrchr(part, ':');
+        const char *at = colon ? colon + 1 : "";
         fnl_animation_time *t = &out[*count];
         if (colon) *colon = 0;
         t->seconds = time;
-        t->weight = colon ? strtof(colon + 1, &end) : 0;
-        good = *count < WORLD_ANIMATIONS && colon && end > colon + 1 && !*end && t->weight >= 0 && t->weight <= 1e6f && find_animation(scene, animation_count, part, &t->animation);
+        good = *count < WORLD_ANIMATIONS && argument_take_numbers(&at, &t->weight, 1) && !*at && t->weight >= 0 && t->weight <= 1e6f && find_animation(scene, animation_count, part, &t->animation);
         ++*count;
     }
     float sum = 0;
@@ -354,6 +357,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
     if (o->ies && !give_profile(*scene, o->ies)) return false;
     fnl_environment_params environment = o->environment_params;
     environment.source = o->environment;
+    environment.max_memory = o->loading.max_memory;
     if (!environment.source && lights_studio(o, *scene)) environment.source = "builtin:studio"; /* turned, or as bright, as the options say */
     environment.background &= !o->has_background || o->environment;
     if (!set_environment(&environment, *scene)) return false;

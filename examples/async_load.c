@@ -60,14 +60,14 @@ static fnl_result show(fnl_device *device, const char *source, const char *pictu
     fnl_renderer *renderer = NULL;
     fnl_image image = {0};
     fnl_frame frame = fnl_frame_default();
-    frame.width = 640;
-    frame.height = 360;
+    frame.width = 320;
+    frame.height = 180;
     fnl_result result = fnl_scene_load(NULL, source, &params, &scene);
     if (result == FNL_OK) printf("loaded after %.0f ms\n", milliseconds() - start);
     if (result == FNL_OK)
         result = fnl_scene_count(scene, FNL_ENTITY_CAMERA) > 0
                      ? fnl_scene_query_camera(scene, 0, &frame.camera)
-                     : fnl_scene_query_framing_camera(scene, 640.0f / 360.0f, &frame.camera);
+                     : fnl_scene_query_framing_camera(scene, 320.0f / 180.0f, &frame.camera);
     if (result == FNL_OK) result = fnl_scene_scatter_lights(scene, 20, 1);
     if (result == FNL_OK) result = fnl_renderer_create(device, scene, &renderer);
     if (result == FNL_OK) result = render(renderer, &frame, start);

@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WIDTH = 640, HEIGHT = 360, BYTES = WIDTH * HEIGHT * 4 };
+enum { WIDTH = 320, HEIGHT = 180, BYTES = WIDTH * HEIGHT * 4 };
 
 /* The program's own objects. */
 struct program {

@@ -61,7 +61,7 @@ const uint HAS_TEXTURES = 1u, HAS_NORMAL_MAP = 1u;
 
 // `offset` 1 for points, 0 for differences.
 vec2 texture_uv(gpu_texture t, vec4 uvs, float offset) {
-    vec2 uv = t.uv_set == 0u ? uvs.xy : uvs.zw;
+    vec2 uv = (t.flags & GPU_TEXTURE_UV1) == 0u ? uvs.xy : uvs.zw;
     return vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2] * offset,
                 t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5] * offset);
 }
@@ -75,7 +75,7 @@ vec4 sample_texture(gpu_texture t) {
 #ifdef MATERIAL_GRADIENTS
     vec2 uv = texture_uv(t, in_uv, 1.0), along = texture_uv(t, in_uv_dx, 0.0), across = texture_uv(t, in_uv_dy, 0.0);
     float taps = 1.0;
-    if (GRADIENT_TAPS > 1.0) {
+    if (GRADIENT_TAPS > 1.0 && (t.flags & GPU_TEXTURE_ROUND) == 0u) {
         vec2 size = vec2(textureSize(textures[nonuniformEXT(t.image)], 0));
         float a = length(along * size), b = length(across * size);
         taps = clamp(ceil(max(a, b) / max(min(a, b), 1e-6)), 1.0, GRADIENT_TAPS);
@@ -125,8 +125,8 @@ bool material_culled(material_array materials, uint material) {
 }
 
 // A texel of a normal map, from the axes of the surface to the world; `otherwise` where nothing is left of it.
-vec3 bent_normal(vec3 mapped, float scale, vec3 otherwise) {
-    mapped.xy *= scale;
+vec3 bent_normal(vec3 mapped, vec4 turn, vec3 otherwise) {
+    mapped.xy = vec2(dot(turn.xy, mapped.xy), dot(turn.zw, mapped.xy));
     vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w;
     vec3 bent = mapped.x * in_tangent.xyz + mapped.y * bitangent + mapped.z * in_normal;
     float bent2 = dot(bent, bent);
@@ -139,6 +139,14 @@ vec4 sample_layer(layers_block from, int slot) {
     return t.image == GPU_TEXTURE_NONE ? vec4(1.0) : sample_texture(t);
 }
 
+// True where more light goes through than not: shadow maps, which have nothing in between, have a hole there.
+bool material_clear(material_array materials, uint material) {
+    if ((materials.at[material].flags & GPU_MATERIAL_TRANSMISSIVE) == 0u) return false;
+    layers_block from = materials.at[material].layers;
+    float metallic = clamp(materials.at[material].metallic * sample_slot(materials, material, TEXTURE_METALLIC_ROUGHNESS).b, 0.0, 1.0);
+    return from.layers.transmission * sample_layer(from, TEXTURE_TRANSMISSION).r * (1.0 - metallic) >= 0.5;
+}
+
 // `smooth_normal`: without any normal map, on the viewer's side as `normal` is, the material's.
 surface_layers material_layers(layers_block from, vec3 smooth_normal, vec3 normal, bool turned) {
     surface_layers l;
@@ -146,7 +154,7 @@ surface_layers material_layers(layers_block from, vec3 smooth_normal, vec3 norma
     l.clearcoat_roughness = from.layers.clearcoat_roughness * sample_layer(from, TEXTURE_CLEARCOAT_ROUGHNESS).g;
     l.clearcoat_normal = smooth_normal;
     if (from.layers.textures[TEXTURE_CLEARCOAT_NORMAL].image != GPU_TEXTURE_NONE) {
-        vec3 bent = bent_normal(sample_layer(from, TEXTURE_CLEARCOAT_NORMAL).xyz * 2.0 - 1.0, from.layers.clearcoat_normal_scale,
+        vec3 bent = bent_normal(sample_layer(from, TEXTURE_CLEARCOAT_NORMAL).xyz * 2.0 - 1.0, from.layers.clearcoat_normal_turn,
                                 turned ? -smooth_normal : smooth_normal);
         l.clearcoat_normal = turned ? -bent : bent;
     }
@@ -156,13 +164,14 @@ surface_layers material_layers(layers_block from, vec3 smooth_normal, vec3 norma
     l.film_ior = from.layers.film_ior;
     l.film_thickness = mix(from.layers.film_thinnest, from.layers.film_thickest, sample_layer(from, TEXTURE_IRIDESCENCE_THICKNESS).g);
     l.anisotropy = from.layers.anisotropy;
-    vec2 turn = from.layers.anisotropy_turn, along = vec2(1.0, 0.0);
+    vec4 turn = from.layers.anisotropy_turn;
+    vec2 along = vec2(1.0, 0.0);
     if (from.layers.textures[TEXTURE_ANISOTROPY].image != GPU_TEXTURE_NONE) {
         vec3 texel = sample_layer(from, TEXTURE_ANISOTROPY).xyz;
         along = texel.xy * 2.0 - 1.0;
         l.anisotropy *= texel.z;
     }
-    along = vec2(turn.x * along.x - turn.y * along.y, turn.y * along.x + turn.x * along.y);
+    along = vec2(dot(turn.xy, along), dot(turn.zw, along));
     vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w, tangent = along.x * in_tangent.xyz + along.y * bitangent;
     tangent -= normal * dot(normal, tangent);
     float length2 = dot(tangent, tangent);
@@ -210,7 +219,7 @@ surface material_surface(material_array materials, uint material, out bool hole)
     vec3 normal = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0), smooth_normal = normal;
     if (HAS_NORMAL_MAP == 1u && materials.at[material].textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
         vec3 mapped = sample_slot(materials, material, TEXTURE_NORMAL).xyz * 2.0 - 1.0;
-        normal = bent_normal(mapped, materials.at[material].normal_scale, normal);
+        normal = bent_normal(mapped, materials.at[material].normal_turn, normal);
     }
     bool turned = !front_facing && (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) != 0u;
     s.normal = turned ? -normal : normal;

@@ -45,6 +45,11 @@ vec3 transform_direction(gpu_instance instance, vec3 d) {
 // Normals go through the cofactor matrix; `mirror` is -1 for a mirroring transform, else 1.
 vec3 transform_normal(gpu_instance instance, vec3 n, out float mirror) {
     vec3 x = instance.rows[0].xyz, y = instance.rows[1].xyz, z = instance.rows[2].xyz;
+    // The exponent of the largest element is taken out, exactly: products of very large or small scales are none of a float's.
+    vec3 most = max(max(abs(x), abs(y)), abs(z));
+    uint exponent = clamp(floatBitsToUint(max(most.x, max(most.y, most.z))) & 0x7f800000u, 0x00800000u, 0x7e000000u);
+    float scale = uintBitsToFloat(0x7f000000u - exponent);
+    x *= scale, y *= scale, z *= scale;
     vec3 cx = cross(y, z);
     mirror = dot(x, cx) < 0.0 ? -1.0 : 1.0;
     return vec3(dot(cx, n), dot(cross(z, x), n), dot(cross(x, y), n)) * mirror;

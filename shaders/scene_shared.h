@@ -6,6 +6,8 @@
 #include "shared.h"
 
 #define GPU_TEXTURE_NONE 0xffffffffu
+#define GPU_TEXTURE_UV1 1u     /* flags: the second texture coordinates */
+#define GPU_TEXTURE_ROUND 2u   /* its sampler has no anisotropy */
 #define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot, of which the rest are these */
 #define GPU_LAYER_TEXTURE_COUNT 12
 
@@ -17,6 +19,7 @@
 #define GPU_MATERIAL_LAYERED 32u /* gpu_material.layers is there */
 #define GPU_MATERIAL_TRANSMISSIVE 64u /* and it lets through what is behind */
 #define GPU_MATERIAL_SHADOWLESS 128u /* it casts no shadow */
+#define GPU_MATERIAL_DARK (1u << 16) /* of a transmissive one: it is opaque somewhere, and casts shadows there */
 #define GPU_MATERIAL_CLASS_SHIFT 8u /* GPU_CLASS_… in the bits from here on */
 
 /* What of the code of material_surface() and shade_surface() a material needs, as bits. */
@@ -44,7 +47,7 @@ struct gpu_attributes {
 struct gpu_texture {
     uint image;     /* index into the bindless textures, or GPU_TEXTURE_NONE */
     uint sampler_index;
-    uint uv_set;
+    uint flags;     /* GPU_TEXTURE_… */
     float transform[6];
 };
 
@@ -52,10 +55,11 @@ struct gpu_texture {
 struct gpu_layers {
     vec3 sheen_color;
     float sheen_roughness;
-    float clearcoat, clearcoat_roughness, clearcoat_normal_scale;
+    float clearcoat, clearcoat_roughness;
+    vec4 clearcoat_normal_turn; /* as gpu_material.normal_turn */
     float film, film_ior, film_thinnest, film_thickest; /* nanometres */
     float anisotropy;
-    vec2 anisotropy_turn; /* cosine and sine */
+    vec4 anisotropy_turn; /* rows of a 2x2 matrix: from the texture, or (1, 0), to tangent and bitangent */
     float transmission;
     float thickness;      /* metres of the mesh; 0: a sheet */
     vec3 absorption;      /* per metre */
@@ -72,7 +76,7 @@ struct gpu_material {
     vec3 dielectric_f0;     /* from index of refraction and specular colour, before `specular` */
     float roughness;
     float specular;
-    float normal_scale;
+    vec4 normal_turn;       /* rows of a 2x2 matrix: from x and y of the normal texture to tangent and bitangent */
     float occlusion_strength;
     float alpha_cutoff;
     uint flags;

@@ -36,5 +36,10 @@ tr -s '\n ' ' ' <"$work/out" | grep -q "'fanal cave' will not run under mpirun: 
 configure -DFANAL_TESTS=OFF -DFANAL_PROGRAMS=OFF -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF -DCMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH=OFF
 grep -qE '^(libcmocka-dev|g\+\+)$' "$work/packages" && fail "a build without tests asks for $(tr '\n' ' ' <"$work/packages")"
 
+# Fuzzers are made of the command's files, whether or not the command is asked for.
+rm -rf "$work/build"
+cmake -S "$source" -B "$work/build" -G Ninja -DCMAKE_MAKE_PROGRAM="$(command -v ninja)" -DCMAKE_C_COMPILER="$compiler" -DFANAL_FUZZ=ON -DFANAL_TESTS=OFF \
+    -DFANAL_PROGRAMS=OFF >"$work/out" 2>&1 || fail "the fuzzers alone are not configured: $(grep -A 5 Error "$work/out" | head -n 20)"
+
 [ $failures = 0 ] && echo 'what is missing is named'
 exit $((failures > 0))

@@ -234,6 +234,8 @@ static fnl_loaded loaded;
     X(fnl_image_free, SILENT(fnl_image_free(NULL, NULL)); SILENT(fnl_image_free(&host, NULL)))                              \
     X(fnl_image_load, NULLED("path", fnl_image_load(NULL, NULL, &difference_image));                                        \
       NULLED("path", fnl_image_load(&host, NULL, &difference_image)); NULLED("out", fnl_image_load(&host, "x.png", NULL)))  \
+    X(fnl_image_load_within, NULLED("path", fnl_image_load_within(NULL, NULL, 1, &difference_image));                          \
+      NULLED("path", fnl_image_load_within(&host, NULL, 1, &difference_image)); NULLED("out", fnl_image_load_within(&host, "x.png", 1, NULL)))  \
     X(fnl_image_save, NULLED("path", fnl_image_save(NULL, NULL, &picture));                                                 \
       NULLED("path", fnl_image_save(&host, NULL, &picture)); NULLED("image", fnl_image_save(&host, "x.png", NULL)))         \
     X(fnl_light_range, GIVES("params", 0, fnl_light_range(NULL, 1, 1)))                                                     \

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Enforces the layers: who may include whom, Vulkan calls in src/gpu only, barriers in src/gpu and src/graph only, shaders
-# that work the same for every size of subgroups, and a licence line on every source file. Prints each offence as FILE:LINE; exits 1 if there is any.
+# that work the same for every size of subgroups, output of the command that no name from a file can break, and a licence line on every source file. Prints each offence as FILE:LINE; exits 1 if there is any.
 set -u # not -e: a search that finds nothing is good news
 cd "$(dirname "$0")/.." || exit
 
@@ -50,6 +50,10 @@ for folder in src/*/; do
     fi
 done
 
+# Numbers as text: what C's functions read and write depends on the locale.
+grep -rnE '\b(strto(f|d|ld)|atof|v[a-z]*printf)(_l)?[[:space:]]*\(|\bs?n?f?printf[[:space:]]*\(.*%[-+ #0-9.*]*l?[aefgAEFG]\b|scanf[[:space:]]*\(.*%\*?[0-9]*l?[aefg]' \
+    --include='*.c' --include='*.h' src | grep -vE '^src/base/number\.c:|_test\.c:|/image_samples\.c:' | sed 's/$/   <- text of numbers outside src\/base\/number.c/' >>"$offences" || true
+
 # The command uses the public headers and its own.
 [ ! -d cli ] || { grep -nHE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' $(sources cli) /dev/null || true; } |
     sed -E 's/^([^:]*:[0-9]+):[^"]*"([^"]*)".*/\1 \2/' | while read -r place header; do
@@ -57,6 +61,16 @@ done
     fanal/*) ;;
     *) [ -e "cli/${header#cli/}" ] || echo "$place: the command must not include $header" >>"$offences" ;;
     esac
+done
+
+# What the command prints goes through cli/print.h, and its JSON through cli/json_text.h: names of files, and from them, must not reach a terminal as they are.
+# puts() and fputs() are for literals; where a variable has only Fanal's own text, its line says so.
+for file in $(sources cli | grep -vE '^cli/(print|json_text)\.[ch]$') $(find cli -name '*.cpp'); do
+    grep -q '#include "print.h"' "$file" ||
+        grep -nHE '(^|[^a-z_])v?f?printf[[:space:]]*\(' "$file" | sed 's/$/   <- prints without print.h/' >>"$offences"
+    grep -nHE '(^|[^a-z_])(vprintf|vdprintf|dprintf|perror|psignal|warnx?|errx?)[[:space:]]*\(' "$file" | sed 's/$/   <- prints past print.h/' >>"$offences"
+    grep -nHE '(^|[^a-z_])f?puts[[:space:]]*\([^"A-Z]' "$file" | grep -vE '/\* own text \*/|puts\([^"]*\? "' | sed 's/$/   <- printf() with "%s" is for text that is not a literal/' >>"$offences"
+    grep -nHE '(^|[^a-z_])json_dump[a-z_]*[[:space:]]*\(' "$file" | sed 's/$/   <- json_text.h writes JSON/' >>"$offences"
 done
 
 # Quads have four invocations everywhere. What other operations on subgroups give depends on their size, unless it is shown that it does not.

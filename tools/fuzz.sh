@@ -20,6 +20,9 @@ fuzz() { # PROGRAM: for its share
     case $name in
     fuzz_gltf | fuzz_image) if [ -d "$scenes" ]; then seeds+=("$scenes"); fi ;;
     fuzz_render) limits=(-timeout=120 -rss_limit_mb=8192) ;; # pipelines are made on the way
+    fuzz_mixtures) # more of them: a short run tries the seeds alone
+        limits=(-timeout=300 -rss_limit_mb=8192)
+        if [ "$share" -lt 20 ]; then limits+=(-runs=0); fi ;;
     esac
     if "$1" -max_total_time="$share" "${limits[@]}" -max_len=65536 -verbosity=0 -close_fd_mask=3 -print_final_stats=1 \
         -artifact_prefix="$found/" "$found" "${seeds[@]}" >"$log" 2>&1; then

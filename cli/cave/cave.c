@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "options.h"
 #include "output.h"
+#include "print.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -101,15 +102,16 @@ static bool add_output(struct render_options *o, const char *path) {
 
 static bool parse_fault(const char *text, struct cave_fault *out) {
     static const char wanted[] = "a drill: RANK,FRAME,late=SECONDS or RANK,FRAME,lost or RANK,FRAME,pose";
-    unsigned rank, frame;
-    int used = 0;
-    if (sscanf(text, "%u,%u,%n", &rank, &frame, &used) != 2 || !used) return argument_bad("fault", text, wanted);
-    *out = (struct cave_fault){.rank = rank, .frame = frame};
-    if (strcmp(text + used, "lost") == 0) out->kind = CAVE_FAULT_LOST;
-    if (strcmp(text + used, "pose") == 0) out->kind = CAVE_FAULT_POSE;
-    if (strncmp(text + used, "late=", 5) == 0) {
+    const char *kind = text;
+    uint64_t rank, frame;
+    if (!argument_take_count(&kind, &rank) || *kind++ != ',' || rank >= CAVE_RANKS) return argument_bad("fault", text, wanted);
+    if (!argument_take_count(&kind, &frame) || *kind++ != ',' || frame > UINT32_MAX) return argument_bad("fault", text, wanted);
+    *out = (struct cave_fault){.rank = (uint32_t)rank, .frame = (uint32_t)frame};
+    if (strcmp(kind, "lost") == 0) out->kind = CAVE_FAULT_LOST;
+    if (strcmp(kind, "pose") == 0) out->kind = CAVE_FAULT_POSE;
+    if (strncmp(kind, "late=", 5) == 0) {
         out->kind = CAVE_FAULT_LATE;
-        if (!argument_number("fault", text + used + 5, &out->seconds)) return false;
+        if (!argument_number("fault", kind + 5, &out->seconds)) return false;
         if (!(out->seconds >= 0 && out->seconds <= 3600)) return argument_bad("fault", text, wanted);
     }
     return out->kind != CAVE_FAULT_NONE || argument_bad("fault", text, wanted);
@@ -210,7 +212,7 @@ static bool check(const struct cave_options *c, const struct cave_displays *d) {
 static int print_displays(const char *source, const struct cave_displays *d) {
     const char *text = cave_displays_example(source);
     if (text) {
-        fputs(text, stdout);
+        fputs(text, stdout); /* own text */
         return 0;
     }
     for (uint32_t i = 0; i < d->wall_count; i++) {
@@ -235,10 +237,7 @@ int command_cave(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal cave --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg)) return 0;
         prints = prints || option == O_PRINT;
         if (option == O_PRINT) continue;

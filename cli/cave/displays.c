@@ -2,7 +2,9 @@
 #include "cave/displays.h"
 
 #include "cave/hash.h"
+#include "input.h"
 #include "loading.h"
+#include "print.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -11,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* ---- examples ---- */
 
@@ -186,9 +187,7 @@ static bool add_sample(struct reader *r, struct cave_displays *d, const struct c
 }
 
 static bool read_whole(const char *path, char **out, size_t *size) {
-    struct stat about;
-    const bool regular = stat(path, &about) != 0 || S_ISREG(about.st_mode); /* pipes and devices may have no end */
-    FILE *file = regular ? fopen(path, "rb") : NULL;
+    FILE *file = input_open(path, 1 << 28);
     size_t capacity = 0;
     *out = NULL;
     *size = 0;
@@ -204,8 +203,8 @@ static bool read_whole(const char *path, char **out, size_t *size) {
     }
     if (good)
         (*out)[*size] = 0;
-    else
-        fprintf(stderr, "fanal: error: %s: cannot be read: %s\n", path, regular ? strerror(errno) : "it is no regular file");
+    else if (file)
+        fprintf(stderr, "fanal: error: %s: cannot be read: %s\n", path, strerror(errno));
     if (file) fclose(file);
     return good;
 }

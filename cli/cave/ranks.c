@@ -2,6 +2,8 @@
 #include "cave/ranks.h"
 #include "cave/hash.h"
 #include "interrupt.h"
+#include "json_text.h"
+#include "print.h"
 
 #include <dlfcn.h>
 #include <limits.h>
@@ -271,7 +273,7 @@ bool cave_ranks_swap(struct cave_ranks *r, bool good, const struct cave_moment *
         return true;
     }
     struct message m = make(r, MESSAGE_RENDERED, good);
-    char *text = json_dumps(own, JSON_COMPACT);
+    char *text = json_text_write(own, JSON_COMPACT);
     m.hash = cave_moment_hash(rendered);
     m.frame = rendered->frame;
     m.milliseconds = took;

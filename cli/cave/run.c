@@ -3,8 +3,11 @@
 #include "cave/ranks.h"
 
 #include "cave/hash.h"
+#include "input.h"
+#include "json_text.h"
 #include "loading.h"
 #include "output.h"
+#include "print.h"
 #include "program.h"
 #include "progress.h"
 #include "stream.h"
@@ -37,7 +40,8 @@ struct run {
 
 static uint64_t hash_file(const char *path, uint64_t hash) {
     char buffer[65536];
-    FILE *file = fopen(path, "rb");
+    const char *problem; /* loading tells of it */
+    FILE *file = input_try(path, UINT64_MAX, &problem);
     for (size_t got; file && (got = fread(buffer, 1, sizeof buffer, file)) > 0;) hash = cave_hash(buffer, got, hash);
     if (file) fclose(file);
     return hash;
@@ -71,8 +75,19 @@ static bool check_track(const struct run *run) {
 static bool check_outputs(const struct run *run) {
     const struct render_options *o = &run->o->render;
     bool good = true;
-    for (int i = 0; i < o->output_count && good && (run->ranks.rank == 0 || !run->o->gather); i++) good = output_check(o->outputs[i]);
+    for (int i = 0; i < o->output_count && good && (run->ranks.rank == 0 || !run->o->gather); i++) good = output_check_pattern(o->outputs[i]);
     return good && (run->ranks.rank > 0 || !o->stats || render_is_stdout(o->stats) || output_check(o->stats));
+}
+
+/* A drill that cannot happen would look as if it had been passed. */
+static bool check_fault(const struct run *run) {
+    const struct cave_fault *fault = &run->o->fault;
+    const uint32_t first = run->o->render.start_frame, end = run->o->render.frame_count, ranks = run->ranks.transport ? run->ranks.count : 1;
+    if (fault->kind == CAVE_FAULT_NONE || (fault->rank < ranks && fault->frame >= first && fault->frame < end)) return true;
+    if (run->ranks.rank > 0) return false;
+    if (fault->rank >= ranks) fprintf(stderr, "fanal: error: --fault: there is no rank %u; there %s %u, from 0\n", fault->rank, ranks == 1 ? "is" : "are", ranks);
+    else fprintf(stderr, "fanal: error: --fault: there is no frame %llu; there are %u to %u\n", (unsigned long long)fault->frame, first, end - 1);
+    return false;
 }
 
 static bool prepare(struct run *run, double *ev, bool *meters) {
@@ -80,7 +95,7 @@ static bool prepare(struct run *run, double *ev, bool *meters) {
     fnl_camera camera;
     const struct cave_moment first = cave_predict(o, run->d, o->render.start_frame, 0);
     run->view_count = cave_list_views(o, run->d, run->ranks.transport ? run->ranks.count : 0, run->views);
-    if (run->view_count == 0 || !check_outputs(run)) return false;
+    if (run->view_count == 0 || !check_fault(run) || !check_outputs(run)) return false;
     progress_show("loading the scene", 0, 0);
     if (!world_load(&o->render.world, &run->host, run->views[0].width, run->views[0].height, o->render.quiet || run->ranks.rank > 0, &run->scene, &camera)) return false;
     run->place = cave_find_place(run->d, &first, &camera, o->places_by_camera);
@@ -227,14 +242,14 @@ static char *stats_text(struct run *run) {
     json_t *walls = json_array();
     for (uint32_t v = 0; v < run->view_count; v++) {
         const struct cave_view *view = &run->views[v];
-        json_array_append_new(walls, json_pack("{s:s,s:s,s:i,s:i,s:i,s:i}", "wall", run->d->walls[view->wall].name, "eye", cave_eye_name(view->eye), "width", (int)view->width,
+        json_array_append_new(walls, json_pack("{s:o,s:s,s:i,s:i,s:i,s:i}", "wall", json_text(run->d->walls[view->wall].name), "eye", cave_eye_name(view->eye), "width", (int)view->width,
                                                "height", (int)view->height, "rank", (int)view->rank, "device", (int)view->device));
     }
     const struct cave_quaternion q = run->place.pose.rotation;
-    json_t *json = json_pack("{s:i,s:{s:s,s:s},s:s,s:s,s:i,s:f,s:{s:o,s:[f,f,f,f],s:f},s:o,s:O}", "version", 1, "program", "version", fnl_version(), "commit",
-                             program_commit, "scene", run->o->render.world.scene, "displays", run->d->source, "ranks", (int)run->ranks.count, "ev", run->ev, "origin", "position",
+    json_t *json = json_pack("{s:i,s:{s:s,s:s},s:o,s:o,s:i,s:f,s:{s:o,s:[f,f,f,f],s:f},s:o,s:O}", "version", 1, "program", "version", fnl_version(), "commit",
+                             program_commit, "scene", json_text(run->o->render.world.scene), "displays", json_text(run->d->source), "ranks", (int)run->ranks.count, "ev", run->ev, "origin", "position",
                              vector_json(run->place.pose.position), "rotation", q.x, q.y, q.z, q.w, "scale", run->place.scale, "views", walls, "frames", run->frames);
-    char *text = json ? json_dumps(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL, *ended = NULL;
+    char *text = json ? json_text_write(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL, *ended = NULL;
     if (text && asprintf(&ended, "%s\n", text) < 0) ended = NULL;
     free(text);
     json_decref(json);

@@ -4,6 +4,7 @@
 
 #include "arguments.h"
 #include "counters.h"
+#include "json_text.h"
 #include "views.h"
 
 #include <pthread.h>
@@ -258,7 +259,7 @@ json_t *cave_stage_report(const struct cave_stage *s) {
         for (uint32_t v = 0; v < g->view_count; v++) {
             char name[2 * CAVE_NAME];
             cave_view_name(s->displays, &s->views[g->views[v]], name, sizeof name);
-            json_array_append_new(views, json_string(name));
+            json_array_append_new(views, json_text(name));
         }
         json_array_append_new(all, json_pack("{s:i,s:i,s:s,s:i,s:i,s:o,s:I,s:f,s:f,s:f,s:f,s:I}", "rank", (int)s->rank, "device", (int)s->devices[g->device].number, "name", s->devices[g->device].info.name, "width",
                                              (int)g->frame.width, "height", (int)g->frame.height, "views", views, "draws", (json_int_t)g->draws, "cpu_ms", g->cpu, "gpu_ms",

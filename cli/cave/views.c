@@ -2,6 +2,8 @@
 /* Which views there are, what each sees, and how its pictures are called. */
 #include "cave/cave.h"
 #include "cave/hash.h"
+#include "output.h"
+#include "print.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -83,38 +85,28 @@ struct cave_place cave_find_place(const struct cave_displays *d, const struct ca
 
 /* ---- names of pictures ---- */
 
-/* The next % of a pattern: what stands behind its digits, its width; NULL: there is none. */
-static const char *next_field(const char *text, const char **percent, int *width) {
-    *percent = strchr(text, '%');
-    if (!*percent) return NULL;
-    const size_t digits = strspn(*percent + 1, "0123456789");
-    *width = digits ? atoi(*percent + 1) : 0;
-    return *percent + 1 + digits;
-}
-
 void cave_path(const char *pattern, const struct cave_displays *d, const struct cave_view *view, uint64_t frame, char *out, size_t capacity) {
     const char *percent, *field;
     size_t used = 0;
     int width;
-    for (; (field = next_field(pattern, &percent, &width)) && used < capacity; pattern = field + 1) {
+    for (; used < capacity && (field = output_next_field(pattern, &percent, &width)); pattern = field + 1) {
         const char *eye = cave_eye_name(view->eye), *wall = d->walls[view->wall].name;
-        if (*field == 'd')
-            used += (size_t)snprintf(out + used, capacity - used, "%.*s%0*llu", (int)(percent - pattern), pattern, width, (unsigned long long)frame);
-        else
-            used += (size_t)snprintf(out + used, capacity - used, "%.*s%s", (int)(percent - pattern), pattern, *field == 'w' ? wall : eye);
+        used = output_append(out, used, capacity, pattern, (size_t)(percent - pattern));
+        if (*field == 'd') used += (size_t)snprintf(out + used, capacity - used, "%0*llu", width, (unsigned long long)frame);
+        else used += (size_t)snprintf(out + used, capacity - used, "%s", *field == 'w' ? wall : eye);
     }
-    if (used < capacity) snprintf(out + used, capacity - used, "%s", pattern);
+    if (used < capacity) output_append(out, used, capacity, pattern, strlen(pattern));
 }
 
 const char *cave_pattern_problem(const char *pattern, const struct cave_displays *d, uint64_t frames) {
     int walls = 0, eyes = 0, numbers = 0, width;
     bool stereo = false;
-    for (const char *rest = pattern, *percent, *field; (field = next_field(rest, &percent, &width)); rest = field + 1) {
+    for (const char *rest = pattern, *percent, *field; (field = output_next_field(rest, &percent, &width)); rest = field + 1) {
         const size_t digits = (size_t)(field - percent - 1);
         walls += *field == 'w';
         eyes += *field == 'e';
         numbers += *field == 'd';
-        if (!*field || !strchr("wed", *field) || digits > 2 || (digits && *field != 'd')) return "% stands before w (the wall), e (the eye) or d (the frame, also as %04d)";
+        if (!*field || !strchr("wed", *field) || digits > 2 || (digits && *field != 'd')) return "% stands before w (the wall), e (the eye) or d (the frame, also as %04d); %% is a percent sign";
     }
     for (uint32_t i = 0; i < d->wall_count; i++) stereo = stereo || d->walls[i].stereo;
     if (walls > 1 || eyes > 1 || numbers > 1) return "%w, %e and %d may be there once each";

@@ -2,6 +2,7 @@
 /* What the frame costs. */
 #include "view/view.h"
 
+#include "print.h"
 #include "view/ui.h"
 
 #include <math.h>

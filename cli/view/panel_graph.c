@@ -2,6 +2,7 @@
 /* The frame graph: passes from left to right, below them what they use, from the first use to the last, and the barriers in between. */
 #include "view/view.h"
 
+#include "print.h"
 #include "view/ui.h"
 
 #include <jansson.h>

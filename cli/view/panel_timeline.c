@@ -3,6 +3,7 @@
 #include "view/view.h"
 
 #include "bench_lane.h"
+#include "print.h"
 #include "view/ui.h"
 
 #include <math.h>

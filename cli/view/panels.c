@@ -4,6 +4,8 @@
 
 #include "legend.h"
 #include "options.h"
+#include "output.h"
+#include "print.h"
 #include "view/ui.h"
 
 #include <math.h>
@@ -179,11 +181,9 @@ void view_panels(struct view *v) {
 /* ---- as text ---- */
 
 bool view_write_report(const struct view *v, const char *path) {
-    FILE *file = fopen(path, "w");
-    if (!file) {
-        fprintf(stderr, "fanal: error: %s: cannot be written\n", path);
-        return false;
-    }
+    struct output report;
+    if (!output_begin(path, &report)) return false;
+    FILE *file = report.stream;
     const fnl_frame_stats *s = &v->stats;
     fprintf(file, "scene\t%s\ntriangles\t%llu\nlights\t%u\nframes\t%llu\n", v->shown.source ? v->shown.source : "",
             (unsigned long long)v->shown.info.triangle_count, v->shown.info.light_count, (unsigned long long)v->frames_drawn);
@@ -209,7 +209,7 @@ bool view_write_report(const struct view *v, const char *path) {
     view_select_report(v, file);
     const uint32_t count = v->messages.count, first = count > VIEW_MESSAGES ? count - VIEW_MESSAGES : 0;
     for (uint32_t i = first; i < count; i++) fprintf(file, "message\t%s\n", v->messages.lines[i % VIEW_MESSAGES].text);
-    return fclose(file) == 0;
+    return output_commit(&report);
 }
 
 static bool equal(fnl_vec3 a, fnl_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
@@ -242,17 +242,25 @@ static void print_camera(const struct view *v, FILE *file) {
     if (c->up.x != 0 || c->up.y != 1 || c->up.z != 0) fprintf(file, " --up %.9g,%.9g,%.9g", (double)c->up.x, (double)c->up.y, (double)c->up.z);
 }
 
+/* What comes before the word is Fanal's own. */
+static void print_word(FILE *file, const char *before, const char *text) {
+    char *word = print_shell_word(text);
+    fputs(before, file); /* own text */
+    fprintf(file, " %s", word ? word : "''");
+    free(word);
+}
+
 static void print_surroundings(const struct view *v, FILE *file) {
     const struct view_surroundings *s = &v->surroundings;
     if (!s->changed) {
-        fputs(v->environment_arguments, file);
+        fprintf(file, "%s", v->environment_arguments);
         return;
     }
     if (s->none) {
         if (v->shown.info.light_count == 0) fputs(" --ambient 0,0,0", file); /* nothing takes its place */
         return;
     }
-    if (s->source[0]) fprintf(file, " --environment '%s'", s->source);
+    if (s->source[0]) print_word(file, " --environment", s->source);
     fprintf(file, " --environment-rotation %.9g --environment-intensity %.9g", (double)s->params.rotation * (180 / 3.14159265358979323846),
             (double)s->params.intensity);
     if (!s->params.background) fputs(" --environment-hidden", file);
@@ -265,7 +273,7 @@ void view_copy_command(const struct view *v) {
     if (!file) return;
     view_print_command(v, file);
     if (fclose(file) == 0) {
-        fputs(text, stdout);
+        fputs(text, stdout); /* own text */
         fflush(stdout);
         if (v->window) view_window_set_clipboard(v->window, text);
     }
@@ -285,17 +293,17 @@ static void print_options(const struct view *v, FILE *file) {
 
 /* What was said of the scene, and what was chosen in the window. */
 static void print_scene(const struct view *v, FILE *file) {
-    fputs(v->arguments, file);
-    if (view_is_asked_for(v, v->shown.source)) fputs(v->light_arguments, file);
+    fprintf(file, "%s", v->arguments);
+    if (view_is_asked_for(v, v->shown.source)) fprintf(file, "%s", v->light_arguments);
     print_surroundings(v, file);
-    if (v->variant[0]) fprintf(file, " --variant '%s'", v->variant);
+    if (v->variant[0]) print_word(file, " --variant", v->variant);
 }
 
 /* Of the last sequence, with what is set now. */
 static void print_sequence(const struct view *v, FILE *file, uint32_t width, uint32_t height, const char *animation) {
     const fnl_camera *c = &v->camera.now;
-    fprintf(file, "# the last sequence:\n# fanal render '%s' --size %ux%u --fov %.17g --near %.9g", v->shown.source, width, height,
-            (double)c->vertical_fov * (180 / 3.14159265358979323846), (double)c->near_distance);
+    print_word(file, "# the last sequence:\n# fanal render", v->shown.source);
+    fprintf(file, " --size %ux%u --fov %.17g --near %.9g", width, height, (double)c->vertical_fov * (180 / 3.14159265358979323846), (double)c->near_distance);
     if (c->up.x != 0 || c->up.y != 1 || c->up.z != 0) fprintf(file, " --up %.9g,%.9g,%.9g", (double)c->up.x, (double)c->up.y, (double)c->up.z);
     print_scene(v, file);
     if (v->shown.info.animation_count) fprintf(file, " --time %.17g --animation %s", v->time, animation);
@@ -308,7 +316,8 @@ void view_print_command(const struct view *v, FILE *file) {
     char animation[96];
     view_save_size(v, &width, &height);
     view_animation_text(v, animation, sizeof animation);
-    fprintf(file, "fanal render '%s' --size %ux%u", v->shown.source, width, height);
+    print_word(file, "fanal render", v->shown.source);
+    fprintf(file, " --size %ux%u", width, height);
     print_camera(v, file);
     print_scene(v, file);
     if (v->time > 0 || view_blends(v)) fprintf(file, " --time %.17g --animation %s", v->time, animation);

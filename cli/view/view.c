@@ -7,6 +7,8 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "options.h"
+#include "output.h"
+#include "print.h"
 #include "view/ui.h"
 
 #include "fanal/vulkan.h"
@@ -25,7 +27,7 @@ struct view_options {
     bool has_size, has_scale, has_present, has_color, light, dark, no_panels;
     double scale; /* 0: the screen's */
     uint32_t present, color;
-    char arguments[2048], light_arguments[256], environment_arguments[1200];
+    char arguments[VIEW_ARGUMENTS], light_arguments[VIEW_ARGUMENTS], environment_arguments[VIEW_ARGUMENTS];
 };
 
 static void print_help(void) {
@@ -43,7 +45,7 @@ static void print_help(void) {
          "  --no-settings              neither reads nor writes what windows remember: these options, their size, the last scenes\n"
          "  --compare KEY=VALUE[,...]  begins with a split screen: left as asked for, right with these options changed\n"
          "  --headless                 draws the same frames without a window; with --replay\n"
-         "  --replay FILE              takes its events from a file that --record has written, a line each; besides what a window sends,\n"
+         "  --replay FILE              takes its events from a file that --record has written, a line each, or from - (standard input); besides what a window sends,\n"
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE [W H]', 'capture FILE' (with the panels), 'command FILE', 'report FILE',\n"
          "                             'trace FILE', 'savescene FILE', 'turntable N', 'panel NAME', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
          "  --record FILE              writes the events of the window to a file\n"
@@ -70,11 +72,9 @@ static void print_help(void) {
 /* ---- with a window ---- */
 
 static bool run_window(struct view *v, const struct view_options *o) {
-    FILE *record = o->record ? fopen(o->record, "w") : NULL;
-    if (o->record && !record) {
-        fprintf(stderr, "fanal: error: %s: cannot be written\n", o->record);
-        return false;
-    }
+    struct output out;
+    if (o->record && !output_begin(o->record, &out)) return false;
+    FILE *record = o->record ? out.stream : NULL;
     double last = view_now();
     bool good = true;
     while (!v->quit && good && !interrupt_seen() && (o->exit_after == 0 || v->loader.running || v->frames_drawn < o->exit_after + v->frames_loading)) {
@@ -97,16 +97,15 @@ static bool run_window(struct view *v, const struct view_options *o) {
         last = time;
         view_advance(v, seconds);
         view_watch(v);
-        if (!view_collect(v)) return false;
-        if (v->wanted == 0) {
+        if (!view_collect(v)) good = false;
+        if (good && v->wanted == 0) {
             trace_end_frame(v->timeline.history, NULL, 0);
             continue;
         }
-        good = view_draw_frame(v, seconds);
+        good = good && view_draw_frame(v, seconds);
         if (record) fputs("frames 1\n", record);
     }
-    if (record && fclose(record) != 0) good = false;
-    return good;
+    return (!record || output_commit(&out)) && good;
 }
 
 /* ---- the command ---- */
@@ -298,10 +297,13 @@ static void note_argument(struct view_options *o, const struct option *long_opti
     const bool environment = option >= WORLD_ENVIRONMENT && option <= WORLD_ENVIRONMENT_COMPRESSED;
     const bool lights = option >= WORLD_LIGHTS && option <= WORLD_LIGHT_SCALE;
     char *text = environment ? o->environment_arguments : lights ? o->light_arguments : o->arguments;
-    const size_t capacity = environment ? sizeof o->environment_arguments : lights ? sizeof o->light_arguments : sizeof o->arguments, used = strlen(text);
+    const size_t used = strlen(text);
     const struct option *row = long_options;
     while (row->val != option) row++;
-    snprintf(text + used, capacity - used, value ? " --%s '%s'" : " --%s", row->name, value);
+    char *word = value ? print_shell_word(value) : NULL;
+    const int length = snprintf(text + used, VIEW_ARGUMENTS - used, word ? " --%s %s" : " --%s", row->name, word);
+    if ((value && !word) || used + (size_t)length >= VIEW_ARGUMENTS) text[used] = 0; /* no part of an option */
+    free(word);
 }
 
 int command_view(int argc, char **argv) {
@@ -315,10 +317,7 @@ int command_view(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal view --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg)) return 0;
         if (world_has(option)) note_argument(&o, long_options, option, optarg);
         if (!(world_has(option) ? world_parse(option, optarg, &o.world) : parse_option(&o, option, optarg))) return 2;

@@ -251,7 +251,7 @@ struct view_timeline {
 
 /* ---- files: what is saved, watched, browsed and recorded (view_reload.c, view_sequence.c, panel_files.c) ---- */
 
-enum { VIEW_PATH = 1024 };
+enum { VIEW_PATH = 1024, VIEW_ARGUMENTS = 16384 }; /* bytes */
 
 struct view_entry {
     char name[256];
@@ -280,7 +280,7 @@ struct view_files {
     struct view_entry *entries;
     uint32_t entry_count;
     /* Sequences. */
-    char pattern[256], flight_path[256], sequence[2000]; /* sequence: options of the command that made the last */
+    char pattern[256], flight_path[256], sequence[VIEW_ARGUMENTS]; /* sequence: options of the command that made the last */
     uint32_t turntable_count;
     struct view_flight {
         bool records;
@@ -358,7 +358,7 @@ struct view {
     bool remembers; /* settings are read and written */
 
     /* What the command line said of the scene: goes into the command that renders the picture. */
-    char arguments[2048], light_arguments[256], environment_arguments[1200];
+    char arguments[VIEW_ARGUMENTS], light_arguments[VIEW_ARGUMENTS], environment_arguments[VIEW_ARGUMENTS];
     char asked_for[VIEW_PATH]; /* the scene */
     struct view_surroundings {
         bool changed; /* in the window */

@@ -65,13 +65,15 @@ void view_camera_pan(struct view_camera *camera, float right, float down) {
 void view_camera_dolly(struct view_camera *camera, float steps) {
     fnl_camera *c = &camera->now;
     const struct axes a = axes_of(c);
+    const float most = 1e9f; /* meters: further away nothing is to be seen, and a frame would be refused */
+    steps = fminf(fmaxf(steps, -200), 200);
     const float factor = powf(0.88f, steps);
     if (c->orthographic) {
-        c->vertical_extent = fmaxf(c->vertical_extent * factor, 1e-4f);
+        c->vertical_extent = fminf(fmaxf(c->vertical_extent * factor, 1e-4f), most);
         return;
     }
     /* Close to the target it is pushed along: one can always go on. */
-    const float least = fmaxf(camera->size * 1e-3f, 2 * c->near_distance), distance = fmaxf(a.distance * factor, least);
+    const float least = fmaxf(camera->size * 1e-3f, 2 * c->near_distance), distance = fminf(fmaxf(a.distance * factor, least), fmaxf(a.distance, most));
     c->position = add(c->target, a.forward, -distance);
     if (distance == least && steps > 0) view_camera_fly(camera, (fnl_vec3){0, 0, steps * least});
 }

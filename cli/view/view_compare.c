@@ -3,6 +3,7 @@
 #include "view/view.h"
 
 #include "options.h"
+#include "print.h"
 #include "view/ui.h"
 
 #include "fanal/vulkan.h"

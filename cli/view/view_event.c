@@ -2,6 +2,9 @@
 /* Events wait in a queue, and stand in a file a line each. */
 #include "view/view.h"
 
+#include "print.h"
+
+#include <math.h>
 #include <string.h>
 
 bool view_queue_add(struct view_queue *q, const struct view_event *event) {
@@ -50,7 +53,7 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
         const char *arguments = text + read;
         switch (lines[kind].takes) {
         case PLACE:
-            good = sscanf(arguments, "%f %f %1s", &out->x, &out->y, rest) == 2;
+            good = sscanf(arguments, "%f %f %1s", &out->x, &out->y, rest) == 2 && isfinite(out->x) && isfinite(out->y);
             break;
         case PRESS:
             good = sscanf(arguments, "%d %7s %u %1s", &out->code, state, &out->modifiers, rest) == 3 && (!strcmp(state, "down") || !strcmp(state, "up"));
@@ -81,8 +84,7 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
     if (good && kind == VIEW_TURNTABLE) good = out->code >= 1 && out->code <= 3600;
     if (good && kind == VIEW_KEY) good = out->code >= 0 && out->code < 512;
     if (!good) {
-        fprintf(stderr, "fanal: error: %s:%u: not an event: %.100s", path, line, text);
-        if (!strchr(text, '\n')) fputc('\n', stderr);
+        fprintf(stderr, "fanal: error: %s:%u: not an event: %.*s\n", path, line, (int)strcspn(text, "\n") < 100 ? (int)strcspn(text, "\n") : 100, text);
         return false;
     }
     out->kind = (enum view_event_kind)kind;
@@ -90,7 +92,7 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
 }
 
 void view_event_write(FILE *file, const struct view_event *e) {
-    fputs(lines[e->kind].name, file);
+    fprintf(file, "%s", lines[e->kind].name);
     switch (lines[e->kind].takes) {
     case PLACE:
         fprintf(file, " %.9g %.9g", (double)e->x, (double)e->y);
@@ -108,7 +110,8 @@ void view_event_write(FILE *file, const struct view_event *e) {
         fprintf(file, " %.9g", (double)e->x);
         break;
     case TEXT:
-        fprintf(file, " %s", e->text);
+        fputc(' ', file);
+        fwrite(e->text, 1, strcspn(e->text, "\n"), file); /* as it is: it is read again */
         break;
     case ALONE:
         break;

@@ -2,6 +2,7 @@
 /* Frames of the window, pictures that are saved, and the scene that is shown. */
 #include "view/view.h"
 
+#include "print.h"
 #include "render.h"
 #include "view/ui.h"
 
@@ -16,7 +17,7 @@
 
 void view_take_message(void *user, fnl_log_level level, const char *line) {
     struct view_messages *m = user;
-    if (level >= FNL_LOG_WARNING) fprintf(stderr, "fanal: %s\n", line);
+    if (level >= FNL_LOG_WARNING) fprintf(stderr, "fanal: %s: %s\n", level == FNL_LOG_ERROR ? "error" : "warning", line);
     if (level < FNL_LOG_INFO) return;
     pthread_mutex_lock(&m->mutex);
     m->lines[m->count % VIEW_MESSAGES].level = level;
@@ -154,6 +155,7 @@ void view_apply_surroundings(struct view *v) {
     struct view_surroundings *s = &v->surroundings;
     fnl_environment_params params = s->params;
     params.source = s->source[0] ? s->source : NULL;
+    params.max_memory = v->world.loading.max_memory;
     /* On errors, which the log tells, the scene keeps what it had. */
     if (fnl_scene_set_environment(v->shown.scene, s->none ? NULL : &params) == FNL_OK) {
         s->changed = true;
@@ -492,6 +494,15 @@ static bool save_last(struct view *v, fnl_renderer *renderer, const char *path, 
     return save_image(v, result, path, &image);
 }
 
+/* A window that is closed up has no picture. */
+static bool has_place(struct view *v, const char *path, uint32_t width, uint32_t height) {
+    char text[VIEW_PATH + 80];
+    if (width > 0 && height > 0) return true;
+    snprintf(text, sizeof text, "%s: not written: the picture has %u x %u pixels", path, width, height);
+    view_say(v, FNL_LOG_ERROR, text);
+    return false;
+}
+
 /* By a renderer of its own, which begins as that of the command does: without the shadow pages and the history of earlier frames. */
 bool view_save_picture(struct view *v, const char *path) {
     enum { TAA_FRAMES = 16 }; /* render_run.c */
@@ -500,7 +511,7 @@ bool view_save_picture(struct view *v, const char *path) {
     fnl_frame frame = view_whole_frame(v);
     view_save_size(v, &frame.width, &frame.height);
     frame.camera = v->camera.now;
-    if (frame.width == 0 || frame.height == 0) return false;
+    if (!has_place(v, path, frame.width, frame.height)) return false;
     frame.outputs = view_ends_with(path, ".exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     frame.pin_choice = true;
     pthread_mutex_lock(&v->device.mutex);
@@ -517,7 +528,7 @@ bool view_save_picture(struct view *v, const char *path) {
 bool view_save_capture(struct view *v, const char *path) {
     fnl_overlay overlay;
     fnl_frame frame = view_whole_frame(v);
-    if (v->width == 0 || v->height == 0) return false;
+    if (!has_place(v, path, v->width, v->height)) return false;
     view_compare_update(v);
     ui_begin(v->width, v->height, 1.0 / 60);
     view_panels(v);

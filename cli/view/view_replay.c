@@ -2,7 +2,10 @@
 /* Events from a file. */
 #include "view/view.h"
 
+#include "input.h"
 #include "options.h"
+#include "output.h"
+#include "print.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,13 +24,10 @@ static bool settle(struct view *v) {
 }
 
 static bool write_command(const struct view *v, const char *path) {
-    FILE *file = fopen(path, "w");
-    if (!file) {
-        fprintf(stderr, "fanal: error: %s: cannot be written\n", path);
-        return false;
-    }
-    view_print_command(v, file);
-    return fclose(file) == 0;
+    struct output out;
+    if (!output_begin(path, &out)) return false;
+    view_print_command(v, out.stream);
+    return output_commit(&out);
 }
 
 /* As somebody would: the mouse goes there, and the button goes down and up, with a frame after each. */
@@ -119,11 +119,10 @@ static bool replay_event(struct view *v, const struct view_event *e) {
 }
 
 bool view_replay(struct view *v, const char *path, uint32_t exit_after) {
-    FILE *file = fopen(path, "r");
-    if (!file) {
-        fprintf(stderr, "fanal: error: %s: cannot be read\n", path);
-        return false;
-    }
+    enum { BYTES_MOST = 1 << 28 };
+    const bool is_stdin = strcmp(path, "-") == 0;
+    FILE *file = is_stdin ? stdin : input_open(path, BYTES_MOST);
+    if (!file) return false;
     char text[1200];
     bool good = settle(v);
     for (uint32_t line = 1; good && !v->quit && fgets(text, sizeof text, file); line++) {
@@ -132,6 +131,6 @@ bool view_replay(struct view *v, const char *path, uint32_t exit_after) {
         if (good && event.kind != VIEW_EVENT_COUNT) good = replay_event(v, &event);
         if (exit_after && v->frames_drawn >= exit_after) break;
     }
-    fclose(file);
+    if (!is_stdin) fclose(file);
     return good;
 }

@@ -2,6 +2,7 @@
 /* What is picked: icons of lights and decals over the picture, and the frame round what was chosen. */
 #include "view/view.h"
 
+#include "print.h"
 #include "view/ui.h"
 #include "view/view_maths.h"
 

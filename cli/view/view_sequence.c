@@ -3,6 +3,7 @@
 #include "view/view.h"
 
 #include "output.h"
+#include "print.h"
 #include "render.h"
 
 #include <stdlib.h>
@@ -53,11 +54,17 @@ bool view_save_sequence(struct view *v, const char *camera_path, const char *pat
     o.frame.outputs = render_has_extension(pattern, "exr") ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     pthread_mutex_lock(&v->device.mutex);
     const bool good = view_wait_for_images(v, &o.frame) && fnl_renderer_create(v->device.device, v->shown.scene, &renderer) == FNL_OK &&
-                      render_sequence(&o, &v->host, v->shown.scene, renderer, &o.frame, &report, NULL);
+                      render_sequence(&o, &v->host, v->shown.scene, renderer, NULL, &o.frame, &report, NULL);
     fnl_renderer_destroy(&renderer);
     pthread_mutex_unlock(&v->device.mutex);
     if (v->shown.info.animation_count) view_set_time(v, v->time);
-    snprintf(v->files.sequence, sizeof v->files.sequence, "--camera-path '%.900s'%s -o '%.900s'", camera_path, v->plays ? "" : " --frame-time 0", pattern);
+    char *path_word = print_shell_word(camera_path), *pattern_word = print_shell_word(pattern);
+    const int length = !path_word || !pattern_word ? -1
+                                                   : snprintf(v->files.sequence, sizeof v->files.sequence, "--camera-path %s%s -o %s", path_word,
+                                                              v->plays ? "" : " --frame-time 0", pattern_word);
+    if (length < 0 || length >= (int)sizeof v->files.sequence) v->files.sequence[0] = 0;
+    free(path_word);
+    free(pattern_word);
     snprintf(text, sizeof text, good ? "wrote the pictures %s" : "the pictures %s were not all written", pattern);
     view_say(v, good ? FNL_LOG_INFO : FNL_LOG_ERROR, text);
     view_want(v, 2);

@@ -2,11 +2,15 @@
 /* What the window remembers: a file of lines "key value". */
 #include "view/view.h"
 
-#include <errno.h>
+#include "input.h"
+#include "output.h"
+#include "print.h"
+
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 const char *const view_present_names[VIEW_PRESENT_COUNT] = {"fifo", "mailbox", "immediate"};
 const char *const view_color_names[VIEW_COLOR_COUNT] = {"srgb", "scrgb", "hdr10"};
@@ -73,7 +77,7 @@ static bool take_line(struct view_settings *s, char *line) {
 void view_settings_load(struct view_settings *s) {
     char path[1024], line[1100];
     *s = view_settings_default();
-    FILE *file = settings_path(path, sizeof path) ? fopen(path, "r") : NULL;
+    FILE *file = settings_path(path, sizeof path) && access(path, F_OK) == 0 ? input_open(path, 1 << 20) : NULL;
     if (!file) return;
     for (uint32_t number = 1; fgets(line, sizeof line, file); number++) {
         line[strcspn(line, "\n")] = 0;
@@ -92,25 +96,24 @@ static void make_folders(char *path) {
 }
 
 bool view_settings_save(const struct view_settings *s) {
-    char path[1024], temporary[1040];
+    char path[1024];
+    struct output out;
     if (!settings_path(path, sizeof path)) return true; /* a user without a home */
     make_folders(path);
-    snprintf(temporary, sizeof temporary, "%s.new", path);
-    FILE *file = fopen(temporary, "w");
-    if (file) {
-        for (size_t i = 0; i < ROW_COUNT; i++) {
-            const char *at = (const char *)s + rows[i].offset;
-            if (rows[i].kind == NUMBER)
-                fprintf(file, "%s %.9g\n", rows[i].key, (double)*(const float *)at);
-            else
-                fprintf(file, "%s %u\n", rows[i].key, rows[i].kind == SWITCH ? *(const bool *)at : *(const uint32_t *)at);
-        }
-        for (uint32_t i = 0; i < s->recent_count; i++) fprintf(file, "recent %s\n", s->recent[i]);
-        bool good = !ferror(file);
-        if (fclose(file) == 0 && good && rename(temporary, path) == 0) return true;
+    if (!output_begin(path, &out)) return false;
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        const char *at = (const char *)s + rows[i].offset;
+        if (rows[i].kind == NUMBER)
+            fprintf(out.stream, "%s %.9g\n", rows[i].key, (double)*(const float *)at);
+        else
+            fprintf(out.stream, "%s %u\n", rows[i].key, rows[i].kind == SWITCH ? *(const bool *)at : *(const uint32_t *)at);
     }
-    fprintf(stderr, "fanal: warning: %s: settings were not written: %s\n", path, strerror(errno));
-    return false;
+    for (uint32_t i = 0; i < s->recent_count; i++) {
+        fputs("recent ", out.stream);
+        fwrite(s->recent[i], 1, strlen(s->recent[i]), out.stream); /* as it is: it is read again */
+        fputc('\n', out.stream);
+    }
+    return output_commit(&out);
 }
 
 void view_settings_note_scene(struct view_settings *s, const char *source) {

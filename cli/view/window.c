@@ -2,6 +2,8 @@
 /* The window, by GLFW. Places are in pixels of its picture, which may be finer than the screen's units. */
 #include "view/view.h"
 
+#include "print.h"
+
 #include "fanal/vulkan.h"
 
 #define GLFW_INCLUDE_NONE

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "options.h"
+#include "print.h"
 #include "progress.h"
 
 #include <dlfcn.h>
@@ -220,10 +221,7 @@ int command_xr(int argc, char **argv) {
             print_help();
             return 0;
         }
-        if (option == '?') {
-            fputs("fanal: see 'fanal xr --help'\n", stderr);
-            return 2;
-        }
+        if (option == '?') return 2;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg)) return 0;
         if (!(world_has(option) ? world_parse(option, optarg, &o.world) : parse_option(&o, &given, option, optarg))) return 2;
     }

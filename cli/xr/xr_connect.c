@@ -2,6 +2,8 @@
 /* From the loader to a session, and the session's states. */
 #include "xr/xr.h"
 
+#include "print.h"
+
 #include <openxr/openxr_reflection.h>
 #include <stdio.h>
 #include <string.h>

@@ -5,6 +5,8 @@
  */
 #include "xr/xr.h"
 
+#include "print.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <time.h>

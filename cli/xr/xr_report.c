@@ -2,7 +2,9 @@
 /* The numbers of a session, as text and as JSON: docs/xr.md describes them. */
 #include "xr/xr.h"
 
+#include "json_text.h"
 #include "output.h"
+#include "print.h"
 #include "program.h"
 
 #include <jansson.h>
@@ -129,11 +131,11 @@ static json_t *all_json(const struct xr *x) {
 
 bool xr_save_stats(const struct xr *x) {
     json_t *json = all_json(x);
-    char *text = json ? json_dumps(json, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) : NULL;
+    char *text = json ? json_text_write(json, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) : NULL;
     json_decref(json);
     bool good = text != NULL;
     if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
-    else if (strcmp(x->options->stats, "-") == 0) puts(text);
+    else if (strcmp(x->options->stats, "-") == 0) puts(text); /* own text */
     else {
         const size_t length = strlen(text);
         text[length] = '\n'; /* in place of the zero */

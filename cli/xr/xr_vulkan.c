@@ -2,6 +2,8 @@
 /* The Vulkan device of the session: made through the runtime, which knows what the headset needs, and imported by Fanal. */
 #include "xr/xr.h"
 
+#include "print.h"
+
 #include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>

@@ -63,7 +63,7 @@ typedef struct fnl_host {
      * old block then stays valid) and when it frees. Default: realloc and free.
      */
     void *(*reallocate)(void *user, void *old, size_t old_size, size_t new_size);
-    /** Receives one line of text without a line break. Default: warnings and errors go to stderr. */
+    /** Receives one line of text without a line break or other control characters. Default: warnings and errors go to stderr. */
     void (*log)(void *user, fnl_log_level level, const char *line);
     /** Calls run(context, i) for every i below count, on any threads, and returns when all are done. Default: a pool. */
     void (*parallel_for)(void *user, uint32_t count, void (*run)(void *context, uint32_t index), void *context);
@@ -73,6 +73,13 @@ typedef struct fnl_host {
 
 /** A host with all defaults. */
 FNL_API fnl_host fnl_host_default(void);
+
+/**
+ * Makes text that comes from a file, such as a name, safe to print on a terminal: each control character (line breaks, escape sequences, C1), each
+ * Unicode line separator and control of the writing direction, and each byte that is not UTF-8 becomes one '?'. Returns whether anything was replaced.
+ * Lines of the log are safe already; names that a scene returns are not.
+ */
+FNL_API bool fnl_text_clean(char *text);
 
 typedef struct fnl_vec2 {
     float x, y;

@@ -18,7 +18,7 @@ typedef struct fnl_camera {
     bool orthographic;     /**< default false */
     float vertical_fov;    /**< radians, 0 .. pi; default 0.9 */
     float vertical_extent; /**< orthographic: height of the view in metres; default 10 */
-    float near_distance;   /**< metres, > 0; default 0.05 */
+    float near_distance;   /**< metres, > 0, or >= 0 if orthographic; default 0.05 */
     float far_distance;    /**< orthographic only, metres, > near_distance; perspective views reach to infinity; default 1000 */
     fnl_vec2 shift;        /**< off-axis projection: shifts the picture, in half widths and half heights; default 0 */
     float pixel_aspect;    /**< width of a pixel by its height, > 0; default 1. Headsets have pixels that are not square */

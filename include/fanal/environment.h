@@ -44,13 +44,18 @@ typedef struct fnl_environment_params {
     /**
      * Small bright sources (the sun, lamps) become directional lights of the scene, with shadows, and go from the picture: prefiltered light has
      * neither sharp shadows nor exact highlights. At most 8, those with the most illuminance; each fills at most 10 degrees and gives at
-     * least 2 % of the light. Values that remain in the picture are at most 65504. Default true.
+     * least 2 % of the light. Default true.
      */
     bool lights;
     /**
      * Renderers keep it as BC6H where fnl_device_info.texture_compression: an eighth of the memory, 1.4 to 2.9 % off. Default false.
      */
     bool compressed;
+    /**
+     * Bytes that the picture of `source` may take, decoded and as the scene keeps it, counted before anything is allocated. A file that needs more is
+     * FNL_ERROR_MEMORY. UINT64_MAX: no limit. Default: half of the machine's memory.
+     */
+    uint64_t max_memory;
 } fnl_environment_params;
 
 FNL_API fnl_environment_params fnl_environment_params_default(void);

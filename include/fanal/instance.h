@@ -66,6 +66,9 @@ FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance
 /**
  * Removes an instance with everything below it, including lights. Cameras below it stay where they are, as do joints of the
  * skins of other nodes; decals below it are no longer shown. All other ids stay valid.
+ *
+ * With the root of a file (fnl_loaded.root) its images are freed, except those that a remaining instance, another material or a decal uses.
+ * Materials of the file that no instance shows lose their textures, and the id of a freed image is that of a white one.
  */
 FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);
 

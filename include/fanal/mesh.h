@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Images, materials and meshes of a scene. They are never removed. Calls on one scene are not thread-safe.
+ * Images, materials and meshes of a scene. They are never removed, except images of a file whose root is removed
+ * (fnl_scene_remove_instance). Renderers keep on the device only images that a material uses. Calls on one scene are not thread-safe.
  */
 #ifndef FANAL_MESH_H
 #define FANAL_MESH_H

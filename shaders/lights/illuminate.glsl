@@ -152,11 +152,12 @@ float light_distance(light_list_block l, uint light, vec3 position, vec3 to_ligh
 
 bool light_casts(light_list_block l, uint light) { return l.list.lights.at[light].source >= 0.0; }
 
-// How far from their surfaces the positions may be that pixels are shaded at, metres. Depths of orthographic views are all as coarse as the
+// How far from their surfaces the positions may be that pixels are shaded at, metres: some ten roundings of floats (6e-8) as large as the distances from the
+// world's origin and from the eye, twice over. Depths of orthographic views are all as coarse as the
 // farthest. With several samples a pixel, positions are interpolated somewhere in it, and may be a pixel's width beside the triangle.
 float shadow_slack(light_list_block l, vec3 position) {
     view_block v = l.list.view;
-    float seen_from = length(v.view.eye - position), slack = 1e-5 * (length(position) + seen_from);
+    float seen_from = length(v.view.eye - position), slack = 2e-6 * (length(position) + seen_from);
     slack += v.view.orthographic * 1.2e-7 * abs(v.view.depth_decode.y);
     return v.view.samples > 1u ? slack + pixel_width(v, seen_from) : slack;
 }

@@ -22,23 +22,30 @@ struct shadow_receiver {
     vec2 side, up; // what a blocker hides moves by in ndc where the point of the source moves by 1, for each unit of depth between blocker and receiver
 };
 
+// What the depth of a lit plane grows by per unit of ndc. Planes that face the light by a cosine of less than `least` count as if they did by that.
+vec2 shadow_plane_slope(gpu_shape shape, uint face, vec3 ray, vec3 normal, float least) {
+    if (shape.kind == GPU_SHAPE_BOX) {
+        vec3 up = cross(shape.side, shape.direction);
+        float facing = min(dot(normal, shape.direction), -least);
+        return vec2(dot(normal, shape.side) * shape.size.x, dot(normal, up) * shape.size.y) * (0.5 / (facing * shape.size.z));
+    }
+    uint axis = face >> 1u;
+    return vec2(normal[(axis + 1u) % 3u], normal[(axis + 2u) % 3u]) * (SHADOW_NEAR / min(dot(normal, ray), -least * length(ray)));
+}
+
 shadow_receiver shadow_receiver_of(gpu_shape shape, uint face, vec4 clip, vec3 ray, vec3 normal) {
     shadow_receiver r;
     r.ndc = clip.xy / clip.w;
     r.along = clip.w;
     r.depth = clip.z / clip.w;
-    float facing = min(dot(normal, ray), -0.05 * length(ray));
+    r.slope = shadow_plane_slope(shape, face, ray, normal, 0.05);
     if (shape.kind == GPU_SHAPE_BOX) {
-        vec3 up = cross(shape.side, shape.direction);
-        facing = min(dot(normal, shape.direction), -0.05);
-        r.slope = vec2(dot(normal, shape.side) * shape.size.x, dot(normal, up) * shape.size.y) * (0.5 / (facing * shape.size.z));
         r.side = vec2(2.0 * shape.size.z / shape.size.x, 0.0);
         r.up = vec2(0.0, 2.0 * shape.size.z / shape.size.y);
         return r;
     }
     uint axis = face >> 1u, x = (axis + 1u) % 3u, y = (axis + 2u) % 3u;
     float sign_ = (face & 1u) != 0u ? -1.0 : 1.0;
-    r.slope = vec2(normal[x], normal[y]) * (SHADOW_NEAR / facing);
     vec3 side, up; // of the disk that faces the point; what lies before or behind the light moves with the ray
     source_axes(normalize(ray), side, up);
     r.side = (vec2(side[x], side[y]) - r.ndc * (sign_ * side[axis])) / SHADOW_NEAR;

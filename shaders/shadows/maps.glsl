@@ -80,17 +80,20 @@ float shadow_quad_depth(shadow_quad q) {
     return mix(row.x, row.y, q.part.y);
 }
 
-// Whether the four texels round a point of a page hide it; `depth` is its own, reversed. They do where all are nearer, and where the nearest texel is,
-// unless the point lies on the surface that the four show: on a plane depth is linear between texels, whatever its slope, while at the edge of
-// what casts a shadow the point stays behind by more than a quarter of the step.
-bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, float depth) {
-    shadow_quad q = shadow_quad_at(maps, place, at, shadow_page_texel(at, ndc));
-    vec2 range = shadow_quad_range(q);
-    bool is_nearer = q.nearest > depth, are_all = range.x > depth, is_off = shadow_quad_depth(q) > depth + 0.25 * (range.y - range.x);
-    return is_nearer && (are_all || is_off);
-}
-
 #include "shadows/filter.glsl"
+
+// Whether the four texels round a point of a page hide it; `depth` is its own, reversed, `slope` what the depth of its plane grows by per unit of ndc. They
+// do where all are nearer, and where the nearest texel is, unless the point lies on the surface that the texels show. It does where the depth between the
+// four is its own: on a plane depth is linear between texels, whatever its slope, while at the edge of what casts a shadow the point stays behind by more
+// than a quarter of the step. And it does where its own plane is as near at that texel: in a corner the four show two planes.
+bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, float depth, vec2 slope) {
+    vec2 texel = shadow_page_texel(at, ndc);
+    shadow_quad q = shadow_quad_at(maps, place, at, texel);
+    vec2 range = shadow_quad_range(q), back = step(vec2(0.5), q.part) - q.part; // in texels, to the middle of the nearest
+    float tolerance = 0.25 * (range.y - range.x), there = depth + dot(slope, back) * (2.0 / shadow_width(at.level));
+    bool is_nearer = q.nearest > depth, are_all = range.x > depth, is_off = shadow_quad_depth(q) > depth + tolerance;
+    return is_nearer && (are_all || is_off && q.nearest > there + tolerance);
+}
 
 // What part of a light reaches a point, by the map of a row: without a filter 0 or 1; or -1 where no map tells. Pages of at.level are looked up, and of
 // coarser levels where there are none: pixels asked for the first, what is beside them may have to look farther.
@@ -108,7 +111,7 @@ float row_visibility(light_list_block l, uint light, shadowed_point p, uint row,
         float along = clip.w - p.slack - 0.5 * texel * clip.w;
         depth = along > 0.0 ? SHADOW_NEAR / along : 2.0; // nothing is nearer
     }
-    bool hidden = shadow_hides(p.maps, place, at, ndc, depth);
+    bool hidden = shadow_hides(p.maps, place, at, ndc, depth, shadow_plane_slope(shape, at.face, ray, p.normal, 1e-3));
     if (!LIST_FILTERED) return hidden ? 0.0 : 1.0;
     return shadow_filtered(l, light, p, row, shape, at, place, shadow_receiver_of(shape, at.face, clip, ray, p.normal), hidden);
 }

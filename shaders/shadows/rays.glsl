@@ -65,24 +65,42 @@ float ray_reach(ray_scope scope, uint item, float high) {
     return moves ? high : min(high, scope.high);
 }
 
+// Texture coordinates where the ray meets a triangle.
+vec4 ray_uvs(rays_block b, uvec3 corners, vec3 weights) {
+    vec4 uvs = vec4(0.0);
+    for (int k = 0; k < 3; k++) uvs += vec4(b.rays.scene.scene.attributes.at[corners[k]].uv0, b.rays.scene.scene.attributes.at[corners[k]].uv1) * weights[k];
+    return uvs;
+}
+
+vec4 ray_texel(gpu_texture t, vec4 uvs) {
+    if (t.image == GPU_TEXTURE_NONE) return vec4(1.0);
+    vec2 uv = (t.flags & GPU_TEXTURE_UV1) == 0u ? uvs.xy : uvs.zw;
+    uv = vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2], t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5]);
+    return textureLod(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), uv, 0.0);
+}
+
 // The base colour of a material where the ray meets it.
 vec4 ray_color(rays_block b, uint material, uvec3 corners, vec3 weights) {
-    material_array materials = b.rays.scene.scene.materials;
-    vec4 color = materials.at[material].base_color;
-    vec4 uvs = vec4(0.0);
     vec4 vertex = vec4(0.0);
     for (int k = 0; k < 3; k++) {
-        gpu_attributes a = b.rays.scene.scene.attributes.at[corners[k]];
-        uvs += vec4(a.uv0, a.uv1) * weights[k];
-        vertex += vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y)) * weights[k];
+        uvec2 color = b.rays.scene.scene.attributes.at[corners[k]].color;
+        vertex += vec4(unpackUnorm2x16(color.x), unpackUnorm2x16(color.y)) * weights[k];
     }
-    gpu_texture t = materials.at[material].textures[0]; // base colour
-    if (t.image != GPU_TEXTURE_NONE) {
-        vec2 uv = t.uv_set == 0u ? uvs.xy : uvs.zw;
-        uv = vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2], t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5]);
-        color *= textureLod(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), uv, 0.0);
+    material_array materials = b.rays.scene.scene.materials;
+    return materials.at[material].base_color * ray_texel(materials.at[material].textures[0], ray_uvs(b, corners, weights)) * vertex;
+}
+
+// What a transmissive material lets through there: nothing where it is metal.
+float ray_transmission(rays_block b, uint material, uvec3 corners, vec3 weights) {
+    material_array materials = b.rays.scene.scene.materials;
+    float through = materials.at[material].layers.layers.transmission, metallic = materials.at[material].metallic;
+    gpu_texture strength = materials.at[material].layers.layers.textures[8], metal = materials.at[material].textures[1];
+    if (strength.image != GPU_TEXTURE_NONE || metal.image != GPU_TEXTURE_NONE) {
+        vec4 uvs = ray_uvs(b, corners, weights);
+        through *= ray_texel(strength, uvs).r;
+        metallic *= ray_texel(metal, uvs).b;
     }
-    return color * vertex;
+    return through * (1.0 - clamp(metallic, 0.0, 1.0));
 }
 
 // All other materials are opaque to light wherever a ray meets them.
@@ -99,7 +117,7 @@ float ray_coverage(rays_block b, uint material, uvec3 corners, vec3 weights) {
         if ((flags & GPU_MATERIAL_MASK) != 0u) cover = alpha < b.rays.scene.scene.materials.at[material].alpha_cutoff ? 0.0 : 1.0;
         else cover = clamp(alpha, 0.0, 1.0);
     }
-    if ((flags & GPU_MATERIAL_TRANSMISSIVE) != 0u) cover *= 1.0 - b.rays.scene.scene.materials.at[material].layers.layers.transmission;
+    if ((flags & GPU_MATERIAL_TRANSMISSIVE) != 0u) cover *= 1.0 - ray_transmission(b, material, corners, weights);
     return cover;
 }
 

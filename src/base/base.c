@@ -2,6 +2,7 @@
 #include "base/base.h"
 
 #include <time.h>
+#include <unistd.h>
 
 #define STRINGIFY_(x) #x
 #define STRINGIFY(x) STRINGIFY_(x)
@@ -82,9 +83,15 @@ void host_free(const fnl_host *host, void *block, size_t size) {
     if (block) host->reallocate(host->user, block, size, 0);
 }
 
+uint64_t host_memory_limit(void) {
+    const long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page_size > 0 ? (uint64_t)pages * (uint64_t)page_size / 2 : (uint64_t)4 << 30;
+}
+
 void host_log_list(const fnl_host *host, fnl_log_level level, const char *format, va_list arguments) {
     char line[2048];
-    vsnprintf(line, sizeof line, format, arguments);
+    text_format_list(line, sizeof line, format, arguments);
+    fnl_text_clean(line); /* names of files, and from them */
     host->log(host->user, level, line);
 }
 
@@ -93,6 +100,45 @@ void host_log(const fnl_host *host, fnl_log_level level, const char *format, ...
     va_start(arguments, format);
     host_log_list(host, level, format, arguments);
     va_end(arguments);
+}
+
+/* ---- text ---- */
+
+/** Bytes of the character of UTF-8 that `text` begins with, and its code; 0 if it begins with none. */
+static uint32_t utf8_length(const unsigned char *text, uint32_t *out_code) {
+    static const uint32_t lowest[] = {0, 0, 0x80, 0x800, 0x10000};
+    const uint32_t length = text[0] < 0x80 ? 1 : text[0] >> 5 == 6 ? 2 : text[0] >> 4 == 14 ? 3 : text[0] >> 3 == 30 ? 4 : 0;
+    uint32_t code = length == 1 ? text[0] : text[0] & (0x7fu >> length);
+    for (uint32_t i = 1; i < length; i++) {
+        if (text[i] >> 6 != 2) return 0;
+        code = code << 6 | (text[i] & 0x3f);
+    }
+    *out_code = code;
+    return length && code >= lowest[length] && code <= 0x10ffff && code >> 11 != 0x1b ? length : 0; /* 0x1b: surrogates */
+}
+
+/** What changes more on a terminal than the place that it stands in: C0, DEL, C1, separators of lines, and what turns the direction of writing. */
+static bool is_control(uint32_t code) {
+    return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+bool fnl_text_clean(char *text) {
+    bool replaced = false;
+    char *out = text;
+    if (!text) return false;
+    for (const char *in = text; *in;) {
+        uint32_t code = 0, length = utf8_length((const unsigned char *)in, &code);
+        if (length == 0 || is_control(code)) {
+            *out++ = '?';
+            in += MAX(length, 1u);
+            replaced = true;
+        } else {
+            while (length--) *out++ = *in++;
+        }
+    }
+    *out = 0;
+    return replaced;
 }
 
 /* ---- arena ---- */
@@ -133,7 +179,10 @@ void arena_reset(struct arena *arena) {
 }
 
 void *arena_allocate(struct arena *arena, size_t size) {
-    if (size > SIZE_MAX - 64) return NULL;
+    if (size > SIZE_MAX - 64) {
+        log_error(arena->host, "out of memory: %zu bytes were asked for", size);
+        return NULL;
+    }
     size = (size_t)align_up(size, 16);
     struct arena_block *block = arena->current;
     while (block && block->size - block->used < size) block = block->next;
@@ -171,10 +220,10 @@ char *arena_format(struct arena *arena, const char *format, ...) {
     va_list arguments, again;
     va_start(arguments, format);
     va_copy(again, arguments);
-    int length = vsnprintf(NULL, 0, format, arguments);
+    int length = text_format_list(NULL, 0, format, arguments);
     va_end(arguments);
     char *text = length < 0 ? NULL : arena_allocate(arena, (size_t)length + 1);
-    if (text) vsnprintf(text, (size_t)length + 1, format, again);
+    if (text) text_format_list(text, (size_t)length + 1, format, again);
     va_end(again);
     return text;
 }

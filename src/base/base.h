@@ -3,6 +3,8 @@
 #ifndef FNL_BASE_BASE_H
 #define FNL_BASE_BASE_H
 
+#include "base/number.h"
+
 #include "fanal/base.h"
 #include "fanal/values.h"
 
@@ -32,6 +34,9 @@ void *host_allocate_zero(const fnl_host *host, size_t size);
 /** Resizes; on failure NULL, and the old block stays. */
 void *host_resize(const fnl_host *host, void *old, size_t old_size, size_t new_size);
 void host_free(const fnl_host *host, void *block, size_t size);
+
+/** What a file may decode to unless somebody says otherwise: half of the machine's memory. */
+uint64_t host_memory_limit(void);
 
 void host_log(const fnl_host *host, fnl_log_level level, const char *format, ...) __attribute__((format(printf, 3, 4)));
 void host_log_list(const fnl_host *host, fnl_log_level level, const char *format, va_list arguments);

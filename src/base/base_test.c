@@ -8,8 +8,13 @@
 #include "tests/test_memory.h"
 
 #include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static void test_arena_reuses_its_blocks(void **state) {
@@ -179,6 +184,7 @@ static void test_files_without_memory_fail_and_give_all_back(void **state) {
         atomic_store(&memory.fail_at, needed + 1);
         result = file_save(&host, path, "whole", 5);
         assert_true(result == FNL_OK || result == FNL_ERROR_MEMORY);
+        assert_true(result == FNL_OK || atomic_exchange(&memory.errors, 0) > 0);
         assert_int_equal(count_files(), result == FNL_OK);
         assert_int_equal(memory.live_bytes, 0);
         assert_int_equal(memory.wrong_sizes, 0);
@@ -220,6 +226,64 @@ static void test_only_regular_files_are_read_and_replaced(void **state) {
     assert_true(S_ISCHR(status.st_mode));
     assert_int_equal(count_files(), 2);
     assert_int_equal(memory.live_bytes, 0);
+}
+
+/* What a write that failed has lost is told with its reason, although all that is left of the file can be written. */
+static void test_a_full_disk_is_one_error_that_names_the_file(void **state) {
+    UNUSED(state);
+    struct test_memory memory;
+    fnl_host host = memory_host(&memory);
+    const char *path = path_of("file");
+    struct rlimit before, small;
+    char text[65536], expected[256];
+    memset(text, 'x', sizeof text);
+    assert_int_equal(file_save(&host, path, "whole", 5), FNL_OK);
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    small = before;
+    small.rlim_cur = 4096;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    fnl_result result = file_save(&host, path, text, sizeof text);
+    setrlimit(RLIMIT_FSIZE, &before);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_int_equal(result, FNL_ERROR_FILE);
+    snprintf(expected, sizeof expected, "%s: cannot be written: %s", path, strerror(EFBIG));
+    assert_string_equal(memory.last_error, expected);
+    assert_int_equal(memory.errors, 1);
+    assert_content(path, "whole");
+    assert_int_equal(count_files(), 1);
+    assert_int_equal(memory.live_bytes, 0);
+}
+
+/* A file whose time of change is so many hours back. */
+static void make_old(const char *name, int hours) {
+    fnl_host host = host_resolve(NULL);
+    const struct timespec times[2] = {{.tv_sec = time(NULL) - hours * 3600}, {.tv_sec = time(NULL) - hours * 3600}};
+    if (access(path_of(name), F_OK) != 0) assert_int_equal(file_save(&host, path_of(name), "old", 3), FNL_OK);
+    assert_int_equal(utimensat(AT_FDCWD, path_of(name), times, AT_SYMLINK_NOFOLLOW), 0);
+}
+
+static void test_what_crashed_runs_left_is_removed_after_a_day(void **state) {
+    UNUSED(state);
+    fnl_host host = host_resolve(NULL);
+    static const char *const kept[] = {"fanal-00000002-00000000.part", "fanal-notes.part", "fanal-00000001.part.png", "other.part", "file"};
+    make_old("fanal-00000002-00000000.part", 1);
+    for (int i = 1; i < 5; i++) make_old(kept[i], 100);
+    make_old("fanal-00000001-00000000.part", 48);
+    assert_int_equal(symlink("file", path_of("fanal-00000003-00000000.part")), 0);
+    make_old("fanal-00000003-00000000.part", 48);
+    assert_int_equal(count_files(), 7);
+    char elsewhere[512];
+    snprintf(elsewhere, sizeof elsewhere, "%s/below", folder);
+    assert_int_equal(mkdir(elsewhere, 0700), 0);
+    assert_int_equal(file_save(&host, path_of("below/file"), "x", 1), FNL_OK); /* a folder is looked through when it is another than the last */
+    unlink(path_of("below/file"));
+    rmdir(elsewhere);
+    assert_int_equal(file_save(&host, path_of("file"), "new", 3), FNL_OK);
+    assert_int_equal(access(path_of("fanal-00000001-00000000.part"), F_OK), -1);
+    for (int i = 0; i < 5; i++) assert_int_equal(access(path_of(kept[i]), F_OK), 0);
+    assert_int_equal(count_files(), 6);
+    assert_content(path_of("file"), "new");
 }
 
 struct cutting_host {
@@ -343,6 +407,45 @@ static void test_half_floats_round_trip(void **state) {
     assert_int_equal(half_from_float(1.0f + 3 * 0x1p-11f), 0x3c02);
 }
 
+/* Replaces in place; what is left is UTF-8 without controls. */
+static void test_text_is_made_safe_to_print(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *text, *expected;
+    } rows[] = {
+        {"", ""},
+        {"plain ~ äß€𝄞", "plain ~ äß€𝄞"},
+        {"\033]52;c;AA\a\r\n\t\b\177", "?]52;c;AA??????"},
+        {"\xc2\x80\xc2\x9b\xc2\x9f\xc2\xa0", "???\xc2\xa0"},                     /* C1, and what follows it */
+        {"\x9b" "1m\xff\xfe", "?1m??"},                                           /* alone: not UTF-8 */
+        {"\xe2\x80\x8e\xe2\x80\x8f\xe2\x80\xaa\xe2\x80\xae\xe2\x81\xa6\xe2\x81\xa9\xd8\x9c", "???????"}, /* direction of writing */
+        {"\xe2\x80\xa8\xe2\x80\xa9\xe2\x80\x90", "??\xe2\x80\x90"},               /* separators; a hyphen */
+        {"\xc0\x8a\xe0\x80\x8a\xf0\x80\x80\x8a", "?????????"},                   /* longer than needed */
+        {"\xed\xa0\x80\xf4\x90\x80\x80", "???????"},                            /* surrogate; above U+10FFFF */
+        {"a\xe2\x82", "a??"},                                                     /* cut off */
+    };
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
+        char text[64];
+        strcpy(text, rows[i].text);
+        assert_int_equal(fnl_text_clean(text), strcmp(rows[i].text, rows[i].expected) != 0);
+        assert_string_equal(text, rows[i].expected);
+    }
+    assert_false(fnl_text_clean(NULL));
+}
+
+static void keep_line(void *user, fnl_log_level level, const char *line) {
+    UNUSED(level);
+    snprintf(user, 64, "%s", line);
+}
+
+static void test_no_name_breaks_a_line_of_the_log(void **state) {
+    UNUSED(state);
+    char line[64] = "";
+    fnl_host host = host_resolve(&(fnl_host){.user = line, .log = keep_line});
+    log_error(&host, "%s: broken", "a\n\033[2J\xe2\x80\xae.gltf");
+    assert_string_equal(line, "a??[2J?.gltf: broken");
+}
+
 static void test_matrix_inverse(void **state) {
     UNUSED(state);
     mat4 m = mat4_from_trs(vec3_make(1, -2, 3e4f), quat_normalize((quat){1, 2, 3, 4}), vec3_make(2, -3, 0.01f)), inverse;
@@ -352,6 +455,22 @@ static void test_matrix_inverse(void **state) {
     assert_true(mat4_determinant3(&m) < 0);
     mat4 flat = mat4_scaling(vec3_make(1, 0, 1));
     assert_false(mat4_inverse(&flat, &inverse));
+}
+
+/* Of any length that a float can have. */
+static void test_extreme_vectors_are_normalized(void **state) {
+    UNUSED(state);
+    for (int exponent = -140; exponent <= 126; exponent++) {
+        const float s = ldexpf(1, exponent);
+        const vec3 v = vec3_normalize(vec3_make(s, 0, -s));
+        const quat q = quat_normalize((quat){s, -s, s, s});
+        assert_float_equal(v.x, 0.70710678f, 1e-6f);
+        assert_float_equal(v.z, -0.70710678f, 1e-6f);
+        assert_float_equal(q.y, -0.5f, 1e-6f);
+    }
+    assert_true(vec3_length(vec3_normalize(vec3_make(0, 0, 0))) == 0);
+    assert_true(vec3_length(vec3_normalize(vec3_make(INFINITY, 0, 0))) == 0);
+    assert_true(quat_normalize((quat){0, 0, 0, 0}).w == 1);
 }
 
 static void test_octahedral_round_trip(void **state) {
@@ -372,6 +491,8 @@ int main(void) {
         cmocka_unit_test(test_parallel_for_visits_each_index_once),
         cmocka_unit_test(test_ranges_come_and_go),
         cmocka_unit_test_setup_teardown(test_file_appears_complete_or_not_at_all, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_a_full_disk_is_one_error_that_names_the_file, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_what_crashed_runs_left_is_removed_after_a_day, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_files_without_memory_fail_and_give_all_back, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_only_regular_files_are_read_and_replaced, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_files_that_shrink_are_errors_or_stay_whole, make_folder, remove_folder),
@@ -379,7 +500,10 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_replacing_keeps_mode_and_links, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_long_names_can_be_written, make_folder, remove_folder),
         cmocka_unit_test(test_half_floats_round_trip),
+        cmocka_unit_test(test_text_is_made_safe_to_print),
+        cmocka_unit_test(test_no_name_breaks_a_line_of_the_log),
         cmocka_unit_test(test_matrix_inverse),
+        cmocka_unit_test(test_extreme_vectors_are_normalized),
         cmocka_unit_test(test_octahedral_round_trip),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,7 +3,7 @@
 
 static void say(const struct call *call, const char *format, va_list arguments) {
     char text[1500];
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     if (call->in_array)
         log_error(call->host, "%s: element %u: %s", call->function, call->element, text);
     else
@@ -79,8 +79,8 @@ const char *number_text(double value, char text[32]) {
     if (isnan(value)) return "NaN";
     if (isinf(value)) return value > 0 ? "infinity" : "-infinity";
     for (int digits = 6; digits <= 9; digits++) {
-        snprintf(text, 32, "%.*g", digits, value);
-        if (strtof(text, NULL) == (float)value) break;
+        text_format(text, 32, "%.*g", digits, value);
+        if ((float)number_read(text, NULL) == (float)value) break;
     }
     return text;
 }

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <stdatomic.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char *kind_name(mode_t mode) {
@@ -99,11 +101,35 @@ static bool follow_links(const char *path, char target[PATH_MAX]) {
     return false;
 }
 
+/** "fanal-PROCESS-NUMBER.part", as cli/output.c names them too. */
+static bool is_temporary(const char *name) {
+    const size_t digits = strncmp(name, "fanal-", 6) == 0 ? strspn(name + 6, "0123456789abcdef-") : 0;
+    return digits > 0 && strcmp(name + 6 + digits, ".part") == 0;
+}
+
+/** Removes what programs left behind in a folder that ended in the middle of writing: nobody has written to it for a day. Not before each of many pictures. */
+static void remove_stale(const char *folder) {
+    enum { DAY = 24 * 60 * 60 };
+    static atomic_ullong last;
+    const uint64_t hash = hash_bytes(folder, strlen(folder), HASH_SEED);
+    DIR *directory = atomic_exchange(&last, hash) == hash ? NULL : opendir(folder);
+    if (!directory) return;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        struct stat status;
+        if (is_temporary(entry->d_name) && fstatat(dirfd(directory), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status.st_mode) &&
+            status.st_mtime < time(NULL) - DAY)
+            unlinkat(dirfd(directory), entry->d_name, 0);
+    }
+    closedir(directory);
+}
+
 /** A new file beside the target, under a name that no other thread or process has. -1 with errno. */
 static int open_temporary(const char *target, char *name, size_t capacity) {
     static atomic_uint counter;
     const char *slash = strrchr(target, '/');
     int folder = slash ? (int)(slash + 1 - target) : 0, descriptor;
+    snprintf(name, capacity, "%.*s", folder, target);
+    remove_stale(folder ? name : ".");
     do {
         /* Short, whatever the target is called: names have a limit. */
         snprintf(name, capacity, "%.*sfanal-%08x-%08x.part", folder, target, (unsigned)getpid(),
@@ -166,13 +192,23 @@ fnl_result file_write_begin(const fnl_host *host, const char *path, struct file_
 
 fnl_result file_write_commit(struct file_writer *writer) {
     if (!writer->stream) return FNL_ERROR_INVALID;
+    bool failed = ferror(writer->stream);
+    if (failed) fputc(0, writer->stream); /* what was wrong is known only at the time: once more, into a file that is dropped */
     errno = 0;
-    bool failed = fflush(writer->stream) != 0 || ferror(writer->stream);
-    failed |= fclose(writer->stream) != 0;
+    failed |= fflush(writer->stream) != 0;
+    if (failed && errno == 0) errno = EIO;
+    int reason = errno;
+    if (fclose(writer->stream) != 0 && !failed) {
+        failed = true;
+        reason = errno;
+    }
     writer->stream = NULL;
-    if (!failed) failed = rename(writer->temporary, writer->target) != 0;
+    if (!failed && rename(writer->temporary, writer->target) != 0) {
+        failed = true;
+        reason = errno;
+    }
     if (failed) {
-        log_error(&writer->host, "%s: cannot be written: %s", writer->path, strerror(errno));
+        log_error(&writer->host, "%s: cannot be written: %s", writer->path, strerror(reason));
         unlink(writer->temporary);
     }
     writer_free(writer);

@@ -3,6 +3,16 @@
 
 #include "base/base.h"
 
+vec3 vec3_normalize_extreme(vec3 a) {
+    const double x = (double)a.x, y = (double)a.y, z = (double)a.z, length = sqrt(x * x + y * y + z * z);
+    return length > 0 && length < INFINITY ? (vec3){(float)(x / length), (float)(y / length), (float)(z / length)} : (vec3){0, 0, 0};
+}
+
+quat quat_normalize_extreme(quat q) {
+    const double x = (double)q.x, y = (double)q.y, z = (double)q.z, w = (double)q.w, length = sqrt(x * x + y * y + z * z + w * w);
+    return length > 0 && length < INFINITY ? (quat){(float)(x / length), (float)(y / length), (float)(z / length), (float)(w / length)} : quat_identity();
+}
+
 mat4 mat4_from_trs(vec3 t, quat q, vec3 s) {
     float xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z, xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
     float wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;

@@ -42,10 +42,15 @@ static inline vec3 vec3_cross(vec3 a, vec3 b) {
 }
 static inline float vec3_length(vec3 a) { return sqrtf(vec3_dot(a, a)); }
 static inline float vec3_distance(vec3 a, vec3 b) { return vec3_length(vec3_sub(a, b)); }
+/** Whether the square of a length is good to all digits: floats have no room for those of vectors beyond 1e19 or below 1e-19. */
+static inline bool square_in_range(float square) { return square > 1e-30f && square < 1e30f; }
+/** vec3_normalize and quat_normalize of vectors whose square is not. */
+vec3 vec3_normalize_extreme(vec3 a);
+fnl_vec4 quat_normalize_extreme(fnl_vec4 q);
 /** The zero vector stays zero. */
 static inline vec3 vec3_normalize(vec3 a) {
-    float length = vec3_length(a);
-    return length > 0 ? vec3_scale(a, 1 / length) : (vec3){0, 0, 0};
+    const float square = vec3_dot(a, a);
+    return square_in_range(square) ? vec3_scale(a, 1 / sqrtf(square)) : vec3_normalize_extreme(a);
 }
 static inline bool vec3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 /** Any unit vector at right angles to a unit vector. */
@@ -91,8 +96,8 @@ static inline quat quat_axis_angle(vec3 axis, float angle) {
     return (quat){axis.x * s, axis.y * s, axis.z * s, cosf(angle * 0.5f)};
 }
 static inline quat quat_normalize(quat q) {
-    float length = sqrtf(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-    return length > 0 ? (quat){q.x / length, q.y / length, q.z / length, q.w / length} : quat_identity();
+    const float square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w, length = sqrtf(square);
+    return square_in_range(square) ? (quat){q.x / length, q.y / length, q.z / length, q.w / length} : quat_normalize_extreme(q);
 }
 
 /** translation * rotation * scale */

@@ -61,10 +61,11 @@ fnl_result gpu_check(gpu_device *device, VkResult result, const char *format, ..
     char what[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(what, sizeof what, format, arguments);
+    text_format_list(what, sizeof what, format, arguments);
     va_end(arguments);
-    log_error(&device->host, "%s: %s", what, gpu_result_text(result));
-    if (result == VK_ERROR_DEVICE_LOST) gpu_fail(device, FNL_ERROR_DEVICE_LOST);
+    /* A lost device is told once: every call after it fails as well. */
+    if (result != VK_ERROR_DEVICE_LOST || atomic_exchange(&device->status, FNL_ERROR_DEVICE_LOST) != FNL_ERROR_DEVICE_LOST)
+        log_error(&device->host, "%s: %s", what, gpu_result_text(result));
     return gpu_result_meaning(result);
 }
 

@@ -393,7 +393,12 @@ static void test_errors_stick_until_the_frame_ends(void **state) {
     assert_int_equal(*(uint32_t *)buffer.mapped, 1);
     assert_int_equal(gpu_frame_wait(device, 3), FNL_ERROR_INVALID);
 
+    memory.errors = 0;
     assert_int_equal(gpu_check(device, VK_ERROR_DEVICE_LOST, "a test"), FNL_ERROR_DEVICE_LOST);
+    assert_int_equal(gpu_check(device, VK_ERROR_DEVICE_LOST, "the next call"), FNL_ERROR_DEVICE_LOST);
+    gpu_fail(device, FNL_ERROR_DEVICE_LOST);
+    assert_int_equal(memory.errors, 1); /* told once */
+    assert_non_null(strstr(memory.last_error, "a test: "));
     assert_int_equal(gpu_frame_begin(device), FNL_ERROR_DEVICE_LOST);
     assert_int_equal(gpu_status(device), FNL_ERROR_DEVICE_LOST); /* for good */
     gpu_buffer_destroy(device, &buffer);

@@ -4,6 +4,9 @@
 #include "tests/gpu_test.h"
 
 #include <dirent.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -269,10 +272,29 @@ static void test_pipelines_are_kept_in_a_file(void **state) {
     assert_int_equal(run_with_cache("/proc/no/such"), 0); /* a folder that cannot be is no error */
 }
 
+/* Whoever holds a lock on the folder does not keep a program from ending. */
+static void test_a_lock_on_the_cache_folder_keeps_nobody(void **state) {
+    UNUSED(state);
+    char folder[64], path[512];
+    snprintf(folder, sizeof folder, "/tmp/fanal-gpu-lock-%d", (int)getpid());
+    assert_int_equal(mkdir(folder, 0700), 0);
+    const int lock = open(folder, O_RDONLY | O_DIRECTORY);
+    assert_int_equal(flock(lock, LOCK_SH), 0);
+    alarm(600);
+    assert_int_equal(run_with_cache(folder), 0);
+    alarm(0);
+    assert_int_equal(file_size_in(folder, path, sizeof path), 0);
+    close(lock);
+    assert_int_equal(run_with_cache(folder), 0);
+    assert_true(file_size_in(folder, path, sizeof path) > 0);
+    unlink(path);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 const struct CMUnitTest device_tests[] = {
     cmocka_unit_test(test_devices_are_listed_and_described),      cmocka_unit_test(test_a_machine_without_a_driver),
     cmocka_unit_test(test_a_device_that_is_not_there_is_refused), cmocka_unit_test(test_two_devices_at_once),
     cmocka_unit_test(test_a_callers_device_is_imported),          cmocka_unit_test(test_every_allocation_may_fail),
-    cmocka_unit_test(test_pipelines_are_kept_in_a_file),
+    cmocka_unit_test(test_pipelines_are_kept_in_a_file),          cmocka_unit_test(test_a_lock_on_the_cache_folder_keeps_nobody),
 };
 const size_t device_test_count = COUNT_OF(device_tests);

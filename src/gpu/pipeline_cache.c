@@ -199,12 +199,16 @@ static void merge_file(gpu_device *device) {
     file_free(&device->host, &file);
 }
 
-/** One process at a time loads, merges and saves. -1: there is no lock to be had; then the last one wins, with a whole file. */
-static int lock_folder(const char *path) {
+/**
+ * One process at a time loads, merges and saves. False: another has the lock, and may keep it for ever. -1: there is no lock to be had; then the last one
+ * wins, with a whole file.
+ */
+static bool lock_folder(const char *path, int *lock) {
     char folder[4096];
-    int lock = path_folder(path, folder, sizeof folder) ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-    if (lock >= 0) flock(lock, LOCK_EX);
-    return lock;
+    *lock = path_folder(path, folder, sizeof folder) ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (*lock < 0 || flock(*lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return true;
+    close(*lock);
+    return false;
 }
 
 static void write_file(gpu_device *device) {
@@ -231,7 +235,11 @@ void gpu_pipeline_cache_save(gpu_device *device) {
     if (!pipelines->cache_path || !pipelines->cache) return;
     if (device->vk.GetPipelineCacheData(device->handle, pipelines->cache, &size, NULL) != VK_SUCCESS) return;
     if (size <= pipelines->loaded_size) return;
-    int lock = lock_folder(pipelines->cache_path);
+    int lock;
+    if (!lock_folder(pipelines->cache_path, &lock)) {
+        log_info(&device->host, "%s: not written: another program has locked its folder; pipelines are compiled again in the next run", pipelines->cache_path);
+        return;
+    }
     write_file(device);
     if (lock >= 0) close(lock); /* which unlocks it */
 }

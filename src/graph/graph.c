@@ -102,7 +102,7 @@ void graph_misuse(struct graph *graph, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     log_error(&graph->host, "graph: %s", text);
     graph_fail(graph, FNL_ERROR_INVALID);

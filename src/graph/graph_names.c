@@ -31,7 +31,7 @@ static const char *keep(struct graph *graph, const char *text) {
 __attribute__((format(printf, 2, 0))) static const char *keep_formatted(struct graph *graph, const char *format,
                                                                         va_list arguments) {
     char text[NAME_LIMIT];
-    if (vsnprintf(text, sizeof text, format, arguments) >= (int)sizeof text)
+    if (text_format_list(text, sizeof text, format, arguments) >= (int)sizeof text)
         graph_misuse(graph, "the name '%s…' is longer than %d bytes", text, NAME_LIMIT - 1);
     return keep(graph, text);
 }

@@ -6,7 +6,7 @@ void print_put(struct printer *printer, const char *format, ...) {
     size_t left = printer->length < printer->capacity ? printer->capacity - printer->length : 0;
     va_list arguments;
     va_start(arguments, format);
-    int length = vsnprintf(left ? printer->text + printer->length : NULL, left, format, arguments);
+    int length = text_format_list(left ? printer->text + printer->length : NULL, left, format, arguments);
     va_end(arguments);
     if (length > 0) printer->length += (size_t)length;
 }

@@ -48,6 +48,13 @@ fnl_result image_jpeg_decode(const struct image_source *source, fnl_image *out);
 fnl_result image_webp_peek(const struct image_source *source, struct image_file_info *out);
 fnl_result image_webp_decode(const struct image_source *source, fnl_image *out);
 
+/** Colors of other primaries than Rec. 709. */
+enum primaries { PRIMARIES_REC709, PRIMARIES_OTHER, PRIMARIES_BAD };
+/** `primaries`: x and y of red, green, blue and white. Sets `out`, rows of a matrix, for PRIMARIES_OTHER; its white becomes D65. */
+enum primaries primaries_matrix(const float primaries[8], float out[9]);
+/** Of RGBA pixels; colors that Rec. 709 does not hold get negative values. */
+void primaries_convert(const float matrix[9], float *pixels, size_t count);
+
 bool image_is_hdr(const void *bytes, size_t size);
 fnl_result image_hdr_peek(const struct image_source *source, struct image_file_info *out);
 fnl_result image_hdr_decode(const struct image_source *source, fnl_image *out);

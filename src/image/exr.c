@@ -3,6 +3,7 @@
 #include "base/maths.h"
 #include "image/codec.h"
 
+#include <errno.h>
 #include <openexr.h>
 
 /* ZIP_LEVEL and COMPRESSION shape the bytes that are written; fixed here, not by the library's defaults. */
@@ -19,15 +20,13 @@ struct stream {
     char message[256]; /* the first error */
 };
 
-static struct stream *stream_of(exr_const_context_t exr) {
-    void *user = NULL;
-    return exr && exr_get_user_data(exr, &user) == EXR_ERR_SUCCESS ? user : NULL;
-}
+/* The stream of this thread. The library reports errors with a lock of the context held, under which the context cannot be asked for its user data. */
+static _Thread_local struct stream *current;
 
 static void keep_message(exr_const_context_t exr, exr_result_t code, const char *message) {
-    struct stream *stream = stream_of(exr);
-    if (stream && !stream->message[0])
-        snprintf(stream->message, sizeof stream->message, "%s", message ? message : exr_get_default_error_message(code));
+    UNUSED(exr);
+    if (current && !current->message[0])
+        snprintf(current->message, sizeof current->message, "%s", message ? message : exr_get_default_error_message(code));
 }
 
 static const char *message_of(const struct stream *stream, exr_result_t code) {
@@ -52,7 +51,7 @@ static int64_t query_size(exr_const_context_t exr, void *user) {
     return (int64_t)((const struct stream *)user)->size;
 }
 
-/* One open file: its first part. */
+/* One open file: its first part. The picture is the display window; what the data window leaves of it is empty. */
 struct reader {
     const struct image_source *source;
     struct stream stream;
@@ -61,9 +60,16 @@ struct reader {
     exr_compression_t compression;
     int32_t x, y; /* upper left corner of the data window */
     uint32_t width, height;
+    int64_t left, top; /* of the data window in the picture; may be negative */
+    uint32_t picture_width, picture_height;
+    char names[400]; /* of the channels */
 };
 
 static fnl_result fail(struct reader *reader, exr_result_t code) {
+    const bool dwa = reader->compression == EXR_COMPRESSION_DWAA || reader->compression == EXR_COMPRESSION_DWAB;
+    if (dwa && code == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
+        return image_fail(reader->source, FNL_ERROR_UNSUPPORTED, "is an EXR compressed as %s, which is not read; save it as ZIP, PIZ or uncompressed",
+                          reader->compression == EXR_COMPRESSION_DWAA ? "DWAA" : "DWAB");
     fnl_result result = code == EXR_ERR_OUT_OF_MEMORY             ? FNL_ERROR_MEMORY
                         : code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? FNL_ERROR_UNSUPPORTED
                                                                   : FNL_ERROR_FORMAT;
@@ -72,6 +78,7 @@ static fnl_result fail(struct reader *reader, exr_result_t code) {
 }
 
 static fnl_result read_header(struct reader *reader) {
+    current = &reader->stream;
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = keep_message;
     start.user_data = &reader->stream;
@@ -83,9 +90,10 @@ static fnl_result read_header(struct reader *reader) {
     if (!error) error = exr_get_storage(reader->exr, 0, &reader->storage);
     if (!error && (reader->storage == EXR_STORAGE_DEEP_SCANLINE || reader->storage == EXR_STORAGE_DEEP_TILED))
         return image_fail(reader->source, FNL_ERROR_UNSUPPORTED, "is a deep EXR, which is not read; flatten it first");
-    exr_attr_box2i_t window = {0};
+    exr_attr_box2i_t window = {0}, display = {0};
     if (!error) error = exr_get_compression(reader->exr, 0, &reader->compression);
     if (!error) error = exr_get_data_window(reader->exr, 0, &window);
+    if (!error) error = exr_get_display_window(reader->exr, 0, &display);
     if (error) return fail(reader, error);
     int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
     TRY(image_check_size(reader->source, (uint64_t)MAX(width, 0), (uint64_t)MAX(height, 0)));
@@ -93,6 +101,13 @@ static fnl_result read_header(struct reader *reader) {
     reader->y = window.min.y;
     reader->width = (uint32_t)width;
     reader->height = (uint32_t)height;
+    width = (int64_t)display.max.x - display.min.x + 1;
+    height = (int64_t)display.max.y - display.min.y + 1;
+    TRY(image_check_size(reader->source, (uint64_t)MAX(width, 0), (uint64_t)MAX(height, 0)));
+    reader->left = (int64_t)window.min.x - display.min.x;
+    reader->top = (int64_t)window.min.y - display.min.y;
+    reader->picture_width = (uint32_t)width;
+    reader->picture_height = (uint32_t)height;
     return FNL_OK;
 }
 
@@ -100,7 +115,8 @@ fnl_result image_exr_peek(const struct image_source *source, struct image_file_i
     struct reader reader = {.source = source, .stream = {.bytes = source->bytes, .size = source->size}};
     fnl_result result = read_header(&reader);
     exr_finish(&reader.exr);
-    if (result == FNL_OK) *out = (struct image_file_info){.kind = IMAGE_FILE_EXR, .width = reader.width, .height = reader.height};
+    current = NULL;
+    if (result == FNL_OK) *out = (struct image_file_info){.kind = IMAGE_FILE_EXR, .width = reader.picture_width, .height = reader.picture_height, .pixel_bytes = 16};
     return result;
 }
 
@@ -131,7 +147,7 @@ static fnl_result choose_channels(struct reader *reader, bool *grey, uint32_t *f
     const exr_attr_chlist_t *channels = NULL;
     exr_result_t error = exr_get_channels(reader->exr, 0, &channels);
     if (error) return fail(reader, error);
-    char names[400] = "";
+    char *names = reader->names;
     bool color = false, luminance = false, chroma = false;
     *pixel_bytes = 0;
     for (int i = 0; i < channels->num_channels; i++) {
@@ -141,7 +157,7 @@ static fnl_result choose_channels(struct reader *reader, bool *grey, uint32_t *f
         chroma |= strcmp(name, "RY") == 0 || strcmp(name, "BY") == 0;
         *pixel_bytes += channels->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
         size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", name);
+        snprintf(names + used, sizeof reader->names - used, "%s%s", i ? ", " : "", name);
     }
     if (!color && luminance && chroma)
         return image_fail(reader->source, FNL_ERROR_UNSUPPORTED, "is an EXR of luminance and chroma, which is not read");
@@ -164,7 +180,8 @@ struct chunk_decoder {
     exr_decode_pipeline_t pipeline;
     bool begun, grey;
     fnl_image *image;
-    uint32_t left, top; /* of the chunk, in the picture */
+    const struct reader *reader;
+    uint32_t left, top; /* of the chunk, in the data window */
 };
 
 static uint32_t load_little(const uint8_t *at, int bytes) {
@@ -194,16 +211,18 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipeline) {
     struct chunk_decoder *decoder = pipeline->decoding_user_data;
     const uint8_t *at = pipeline->unpacked_buffer, *end = at + pipeline->chunk.unpacked_size;
     for (int32_t y = 0; y < pipeline->chunk.height; y++) {
-        size_t row = (size_t)(decoder->top + (uint32_t)y) * decoder->image->width + decoder->left;
+        const int64_t row = decoder->reader->top + decoder->top + y, left = decoder->reader->left + decoder->left;
+        const bool shown = row >= 0 && row < decoder->image->height;
         for (int i = 0; i < pipeline->channel_count; i++) {
             const exr_coding_channel_info_t *channel = &pipeline->channels[i];
             if (channel->y_samples > 1 && ((int64_t)pipeline->chunk.start_y + y) % channel->y_samples != 0) continue;
             size_t size = (size_t)channel->width * (size_t)channel->bytes_per_element;
             if ((size_t)(end - at) < size) return EXR_ERR_CORRUPT_CHUNK;
             uint32_t target = channel_target(channel->channel_name, decoder->grey);
-            float *pixel = (float *)decoder->image->pixels + row * 4 + (target == 8 ? 3 : target == 4 ? 2 : target == 2);
-            for (int32_t x = 0; target && x < channel->width; x++, pixel += 4)
-                *pixel =
+            const int64_t first = MAX(-left, (int64_t)0), stop = MIN((int64_t)channel->width, (int64_t)decoder->image->width - left);
+            float *pixel = (float *)decoder->image->pixels + (target == 8 ? 3 : target == 4 ? 2 : target == 2);
+            for (int64_t x = first; target && shown && x < stop; x++)
+                pixel[(row * decoder->image->width + left + x) * 4] =
                     to_float(load_little(at + (size_t)x * (size_t)channel->bytes_per_element, channel->bytes_per_element),
                              channel->data_type);
             at += size;
@@ -268,6 +287,32 @@ static void fill_missing(fnl_image *image, bool grey, uint32_t found) {
     }
 }
 
+/* A picture of R alone is red, not gray. */
+static void warn_of_missing(const struct reader *reader, uint32_t found) {
+    char missing[8] = "";
+    for (int c = 0; c < 3; c++)
+        if (!(found & 1u << c)) snprintf(missing + strlen(missing), sizeof missing - strlen(missing), "%s%c", missing[0] ? ", " : "", "RGB"[c]);
+    if (missing[0]) log_warning(reader->source->host, "%s: EXR without the channel%s %s, read as 0; it has %s", reader->source->name, missing[1] ? "s" : "", missing, reader->names);
+}
+
+/* Colors of other primaries become those of Rec. 709. Gray stays gray. */
+static fnl_result convert_primaries(struct reader *reader, bool grey, fnl_image *image) {
+    exr_attr_chromaticities_t c;
+    float matrix[9];
+    if (grey || exr_attr_get_chromaticities(reader->exr, 0, "chromaticities", &c) != EXR_ERR_SUCCESS) return FNL_OK;
+    const float primaries[8] = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
+    const enum primaries kind = primaries_matrix(primaries, matrix);
+    if (kind == PRIMARIES_BAD) return image_fail(reader->source, FNL_ERROR_FORMAT, "broken EXR: its chromaticities are not usable");
+    if (kind == PRIMARIES_OTHER) primaries_convert(matrix, image->pixels, (size_t)image->width * image->height);
+    return FNL_OK;
+}
+
+/* A small data window in a large picture is no reason to refuse it; but a header alone gets no more than 64 MiB. */
+static uint64_t held_pixels(const struct reader *reader, uint64_t pixel_bytes) {
+    const uint64_t held = (uint64_t)reader->source->size * ratio_max(reader->compression) / pixel_bytes;
+    return (uint64_t)reader->width * reader->height > held ? held : MAX(held, (uint64_t)4 << 20);
+}
+
 static fnl_result decode_pixels(struct reader *reader, fnl_image *out) {
     bool grey = false;
     uint32_t found = 0;
@@ -281,9 +326,13 @@ static fnl_result decode_pixels(struct reader *reader, fnl_image *out) {
         return image_fail(reader->source, FNL_ERROR_FORMAT, "broken EXR: the file is too short for its %d chunks",
                           chunk_count);
     fnl_image image;
-    TRY(image_allocate(reader->source, reader->width, reader->height, FNL_PIXEL_FORMAT_RGBA32F,
-                       (uint64_t)reader->source->size * ratio_max(reader->compression) / pixel_bytes, &image));
-    struct chunk_decoder decoder = {.pipeline = EXR_DECODE_PIPELINE_INITIALIZER, .grey = grey, .image = &image};
+    const uint64_t held = held_pixels(reader, pixel_bytes);
+    if ((uint64_t)reader->width * reader->height > held)
+        return image_fail(reader->source, FNL_ERROR_FORMAT, "broken: %zu bytes cannot hold the %u x %u pixels of the header", reader->source->size, reader->width, reader->height);
+    TRY(image_allocate(reader->source, reader->picture_width, reader->picture_height, FNL_PIXEL_FORMAT_RGBA32F, held, &image));
+    if (reader->left > 0 || reader->top > 0 || reader->left + reader->width < image.width || reader->top + reader->height < image.height)
+        memset(image.pixels, 0, (size_t)image.width * image.height * 16);
+    struct chunk_decoder decoder = {.pipeline = EXR_DECODE_PIPELINE_INITIALIZER, .grey = grey, .image = &image, .reader = reader};
     error = reader->storage == EXR_STORAGE_TILED ? decode_tiles(reader, &decoder) : decode_scanlines(reader, &decoder);
     if (decoder.begun) exr_decoding_destroy(reader->exr, &decoder.pipeline);
     if (error) {
@@ -291,6 +340,12 @@ static fnl_result decode_pixels(struct reader *reader, fnl_image *out) {
         return fail(reader, error);
     }
     if (grey || found != 15) fill_missing(&image, grey, found);
+    const fnl_result result = convert_primaries(reader, grey, &image);
+    if (result != FNL_OK) {
+        fnl_image_free(reader->source->host, &image);
+        return result;
+    }
+    if (!grey) warn_of_missing(reader, found);
     *out = image;
     return FNL_OK;
 }
@@ -300,6 +355,7 @@ fnl_result image_exr_decode(const struct image_source *source, fnl_image *out) {
     fnl_result result = read_header(&reader);
     if (result == FNL_OK) result = decode_pixels(&reader, out);
     exr_finish(&reader.exr);
+    current = NULL;
     return result;
 }
 
@@ -310,7 +366,8 @@ static int64_t write_bytes(exr_const_context_t exr, void *user, const void *buff
     struct stream *stream = user;
     if ((offset != stream->position && fseeko(stream->file, (off_t)offset, SEEK_SET) != 0) ||
         fwrite(buffer, 1, (size_t)size, stream->file) != size) {
-        fail_with(exr, EXR_ERR_WRITE_IO, "the file cannot be written");
+        snprintf(stream->message, sizeof stream->message, "%s", strerror(errno));
+        fail_with(exr, EXR_ERR_WRITE_IO, stream->message);
         return -1;
     }
     stream->position = offset + size;
@@ -417,11 +474,13 @@ fnl_result fnl_exr_save(const fnl_host *host, const char *path, uint32_t width, 
     start.write_fn = write_bytes;
     start.zip_level = ZIP_LEVEL;
     exr_context_t exr = NULL;
+    current = &stream;
     exr_result_t error = exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &start);
     if (!error) error = write_header(exr, width, height, channels, channel_count);
     if (!error) error = write_chunks(exr, width, height, channels, channel_count);
     exr_result_t finished = exr_finish(&exr); /* writes the table of chunks */
     if (!error) error = finished;
+    current = NULL;
     if (!error) return file_write_commit(&writer);
     log_error(&resolved, "%s: cannot be written: %s", path, message_of(&stream, error));
     file_write_abandon(&writer);

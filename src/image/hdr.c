@@ -7,7 +7,6 @@
 #include "image/codec.h"
 
 #include <float.h>
-#include <locale.h>
 #include <math.h>
 
 #define RGBE_BIAS 128
@@ -17,6 +16,8 @@ struct header {
     uint32_t width, height;
     bool bottom_up, right_to_left;
     float scale[3]; /* what the stored values are multiplied by to give radiance */
+    enum primaries primaries;
+    float to_rec709[9];
     const unsigned char *pixels;
 };
 
@@ -35,17 +36,15 @@ static const unsigned char *read_line(const unsigned char *at, const unsigned ch
     return stop + 1;
 }
 
-/* Reads numbers as the C locale writes them, whatever the program's locale. */
-static int read_numbers(const char *text, float *values, int capacity) {
-    locale_t locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (locale == (locale_t)0) return 0;
-    int count = 0;
-    for (char *rest; count < capacity; count++, text = rest) {
-        values[count] = strtof_l(text, &rest, locale);
-        if (rest == text) break;
+/* False: there are fewer numbers in the line, or something else. */
+static bool read_numbers(const char *text, float *values, int count) {
+    for (int i = 0; i < count; i++) {
+        char *rest;
+        values[i] = (float)number_read(text, &rest);
+        if (rest == text) return false;
+        text = rest;
     }
-    freelocale(locale);
-    return count;
+    return text[strspn(text, " \t")] == 0;
 }
 
 /* EXPOSURE and COLORCORR say by what the pixels have been multiplied; several of them add up. */
@@ -53,11 +52,15 @@ static fnl_result read_variable(const struct image_source *source, const char *l
     if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
         return image_fail(source, FNL_ERROR_UNSUPPORTED, "Radiance HDR of format '%.40s' (only 32-bit_rle_rgbe is read)",
                           line + 7);
+    if (strncmp(line, "PRIMARIES=", 10) == 0) {
+        float values[8];
+        header->primaries = read_numbers(line + 10, values, 8) ? primaries_matrix(values, header->to_rec709) : PRIMARIES_BAD;
+        return header->primaries != PRIMARIES_BAD ? FNL_OK : image_fail(source, FNL_ERROR_FORMAT, "broken Radiance HDR: '%.90s' is not usable", line);
+    }
     bool exposure = strncmp(line, "EXPOSURE=", 9) == 0, correction = strncmp(line, "COLORCORR=", 10) == 0;
     if (!exposure && !correction) return FNL_OK;
     float factors[3];
-    int count = exposure ? read_numbers(line + 9, factors, 1) : read_numbers(line + 10, factors, 3);
-    bool usable = count == (exposure ? 1 : 3);
+    bool usable = exposure ? read_numbers(line + 9, factors, 1) : read_numbers(line + 10, factors, 3);
     for (int c = 0; c < 3 && usable; c++) {
         header->scale[c] /= factors[exposure ? 0 : c];
         usable = isfinite(header->scale[c]) && header->scale[c] > 0;
@@ -76,13 +79,13 @@ static fnl_result read_header(const struct image_source *source, struct header *
     } while (line[0]);
     at = read_line(at, end, line, sizeof line);
     if (!at) return image_fail(source, FNL_ERROR_FORMAT, "broken Radiance HDR: the header is cut off");
-    char y_sign, x_sign, y_axis, x_axis, rest;
-    unsigned long long height, width;
-    if (sscanf(line, "%c%c %9llu %c%c %9llu %c", &y_sign, &y_axis, &height, &x_sign, &x_axis, &width, &rest) != 6 ||
+    char y_sign, x_sign, y_axis, x_axis, rest, high[10], wide[10]; /* digits alone: %llu takes signs too */
+    if (sscanf(line, "%c%c %9[0-9] %c%c %9[0-9] %c", &y_sign, &y_axis, high, &x_sign, &x_axis, wide, &rest) != 6 ||
         !strchr("+-", y_sign) || !strchr("+-", x_sign))
         return image_fail(source, FNL_ERROR_FORMAT, "broken Radiance HDR: '%.60s' is not a resolution", line);
     if (y_axis != 'Y' || x_axis != 'X')
         return image_fail(source, FNL_ERROR_UNSUPPORTED, "Radiance HDR stored by columns ('%.60s')", line);
+    const unsigned long long height = strtoull(high, NULL, 10), width = strtoull(wide, NULL, 10);
     TRY(image_check_size(source, width, height));
     out->width = (uint32_t)width;
     out->height = (uint32_t)height;
@@ -95,7 +98,7 @@ static fnl_result read_header(const struct image_source *source, struct header *
 fnl_result image_hdr_peek(const struct image_source *source, struct image_file_info *out) {
     struct header header;
     TRY(read_header(source, &header));
-    *out = (struct image_file_info){.kind = IMAGE_FILE_HDR, .width = header.width, .height = header.height};
+    *out = (struct image_file_info){.kind = IMAGE_FILE_HDR, .width = header.width, .height = header.height, .pixel_bytes = 16};
     return FNL_OK;
 }
 
@@ -176,6 +179,7 @@ fnl_result image_hdr_decode(const struct image_source *source, fnl_image *out) {
         store_row(&header, powers, rgbe, (float *)image.pixels + row * row_size);
     }
     host_free(source->host, rgbe, row_size);
+    if (result == FNL_OK && header.primaries == PRIMARIES_OTHER) primaries_convert(header.to_rec709, image.pixels, (size_t)image.width * image.height);
     if (result == FNL_OK)
         *out = image;
     else

@@ -14,7 +14,7 @@ fnl_result image_fail(const struct image_source *source, fnl_result result, cons
     char text[1024];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     /* Some of the text comes from libraries that quote the file. */
     for (char *c = text; *c; c++)
@@ -41,8 +41,8 @@ fnl_result image_allocate(const struct image_source *source, uint32_t width, uin
         return image_fail(source, FNL_ERROR_FORMAT, "broken: %zu bytes cannot hold the %u x %u pixels of the header",
                           source->size, width, height);
     fnl_image image = {.width = width, .height = height, .format = format};
-    if (image_bytes(&image) / fnl_pixel_size(format) != pixels) return FNL_ERROR_MEMORY; /* 32-bit size_t */
-    image.pixels = host_allocate(source->host, image_bytes(&image));
+    const bool fits = image_bytes(&image) / fnl_pixel_size(format) == pixels; /* in a size_t of 32 bits */
+    image.pixels = fits ? host_allocate(source->host, image_bytes(&image)) : NULL;
     if (!image.pixels) return image_fail(source, FNL_ERROR_MEMORY, "no memory for %u x %u pixels", width, height);
     *out = image;
     return FNL_OK;
@@ -117,16 +117,37 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
     return fail_unknown(&source);
 }
 
+static fnl_result decode_within(const struct image_source *source, uint64_t max_bytes, uint32_t more, fnl_image *out) {
+    struct image_file_info info;
+    TRY(image_peek(source->host, source->bytes, source->size, source->name, &info));
+    const uint64_t needed = (uint64_t)info.width * info.height * (info.pixel_bytes + more);
+    if (needed > max_bytes)
+        return image_fail(source, FNL_ERROR_MEMORY, "the picture of %u x %u pixels needs %llu bytes of memory, over the limit of %llu", info.width,
+                          info.height, (unsigned long long)needed, (unsigned long long)max_bytes);
+    return image_decode(source->host, source->bytes, source->size, source->name, false, out);
+}
+
+fnl_result image_load(const fnl_host *host, const char *path, uint64_t max_bytes, uint32_t more, fnl_image *out) {
+    *out = (fnl_image){0};
+    struct file_view view;
+    TRY(file_load(host, path, &view));
+    fnl_result result = decode_within(&(struct image_source){host, view.data, view.size, path}, max_bytes, more, out);
+    file_free(host, &view);
+    return result;
+}
+
+fnl_result fnl_image_load_within(const fnl_host *host, const char *path, uint64_t max_bytes, fnl_image *out) {
+    fnl_host resolved = host_resolve(host);
+    TRY(check_pointer(CALL(&resolved), "path", path));
+    TRY(check_pointer(CALL(&resolved), "out", out));
+    return image_load(&resolved, path, max_bytes, 0, out);
+}
+
 fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out) {
     fnl_host resolved = host_resolve(host);
     TRY(check_pointer(CALL(&resolved), "path", path));
     TRY(check_pointer(CALL(&resolved), "out", out));
-    *out = (fnl_image){0};
-    struct file_view view;
-    TRY(file_load(&resolved, path, &view));
-    fnl_result result = image_decode(&resolved, view.data, view.size, path, false, out);
-    file_free(&resolved, &view);
-    return result;
+    return image_load(&resolved, path, host_memory_limit(), 0, out);
 }
 
 void fnl_image_free(const fnl_host *host, fnl_image *image) {

@@ -22,6 +22,7 @@ enum image_file_kind {
 struct image_file_info {
     enum image_file_kind kind;
     uint32_t width, height;
+    uint32_t pixel_bytes; /* of the picture that image_decode makes of it */
     /* Of DDS and KTX2: */
     bool cube, is_float;
     enum texture_transfer transfer; /* what the file says */
@@ -45,6 +46,11 @@ fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, cons
  */
 fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool force_rgba8,
                         fnl_image *out);
+
+/**
+ * fnl_image_load_within, with `more` bytes a pixel that the caller is going to add. `host` is resolved.
+ */
+fnl_result image_load(const fnl_host *host, const char *path, uint64_t max_bytes, uint32_t more, fnl_image *out);
 
 /** An RGBA8 or RGBA16 picture as a PNG file in memory; free() it. `name` is for messages. */
 fnl_result image_png_encode(const fnl_host *host, const char *name, const fnl_image *image, char **out, size_t *out_size);

@@ -315,6 +315,7 @@ static void add_exr_part(exr_context_t exr, const char *name, struct exr_kind ki
     window.max.x = kind.left + (int32_t)width - 1;
     window.max.y = kind.top + (int32_t)height - 1;
     CHECK(exr_set_data_window(exr, part, &window) == 0);
+    CHECK(exr_set_display_window(exr, part, &window) == 0);
     if (kind.tile)
         CHECK(exr_set_tile_descriptor(exr, part, (uint32_t)kind.tile, (uint32_t)kind.tile, EXR_TILE_ONE_LEVEL,
                                       EXR_TILE_ROUND_DOWN) == 0);

@@ -6,11 +6,14 @@
 #include "image/image_samples.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <float.h>
 #include <math.h>
 #include <openexr.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdatomic.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -120,7 +123,7 @@ static void test_every_kind_is_read(void **state) {
             if (result != FNL_OK) assert_null(image.pixels);
             fnl_image_free(&host, &image);
             assert_int_equal(watch.live, 0);
-            assert_int_equal(watch.lines, result != FNL_OK);
+            assert_int_equal(watch.lines, result != FNL_OK || strstr(watch.line, "without the channel") != NULL);
 
             struct image_file_info info;
             result = image_peek(&host, samples[i].bytes, samples[i].size, samples[i].name, &info);
@@ -295,14 +298,23 @@ static void test_impossible_sizes_are_refused(void **state) {
     }
 }
 
-static void expect_refusal(const char *bytes, size_t size, fnl_result expected, const char *words) {
+/* When the pixels are read: the header alone need not show it. */
+static void expect_late_refusal(const void *bytes, size_t size, fnl_result expected, const char *words) {
     struct watch watch;
     fnl_host host = watch_host(&watch);
     fnl_image image;
-    struct image_file_info info;
     assert_int_equal(image_decode(&host, bytes, size, "scene.gltf: /images/3", false, &image), expected);
     assert_memory_equal(watch.line, "scene.gltf: /images/3: ", 23);
     if (!strstr(watch.line, words)) fail_msg("'%s' is not in '%s'", words, watch.line);
+    assert_int_equal(watch.live, 0);
+    if (watch.largest > 1 << 24) fail_msg("%s asked for %zu bytes", words, watch.largest);
+}
+
+static void expect_refusal(const char *bytes, size_t size, fnl_result expected, const char *words) {
+    struct watch watch;
+    fnl_host host = watch_host(&watch);
+    struct image_file_info info;
+    expect_late_refusal(bytes, size, expected, words);
     assert_int_equal(image_peek(&host, bytes, size, "x", &info), expected);
     assert_int_equal(info.width, 0);
 }
@@ -320,6 +332,17 @@ static void test_unknown_and_unsupported_contents(void **state) {
     expect_refusal(columns, sizeof columns - 1, FNL_ERROR_UNSUPPORTED, "columns");
     const char exposure[] = "#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\n\1\2\3\4";
     expect_refusal(exposure, sizeof exposure - 1, FNL_ERROR_FORMAT, "EXPOSURE=0");
+    const char comma[] = "#?RADIANCE\nEXPOSURE=1,5\n\n-Y 1 +X 1\n\1\2\3\4", rest[] = "#?RADIANCE\nCOLORCORR=1 1 1 1\n\n-Y 1 +X 1\n\1\2\3\4";
+    expect_refusal(comma, sizeof comma - 1, FNL_ERROR_FORMAT, "EXPOSURE=1,5");
+    expect_refusal(rest, sizeof rest - 1, FNL_ERROR_FORMAT, "COLORCORR=1 1 1 1");
+    const char primaries[] = "#?RADIANCE\nPRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06\n\n-Y 1 +X 1\n\1\2\3\4";
+    expect_refusal(primaries, sizeof primaries - 1, FNL_ERROR_FORMAT, "PRIMARIES=0.64");
+    static const char *const resolutions[] = {"-Y -2 +X 1", "-Y +2 +X 1", "-Y 2 +X -1", "-Y 1 +X 1 1", "-Y 1.5 +X 1", "-Y 0x2 +X 1", "-Y +X 1", "Y 1 X 1"};
+    for (uint32_t i = 0; i < COUNT_OF(resolutions); i++) {
+        char file[128];
+        snprintf(file, sizeof file, "#?RADIANCE\n\n%s\n\1\2\3\4\1\2\3\4", resolutions[i]);
+        expect_refusal(file, strlen(file), FNL_ERROR_FORMAT, "is not a resolution");
+    }
     /* An animation: a VP8X chunk with its flag. */
     const char animated[] = "RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x03\0\0\x03\0\0";
     expect_refusal(animated, sizeof animated - 1, FNL_ERROR_UNSUPPORTED, "animated");
@@ -520,6 +543,172 @@ static void test_exr_planes(void **state) {
     assert_int_equal(count_files(), 0);
 }
 
+/* ---- windows, channels and primaries ---- */
+
+struct written {
+    unsigned char bytes[8192];
+    size_t size;
+};
+
+static void put(struct written *out, const void *bytes, size_t size) {
+    assert_true(out->size + size <= sizeof out->bytes);
+    memcpy(out->bytes + out->size, bytes, size);
+    out->size += size;
+}
+
+static void put_attribute(struct written *out, const char *name, const char *type, const void *value, uint32_t size) {
+    put(out, name, strlen(name) + 1);
+    put(out, type, strlen(type) + 1);
+    put(out, &size, 4);
+    put(out, value, size);
+}
+
+/* Uncompressed floats by the format's description; `channels` in alphabetical order. Values: column + 100 row of the display window, + 1000 channel. */
+static struct written write_exr(const char *channels, const int32_t data[4], const int32_t display[4], unsigned char compression, const float *primaries) {
+    static const uint32_t start[2] = {20000630, 2};
+    struct written out = {0}, list = {0};
+    const uint32_t channel[4] = {2, 0, 1, 1};
+    const float one = 1, middle[2] = {0, 0};
+    const char zero = 0;
+    put(&out, start, 8);
+    for (const char *c = channels; *c; c++) {
+        const char name[2] = {*c, 0};
+        put(&list, name, 2);
+        put(&list, channel, 16);
+    }
+    put(&list, &zero, 1);
+    put_attribute(&out, "channels", "chlist", list.bytes, (uint32_t)list.size);
+    if (primaries) put_attribute(&out, "chromaticities", "chromaticities", primaries, 32);
+    put_attribute(&out, "compression", "compression", &compression, 1);
+    put_attribute(&out, "dataWindow", "box2i", data, 16);
+    put_attribute(&out, "displayWindow", "box2i", display, 16);
+    put_attribute(&out, "lineOrder", "lineOrder", &zero, 1);
+    put_attribute(&out, "pixelAspectRatio", "float", &one, 4);
+    put_attribute(&out, "screenWindowCenter", "v2f", middle, 8);
+    put_attribute(&out, "screenWindowWidth", "float", &one, 4);
+    put(&out, &zero, 1);
+    const int32_t rows = data[3] - data[1] + 1, bytes = (data[2] - data[0] + 1) * 4 * (int32_t)strlen(channels);
+    const uint64_t first = out.size + 8 * (uint64_t)rows;
+    for (int32_t y = 0; y < rows; y++) put(&out, &(uint64_t){first + (uint64_t)(y * (8 + bytes))}, 8);
+    for (int32_t y = data[1]; y <= data[3]; y++) {
+        put(&out, &y, 4);
+        put(&out, &bytes, 4);
+        for (const char *c = channels; *c; c++)
+            for (int32_t x = data[0]; x <= data[2]; x++) {
+                const float value = (float)(x - display[0] + 100 * (y - display[1])) + 1000 * (float)(c - channels);
+                put(&out, &value, 4);
+            }
+    }
+    return out;
+}
+
+/* The picture is the display window: overscan is cut, and what the data window leaves out is empty. */
+static void test_exr_windows(void **state) {
+    UNUSED(state);
+    static const int32_t display[4] = {10, -5, 17, -2}, data[][4] = {{10, -5, 17, -2}, {6, -7, 21, 0}, {12, -4, 14, -3}, {4, -9, 12, -4}, {15, -3, 30, 2}, {40, 0, 41, 1}};
+    for (uint32_t i = 0; i < COUNT_OF(data); i++)
+        for (int alpha = 0; alpha < 2; alpha++) {
+            struct watch watch;
+            const fnl_host host = watch_host(&watch);
+            const struct written file = write_exr(alpha ? "ABGR" : "BGR", data[i], display, 0, NULL);
+            struct image_file_info info;
+            fnl_image image;
+            assert_int_equal(image_peek(&host, file.bytes, file.size, "windows", &info), FNL_OK);
+            if (image_decode(&host, file.bytes, file.size, "windows", false, &image) != FNL_OK) fail_msg("%s", watch.line);
+            assert_true(info.width == 8 && info.height == 4 && image.width == 8 && image.height == 4);
+            for (int32_t y = 0; y < 4; y++)
+                for (int32_t x = 0; x < 8; x++) {
+                    const bool held = x + 10 >= data[i][0] && x + 10 <= data[i][2] && y - 5 >= data[i][1] && y - 5 <= data[i][3];
+                    const float *pixel = (const float *)image.pixels + 4 * (y * 8 + x), at = (float)(x + 100 * y);
+                    for (int c = 0; c < 3; c++)
+                        if (pixel[c] != (held ? at + 1000 * (float)(2 - c + alpha) : 0)) fail_msg("window %u at %d, %d: %g", i, x, y, (double)pixel[c]);
+                    assert_true(pixel[3] == (!alpha ? 1 : held ? at : 0));
+                }
+            fnl_image_free(&host, &image);
+            assert_int_equal(watch.live, 0);
+        }
+    /* A header alone gets little memory. */
+    static const int32_t small[4] = {0, 0, 3, 3}, large[4] = {0, 0, 32767, 8191};
+    const struct written file = write_exr("BGR", small, large, 0, NULL);
+    expect_late_refusal(file.bytes, file.size, FNL_ERROR_FORMAT, "cannot hold the 32768 x 8192 pixels");
+}
+
+static void test_exr_channels_that_are_missing(void **state) {
+    UNUSED(state);
+    static const int32_t window[4] = {0, 0, 1, 1};
+    static const struct {
+        const char *channels, *message;
+    } cases[] = {{"R", "without the channels G, B, read as 0; it has R"}, {"GR", "without the channel B, read as 0; it has G, R"}, {"BGR", ""}, {"Y", ""}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        struct watch watch;
+        const fnl_host host = watch_host(&watch);
+        const struct written file = write_exr(cases[i].channels, window, window, 0, NULL);
+        fnl_image image;
+        assert_int_equal(image_decode(&host, file.bytes, file.size, "file", false, &image), FNL_OK);
+        if (!strstr(watch.line, cases[i].message) || watch.lines != (cases[i].message[0] != 0)) fail_msg("%s: '%s'", cases[i].channels, watch.line);
+        fnl_image_free(&host, &image);
+    }
+}
+
+/* Where the library cannot read them, the line says so. */
+static void test_exr_of_dwa(void **state) {
+    UNUSED(state);
+    static const int32_t window[4] = {0, 0, 15, 7};
+    for (unsigned char compression = 8; compression < 10; compression++) {
+        struct watch watch;
+        const fnl_host host = watch_host(&watch);
+        const struct written file = write_exr("BGR", window, window, compression, NULL);
+        fnl_image image;
+        const fnl_result result = image_decode(&host, file.bytes, file.size, "file", false, &image);
+        assert_int_not_equal(result, FNL_OK);
+        if (result == FNL_ERROR_UNSUPPORTED && !strstr(watch.line, compression == 8 ? "compressed as DWAA, which is not read; save it as ZIP" : "compressed as DWAB")) fail_msg("%s", watch.line);
+    }
+}
+
+/* Against the matrix of ITU-R BT.2087 for Rec. 2020; white stays white whatever its color. */
+static void test_primaries_become_those_of_rec709(void **state) {
+    UNUSED(state);
+    static const float wide[8] = {0.708f, 0.292f, 0.17f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.329f}, own[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f},
+                       aces[8] = {0.713f, 0.293f, 0.165f, 0.83f, 0.128f, 0.044f, 0.32168f, 0.33767f}, flat[8] = {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f};
+    static const float rows[3][3] = {{1.6605f, -0.5876f, -0.0728f}, {-0.1246f, 1.1329f, -0.0083f}, {-0.0182f, -0.1006f, 1.1187f}};
+    static const int32_t window[4] = {0, 0, 2, 1};
+    struct watch watch;
+    const fnl_host host = watch_host(&watch);
+    fnl_image plain, image;
+    struct written file = write_exr("BGR", window, window, 0, NULL);
+    assert_int_equal(image_decode(&host, file.bytes, file.size, "file", false, &plain), FNL_OK);
+    file = write_exr("BGR", window, window, 0, own);
+    assert_int_equal(image_decode(&host, file.bytes, file.size, "file", false, &image), FNL_OK);
+    assert_memory_equal(plain.pixels, image.pixels, 6 * 16);
+    fnl_image_free(&host, &image);
+    file = write_exr("BGR", window, window, 0, wide);
+    assert_int_equal(image_decode(&host, file.bytes, file.size, "file", false, &image), FNL_OK);
+    for (int i = 0; i < 6; i++)
+        for (int c = 0; c < 3; c++) {
+            const float *from = (const float *)plain.pixels + 4 * i, *to = (const float *)image.pixels + 4 * i;
+            assert_float_equal(to[c], rows[c][0] * from[0] + rows[c][1] * from[1] + rows[c][2] * from[2], 0.3f);
+        }
+    fnl_image_free(&host, &image);
+    fnl_image_free(&host, &plain);
+    file = write_exr("BGR", window, window, 0, flat);
+    expect_late_refusal(file.bytes, file.size, FNL_ERROR_FORMAT, "chromaticities");
+    /* HDR: gray of the file's white, and its red. */
+    const float *sets[] = {wide, aces};
+    for (int k = 0; k < 2; k++) {
+        char text[256];
+        int used = snprintf(text, sizeof text, "#?RADIANCE\nPRIMARIES=");
+        for (int i = 0; i < 8; i++) used += snprintf(text + used, sizeof text - (size_t)used, " %d.%05d", 0, (int)lrintf(sets[k][i] * 1e5f));
+        used += snprintf(text + used, sizeof text - (size_t)used, "\n\n-Y 1 +X 2\n");
+        memcpy(text + used, "\x80\x80\x80\x81\x80\0\0\x81", 8);
+        assert_int_equal(image_decode(&host, text, (size_t)used + 8, "file", false, &image), FNL_OK);
+        const float *pixels = image.pixels;
+        for (int c = 0; c < 3; c++) assert_float_equal(pixels[c], 1, 1e-4f);
+        if (k == 0) assert_true(fabsf(pixels[4] - 1.6605f) < 1e-3f && fabsf(pixels[5] + 0.1246f) < 1e-3f);
+        fnl_image_free(&host, &image);
+    }
+    assert_int_equal(watch.live, 0);
+}
+
 static void test_failed_saves_leave_nothing(void **state) {
     UNUSED(state);
     struct watch watch;
@@ -547,6 +736,59 @@ static void test_failed_saves_leave_nothing(void **state) {
     assert_int_equal(fnl_image_load(&host, path_of("missing.png"), &image), FNL_ERROR_FILE);
     assert_non_null(strstr(watch.line, "missing.png"));
     assert_int_equal(count_files(), 0);
+    assert_int_equal(watch.live, 0);
+    free(bytes.pixels);
+    free(floats.pixels);
+}
+
+/* Every kind, on a disk that is full at once and in the middle: one line that names the file and the reason. */
+static void test_saves_on_a_full_disk_leave_nothing(void **state) {
+    UNUSED(state);
+    static const rlim_t limits[] = {0, 100, 20000};
+    struct watch watch;
+    fnl_host host = watch_host(&watch);
+    fnl_image bytes = make_image(256, 256, FNL_PIXEL_FORMAT_RGBA8, false, 1), floats = make_image(256, 256, FNL_PIXEL_FORMAT_RGBA32F, false, 1);
+    const struct {
+        const char *name;
+        const fnl_image *image;
+    } files[] = {{"a.png", &bytes}, {"a.exr", &floats}, {"a.hdr", &floats}};
+    struct rlimit before, small;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    alarm(300); /* a library that waits for a lock of its own would wait for ever */
+    for (size_t i = 0; i < COUNT_OF(files) * COUNT_OF(limits); i++) {
+        char expected[1200];
+        const char *path = path_of(files[i / COUNT_OF(limits)].name);
+        small = before;
+        small.rlim_cur = limits[i % COUNT_OF(limits)];
+        watch.lines = 0;
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+        const fnl_result result = fnl_image_save(&host, path, files[i / COUNT_OF(limits)].image);
+        setrlimit(RLIMIT_FSIZE, &before);
+        assert_int_equal(result, FNL_ERROR_FILE);
+        snprintf(expected, sizeof expected, "%s: cannot be written: %s", path, strerror(EFBIG));
+        assert_string_equal(watch.line, expected);
+        assert_int_equal(watch.lines, 1);
+        assert_int_equal(count_files(), 0);
+    }
+    /* A header larger than a stream's buffer, which OpenEXR writes under a lock. */
+    static char names[100][200];
+    fnl_exr_channel channels[100];
+    for (int i = 0; i < 100; i++) {
+        memset(names[i], 'a', 190);
+        snprintf(names[i] + 190, 10, "%d", i);
+        channels[i] = (fnl_exr_channel){names[i], floats.pixels, 1};
+    }
+    small = before;
+    small.rlim_cur = 0;
+    setrlimit(RLIMIT_FSIZE, &small);
+    const fnl_result result = fnl_exr_save(&host, path_of("long.exr"), 4, 4, channels, 100);
+    setrlimit(RLIMIT_FSIZE, &before);
+    assert_int_equal(result, FNL_ERROR_FILE);
+    assert_non_null(strstr(watch.line, "long.exr: cannot be written: File too large"));
+    assert_int_equal(count_files(), 0);
+    alarm(0);
+    signal(SIGXFSZ, SIG_DFL);
     assert_int_equal(watch.live, 0);
     free(bytes.pixels);
     free(floats.pixels);
@@ -651,7 +893,12 @@ int main(void) {
         cmocka_unit_test(test_hdr_clamps_what_it_cannot_hold),
         cmocka_unit_test(test_png_says_srgb_and_drops_full_alpha),
         cmocka_unit_test(test_exr_planes),
+        cmocka_unit_test(test_exr_windows),
+        cmocka_unit_test(test_exr_channels_that_are_missing),
+        cmocka_unit_test(test_exr_of_dwa),
+        cmocka_unit_test(test_primaries_become_those_of_rec709),
         cmocka_unit_test(test_failed_saves_leave_nothing),
+        cmocka_unit_test(test_saves_on_a_full_disk_leave_nothing),
         cmocka_unit_test(test_real_png_files),
         cmocka_unit_test(test_real_hdr_file),
     };

@@ -139,7 +139,7 @@ static fnl_result run(struct decoder *decoder, const struct image_source *source
 fnl_result image_jpeg_peek(const struct image_source *source, struct image_file_info *out) {
     struct decoder decoder = {.result = FNL_OK};
     TRY(run(&decoder, source, false));
-    *out = (struct image_file_info){.kind = IMAGE_FILE_JPEG, .width = decoder.jpeg.image_width, .height = decoder.jpeg.image_height};
+    *out = (struct image_file_info){.kind = IMAGE_FILE_JPEG, .width = decoder.jpeg.image_width, .height = decoder.jpeg.image_height, .pixel_bytes = 4};
     return FNL_OK;
 }
 

@@ -40,7 +40,7 @@ fnl_result image_png_peek(const struct image_source *source, struct image_file_i
     struct spng_ihdr header;
     TRY(open_png(source, &png, &header));
     spng_ctx_free(png);
-    *out = (struct image_file_info){.kind = IMAGE_FILE_PNG, .width = header.width, .height = header.height};
+    *out = (struct image_file_info){.kind = IMAGE_FILE_PNG, .width = header.width, .height = header.height, .pixel_bytes = header.bit_depth > 8 ? 8 : 4};
     return FNL_OK;
 }
 
@@ -139,7 +139,7 @@ fnl_result image_png_write(struct file_writer *writer, const fnl_image *image) {
     if (!error) error = write_rows(png, image, opaque, row);
     spng_ctx_free(png);
     host_free(host, row, row_size);
-    if (!error) return FNL_OK;
+    if (!error || ferror(writer->stream)) return FNL_OK; /* an error of the stream is told, with its reason, when the file is committed */
     log_error(host, "%s: cannot be written: %s", writer->path, spng_strerror(error));
     return error == SPNG_EMEM ? FNL_ERROR_MEMORY : FNL_ERROR_FILE;
 }
@@ -148,8 +148,10 @@ fnl_result image_png_encode(const fnl_host *host, const char *name, const fnl_im
     *out = NULL;
     struct file_writer writer = {.stream = open_memstream(out, out_size), .path = (char *)name, .host = *host};
     fnl_result result = writer.stream ? image_png_write(&writer, image) : FNL_ERROR_MEMORY;
-    if (writer.stream && fclose(writer.stream) != 0 && result == FNL_OK) result = FNL_ERROR_MEMORY;
+    const bool lost = writer.stream && ferror(writer.stream);
+    if (writer.stream && (fclose(writer.stream) != 0 || lost) && result == FNL_OK) result = FNL_ERROR_MEMORY;
     if (result == FNL_OK) return FNL_OK;
+    if (result == FNL_ERROR_MEMORY) log_error(host, "%s: memory ran out", name);
     free(*out);
     *out = NULL;
     return result;

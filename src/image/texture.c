@@ -186,6 +186,7 @@ fnl_result image_texture_peek(const struct image_source *source, struct image_fi
     *out = (struct image_file_info){.kind = image_is_dds(source->bytes, source->size) ? IMAGE_FILE_DDS : IMAGE_FILE_KTX2,
                                     .width = texture->width,
                                     .height = texture->height * texture->faces,
+                                    .pixel_bytes = texture_is_float(texture->format) ? 16 : 4,
                                     .cube = texture->faces == 6,
                                     .is_float = texture_is_float(texture->format),
                                     .transfer = texture->transfer};

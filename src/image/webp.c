@@ -35,7 +35,7 @@ static fnl_result read_features(const struct image_source *source, WebPBitstream
 fnl_result image_webp_peek(const struct image_source *source, struct image_file_info *out) {
     WebPBitstreamFeatures features;
     TRY(read_features(source, &features));
-    *out = (struct image_file_info){.kind = IMAGE_FILE_WEBP, .width = (uint32_t)features.width, .height = (uint32_t)features.height};
+    *out = (struct image_file_info){.kind = IMAGE_FILE_WEBP, .width = (uint32_t)features.width, .height = (uint32_t)features.height, .pixel_bytes = 4};
     return FNL_OK;
 }
 

@@ -112,7 +112,8 @@ static dvec3 behind_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
     sheet.roughness = s->layers.transmission > 0 ? sqrt(fmax(alpha_of(s) * slope, 1e-3)) : s->roughness;
     dvec3 attenuated = {exp(-s->layers.absorption.x * s->layers.thickness), exp(-s->layers.absorption.y * s->layers.thickness),
                         exp(-s->layers.absorption.z * s->layers.thickness)};
-    dvec3 straight = dvec3_scale(dvec3_mul(s->base_color, attenuated), s->layers.transmission * specular_lobe(&sheet, v, image, h));
+    const double transmission = s->lamps_shine_through ? 0 : s->layers.transmission;
+    dvec3 straight = dvec3_scale(dvec3_mul(s->base_color, attenuated), transmission * specular_lobe(&sheet, v, image, h));
     dvec3 diffuse = dvec3_scale(s->layers.diffuse_transmission_color, s->layers.diffuse_transmission * (1 - s->layers.transmission) / DPI);
     return dvec3_scale(dvec3_add(straight, diffuse), below(s, v, h) * n_l);
 }
@@ -182,6 +183,7 @@ static double specular_share(const struct ray_surface *s, double n_v) {
     dvec3 fresnel = dvec3_lerp(s->f0, f90, weight);
     double specular = dvec3_luminance(dvec3_lerp(fresnel, dvec3_lerp(s->base_color, white, weight), s->metallic));
     double diffuse = dvec3_luminance(s->base_color) * (1 - dvec3_max(fresnel)) * (1 - s->metallic);
+    if (s->layered) diffuse *= (1 - s->layers.transmission) * (1 - s->layers.diffuse_transmission);
     if (!(specular > 0)) return 0;
     return diffuse > 0 ? CLAMP(specular / (specular + diffuse), 0.1, 0.9) : 1;
 }

@@ -38,6 +38,7 @@ struct ray_surface {
     double f90;    /* and at grazing angles */
     bool layered;  /* the next holds */
     struct ray_layers layers;
+    bool lamps_shine_through; /* rays to lamps go straight through sheets and volumes: these send none of that light themselves */
     dvec3 again;   /* diffuse reflectance besides, for light of paths: ray_environment_again(); else 0 */
 };
 

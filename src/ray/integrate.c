@@ -115,21 +115,23 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
     return out;
 }
 
-/* ---- what is behind ---- */
+/* ---- through surfaces ---- */
 
-enum { SEEN_THROUGH = 16 }; /* surfaces, or reflections within a volume */
+enum {
+    SEEN_THROUGH = 16, /* surfaces */
+    WITHIN = 64,       /* faces of volumes that reflect or refract a path on */
+    TRIES = 4          /* microfacets that send light to the wrong side send it to others */
+};
 
-static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum, uint32_t depth);
+/* Light followed backward: from where, whither, and what part of it arrives. */
+struct path {
+    dvec3 origin, direction, carried;
+    dvec3 absorption; /* within a volume */
+    bool within;
+    int channel; /* the one of three that dispersion has left over; -1: all */
+};
 
-/* What is seen from a point outside. */
-static dvec3 seen_from(const struct context *c, dvec3 origin, dvec3 direction, uint32_t depth) {
-    struct ray_hit hit;
-    c->walk->key = random_bits(c->random);
-    if (!ray_find(c->scene, RAY_THROUGH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
-        return background(c, direction);
-    struct ray_surface s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
-    return outgoing(c, &s, dvec3_scale(direction, -1), NULL, depth + 1);
-}
+static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, const struct path *seen_by, struct ray_sum *sum, uint32_t depth);
 
 /* False: total reflection. `eta`: index on the side that light comes from over that behind; `normal` is on that side. */
 static bool refract_at(dvec3 direction, dvec3 normal, double eta, dvec3 *out) {
@@ -148,98 +150,142 @@ static dvec3 microfacet(const struct context *c, const struct ray_surface *s, dv
     return ray_microfacet_sample(s, to_view, random);
 }
 
-/* Within a volume, from its surface on: refracted and reflected by the mesh until it is left. Another object in it is seen from there. */
-static dvec3 seen_within(const struct context *c, const struct ray_surface *entered, dvec3 direction, double ior, uint32_t depth) {
-    dvec3 origin = dvec3_add_scaled(entered->position, entered->geometric, -entered->offset), left = {1, 1, 1};
-    for (uint32_t i = 0; i < SEEN_THROUGH; i++) {
-        struct ray_hit hit;
-        c->walk->key = random_bits(c->random);
-        if (!ray_find(c->scene, RAY_PATH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
-            return dvec3_mul(attenuated(entered->layers.absorption, (double)FLT_MAX), surroundings(c, direction));
-        struct ray_surface s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
-        left = dvec3_mul(left, attenuated(entered->layers.absorption, hit.distance));
-        const dvec3 to_view = dvec3_scale(direction, -1);
-        if (hit.front) return dvec3_mul(left, outgoing(c, &s, to_view, NULL, depth + 1));
-        const dvec3 h = microfacet(c, &s, to_view);
-        dvec3 out;
-        if (refract_at(direction, h, ior, &out) && dvec3_dot(s.geometric, out) < 0)
-            return dvec3_mul(left, seen_from(c, dvec3_add_scaled(s.position, s.geometric, -s.offset), out, depth));
-        direction = dvec3_normalize(dvec3_add_scaled(direction, h, -2 * dvec3_dot(direction, h)));
-        if (!(dvec3_dot(s.geometric, direction) > 0)) break;
-        origin = dvec3_add_scaled(s.position, s.geometric, s.offset);
+static bool is_volume(const struct ray_surface *s) { return s->layered && s->layers.transmission > 0 && s->layers.thickness > 0; }
+
+/* Dispersion: a path goes on in one channel, which counts three times. */
+static double ior_of(const struct context *c, const struct ray_layers *layers, struct path *p) {
+    if (!(layers->dispersion > 0)) return layers->ior;
+    if (p->channel < 0) {
+        p->channel = (int)fmin(3 * chance(c), 2);
+        p->carried = dvec3_mul(p->carried, dvec3_make(p->channel == 0 ? 3 : 0, p->channel == 1 ? 3 : 0, p->channel == 2 ? 3 : 0));
     }
-    return (dvec3){0, 0, 0};
+    return fmax(layers->ior + (layers->ior - 1) * 0.025 * layers->dispersion * (p->channel - 1), 1);
 }
 
-/* A sheet turns light as a mirror does, and to the other side; a volume refracts it. Faces through which a volume is left reflect in full or not at
- * all: the model of glTF has the loss at the first one alone. */
-static dvec3 seen_through(const struct context *c, const struct ray_surface *s, dvec3 to_view, uint32_t depth) {
-    const dvec3 none = {0, 0, 0}, h = microfacet(c, s, to_view), view = dvec3_scale(to_view, -1);
-    const dvec3 weight = ray_through_weight(s, to_view, h);
-    if (depth >= SEEN_THROUGH || !(dvec3_max(weight) > 0)) return none;
-    if (s->layers.thickness > 0) {
-        const uint32_t channel = (uint32_t)fmin(3 * chance(c), 2);
-        double ior = s->layers.ior;
-        if (s->layers.dispersion > 0) ior = fmax(ior + (ior - 1) * 0.025 * s->layers.dispersion * ((double)channel - 1), 1);
-        dvec3 inside;
-        if (!refract_at(view, h, 1 / ior, &inside) || !(dvec3_dot(s->geometric, inside) < 0)) return none;
-        const dvec3 seen = dvec3_mul(weight, seen_within(c, s, inside, ior, depth));
-        if (!(s->layers.dispersion > 0)) return seen;
-        return channel == 0 ? dvec3_make(3 * seen.x, 0, 0) : channel == 1 ? dvec3_make(0, 3 * seen.y, 0) : dvec3_make(0, 0, 3 * seen.z);
+/* Through the front of a surface: a sheet turns light as a mirror does, and to the other side; a volume refracts it. False: nothing comes. */
+static bool pass(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct path *p) {
+    const dvec3 view = dvec3_scale(to_view, -1);
+    p->origin = dvec3_add_scaled(s->position, s->geometric, -s->offset);
+    if (is_volume(s)) {
+        p->within = true;
+        p->absorption = s->layers.absorption;
+        const double eta = 1 / ior_of(c, &s->layers, p);
+        dvec3 h = microfacet(c, s, to_view);
+        for (int i = 0; !refract_at(view, h, eta, &p->direction) || !(dvec3_dot(s->geometric, p->direction) < 0); i++) {
+            if (i > TRIES) return false;
+            h = i == TRIES ? s->normal : microfacet(c, s, to_view);
+        }
+        p->carried = dvec3_mul(p->carried, ray_through_weight(s, to_view, h));
+        return dvec3_max(p->carried) > 0;
     }
-    dvec3 direction = dvec3_add_scaled(view, h, -2 * dvec3_dot(view, h));
-    const double n_l = dvec3_dot(s->normal, direction), alpha2 = fmax(pow(s->roughness, 4), 1e-6);
-    if (!(n_l > 0)) return none;
+    const dvec3 h = microfacet(c, s, to_view);
+    p->carried = dvec3_mul(p->carried, ray_through_weight(s, to_view, h));
+    const dvec3 mirrored = dvec3_add_scaled(view, h, -2 * dvec3_dot(view, h));
+    const double n_l = dvec3_dot(s->normal, mirrored), alpha2 = fmax(pow(s->roughness, 4), 1e-6);
+    if (!(n_l > 0)) return false;
     /* What microfacets shadow (by Smith) is not lost: it goes through others, and the whole lobe gets it back. */
     double albedo[2];
     ray_specular_albedo(c->environment->albedos, s->roughness, dvec3_dot(s->normal, to_view), albedo);
-    const double open = 2 * n_l / (n_l + sqrt(alpha2 + (1 - alpha2) * n_l * n_l)) / (albedo[0] + albedo[1]);
-    direction = dvec3_add_scaled(direction, s->normal, -2 * n_l);
-    if (!(dvec3_dot(s->geometric, direction) < 0)) return none;
-    const dvec3 origin = dvec3_add_scaled(s->position, s->geometric, -s->offset);
-    return dvec3_scale(dvec3_mul(weight, seen_from(c, origin, direction, depth)), open);
+    p->carried = dvec3_scale(p->carried, 2 * n_l / (n_l + sqrt(alpha2 + (1 - alpha2) * n_l * n_l)) / (albedo[0] + albedo[1]));
+    p->direction = dvec3_add_scaled(mirrored, s->normal, -2 * n_l);
+    return dvec3_dot(s->geometric, p->direction) < 0 && dvec3_max(p->carried) > 0;
+}
+
+/* The next surface. Faces through which a volume is left refract, or reflect in full, and the path goes on: the model of glTF has the loss at the
+   first face alone. False: it leaves the scene, or carries nothing any more. */
+static bool follow(const struct context *c, struct path *p, enum ray_kind kind, struct ray_surface *s) {
+    for (uint32_t i = 0; i < WITHIN; i++) {
+        struct ray_hit hit;
+        c->walk->key = random_bits(c->random);
+        if (!ray_find(c->scene, p->within ? RAY_PATH : kind, p->origin, p->direction, 0, (double)INFINITY, NULL, c->walk, &hit)) {
+            if (p->within) p->carried = dvec3_mul(p->carried, attenuated(p->absorption, (double)FLT_MAX));
+            return false;
+        }
+        *s = ray_surface_at(c->scene, &hit, p->origin, p->direction, NULL);
+        const bool leaves = !hit.front && (p->within || is_volume(s));
+        if (leaves && is_volume(s)) p->absorption = s->layers.absorption;
+        if (p->within || leaves) p->carried = dvec3_mul(p->carried, attenuated(p->absorption, hit.distance));
+        if (!leaves) return true;
+        const double eta = s->layered ? ior_of(c, &s->layers, p) : 1;
+        dvec3 out;
+        bool found = false;
+        for (int k = 0; k <= TRIES && !found; k++) {
+            const dvec3 h = k == TRIES ? s->geometric : microfacet(c, s, dvec3_scale(p->direction, -1));
+            const bool refracts = refract_at(p->direction, h, eta, &out);
+            if (!refracts) out = dvec3_normalize(dvec3_add_scaled(p->direction, h, -2 * dvec3_dot(p->direction, h)));
+            found = refracts == (dvec3_dot(s->geometric, out) < 0);
+            p->within = !refracts;
+        }
+        p->direction = out;
+        p->origin = dvec3_add_scaled(s->position, s->geometric, p->within ? s->offset : -s->offset);
+    }
+    p->carried = (dvec3){0, 0, 0};
+    return false;
+}
+
+static dvec3 seen_through(const struct context *c, const struct ray_surface *s, dvec3 to_view, uint32_t depth) {
+    const dvec3 none = {0, 0, 0};
+    struct path p = {.carried = {1, 1, 1}, .channel = -1};
+    struct ray_surface behind;
+    if (depth >= SEEN_THROUGH || !pass(c, s, to_view, &p)) return none;
+    if (follow(c, &p, RAY_THROUGH, &behind)) return dvec3_mul(p.carried, outgoing(c, &behind, dvec3_scale(p.direction, -1), &p, NULL, depth + 1));
+    if (!(dvec3_max(p.carried) > 0)) return none;
+    return dvec3_mul(p.carried, p.within ? surroundings(c, p.direction) : background(c, p.direction));
+}
+
+/* The chance that a path goes through a surface, rather than being reflected. */
+static double chance_to_pass(const struct ray_surface *s, dvec3 to_view) {
+    if (!s->layered || !(s->layers.transmission > 0)) return 0;
+    const dvec3 weight = ray_through_weight(s, to_view, s->normal);
+    const double through = dvec3_max(weight), base = dvec3_max(s->base_color), rest = base > 0 ? 1 - through / base : 1;
+    return through > 0 ? through / (through + fmax(rest, 0.01)) : 0;
 }
 
 /* ---- paths ---- */
 
-/* Without bounces: of light from all around alone, what no surface stops. */
-static dvec3 indirect_light(const struct context *c, const struct ray_surface *from, dvec3 to_view) {
+/* Without bounces: of light from all around alone, what no surface stops. Going through a surface is no bounce. */
+static dvec3 indirect_light(const struct context *c, const struct ray_surface *from, dvec3 to_view, const struct path *seen_by) {
     struct ray_surface s = *from;
-    dvec3 out = {0, 0, 0}, carried = {1, 1, 1};
+    struct path p = {.carried = {1, 1, 1}, .channel = -1};
+    dvec3 out = {0, 0, 0};
+    uint32_t passed = 0;
+    if (seen_by) p.within = seen_by->within, p.absorption = seen_by->absorption;
     for (uint32_t bounce = 0;; bounce++) {
         double random[3];
-        dvec3 direction;
         ray_environment_again(c->environment, &s, to_view);
         for (int i = 0; i < 3; i++) random[i] = chance(c);
-        carried = dvec3_mul(carried, ray_brdf_sample(&s, to_view, random, &direction));
-        if (!(dvec3_max(carried) > 0)) return out;
-        if (ray_lets_through(&s) && dvec3_dot(s.normal, direction) < 0) s.geometric = dvec3_scale(s.geometric, -1);
-        if (!(dvec3_dot(s.geometric, direction) > 0)) return out;
+        p.carried = dvec3_mul(p.carried, ray_brdf_sample(&s, to_view, random, &p.direction));
+        if (!(dvec3_max(p.carried) > 0)) return out;
+        if (ray_lets_through(&s) && dvec3_dot(s.normal, p.direction) < 0) s.geometric = dvec3_scale(s.geometric, -1);
+        if (!(dvec3_dot(s.geometric, p.direction) > 0)) return out;
         if (c->params->russian_roulette && bounce > 1) {
-            double stays = fmin(dvec3_max(carried), 0.95);
+            double stays = fmin(dvec3_max(p.carried), 0.95);
             if (chance(c) >= stays) return out;
-            carried = dvec3_scale(carried, 1 / stays);
+            p.carried = dvec3_scale(p.carried, 1 / stays);
         }
-        struct ray_hit hit;
-        dvec3 origin = dvec3_add_scaled(s.position, s.geometric, s.offset);
-        c->walk->key = random_bits(c->random);
-        if (!ray_find(c->scene, RAY_PATH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
-            return dvec3_add(out, dvec3_mul(carried, surroundings(c, direction)));
-        if (c->params->bounces == 0) return out;
-        s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
-        to_view = dvec3_scale(direction, -1);
-        out = dvec3_add(out, dvec3_mul(carried, s.emissive));
-        if (bounce == c->params->bounces)
-            return out; /* sources are seen from the last surface too, but not what others reflect */
-        out = dvec3_add(out, dvec3_mul(carried, direct_light(c, &s, to_view, NULL)));
+        p.origin = dvec3_add_scaled(s.position, s.geometric, s.offset);
+        for (bool passes = true; passes;) {
+            if (!follow(c, &p, RAY_PATH, &s)) return dvec3_max(p.carried) > 0 ? dvec3_add(out, dvec3_mul(p.carried, surroundings(c, p.direction))) : out;
+            to_view = dvec3_scale(p.direction, -1);
+            s.lamps_shine_through = true;
+            if (c->params->bounces > 0) out = dvec3_add(out, dvec3_mul(p.carried, s.emissive));
+            if (bounce < c->params->bounces) /* sources are seen from the last surface too, but not what others reflect */
+                out = dvec3_add(out, dvec3_mul(p.carried, direct_light(c, &s, to_view, NULL)));
+            const double passing = passed < SEEN_THROUGH ? chance_to_pass(&s, to_view) : 0;
+            passes = passing > 0 && chance(c) < passing;
+            p.carried = dvec3_scale(p.carried, 1 / (passes ? passing : 1 - passing));
+            passed += passes;
+            if (passes && !pass(c, &s, to_view, &p)) return out;
+        }
+        if (bounce == c->params->bounces) return out;
     }
 }
 
-/* `depth`: surfaces that it is seen through. */
-static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum, uint32_t depth) {
+/* `seen_by`: the path from which it is seen, or NULL; `depth`: surfaces that it is seen through. */
+static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, const struct path *seen_by, struct ray_sum *sum, uint32_t depth) {
     dvec3 out = dvec3_add(s->emissive, direct_light(c, s, to_view, sum));
     if (s->layered && s->layers.transmission > 0) out = dvec3_add(out, seen_through(c, s, to_view, depth));
-    if (c->params->bounces || ray_environment_is(c->environment)) return dvec3_add(out, indirect_light(c, s, to_view));
+    if (c->params->bounces || ray_environment_is(c->environment)) return dvec3_add(out, indirect_light(c, s, to_view, seen_by));
     if (s->layered) return dvec3_add(out, ray_layers_ambient(c->environment->albedos, s, to_view, c->sky, c->ground));
     return dvec3_add(out, ray_ambient(s, to_view, c->sky, c->ground));
 }
@@ -261,13 +307,13 @@ void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params
     const uint32_t layer_count = walk->layers.count; /* the rays that follow do not touch them: they belong to paths */
     for (uint32_t i = 0; i < layer_count; i++) {
         struct ray_surface s = ray_surface_at(scene, &walk->layers.data[i], origin, direction, &neighbours);
-        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, i == 0 ? sum : NULL, 0), rest * s.alpha);
+        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, NULL, i == 0 ? sum : NULL, 0), rest * s.alpha);
         rest *= 1 - s.alpha;
     }
     sum->surfaces += found;
     if (found) {
         struct ray_surface s = ray_surface_at(scene, &hit, origin, direction, &neighbours);
-        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, layer_count ? NULL : sum, 0), rest);
+        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, NULL, layer_count ? NULL : sum, 0), rest);
     } else {
         radiance = dvec3_add_scaled(radiance, background(&c, direction), rest);
     }

@@ -51,7 +51,7 @@ static void pose_vertex(const struct scene_primitive *p, const float *weights, c
 /* What a node does to the vertices of its mesh. */
 struct pose {
     const mat4 *joints; /* or NULL */
-    const mat4 *flat;   /* or NULL: a transform without an inverse, into whose space no ray can be brought */
+    const mat4 *flat;   /* or NULL: a transform into whose space no ray can be brought */
 };
 
 static void flatten_vertex(const mat4 *m, vec3 *position, vec3 *normal, vec4 *tangent) {
@@ -179,15 +179,15 @@ static bool mesh_deforms(const fnl_scene *scene, const struct scene_node *node) 
     return deforms;
 }
 
-static mat4 node_matrix(const struct scene_node *node, uint32_t k) {
-    if (node->skin != SCENE_NONE) return mat4_identity(); /* the joints carry it (glTF 2.0, 3.7.3.1) */
+static mat4 node_matrix(const fnl_scene *scene, const struct scene_node *node, uint32_t k) {
+    if (node->skin != SCENE_NONE) return skin_instance(skin_mirrors(scene, node)); /* the joints carry it (glTF 2.0, 3.7.3.1) */
     return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
 }
 
-/* No ray can be brought into its space, or not with floats. */
+/* No ray can be brought into its space, or not with floats: there products of lengths are beyond them. */
 static bool is_flat(const struct ray_instance *in) {
-    double greatest = dvec3_length(in->axes[0]) * dvec3_length(in->axes[1]) * dvec3_length(in->axes[2]);
-    return fabs(dvec3_dot(in->axes[0], in->cofactors[0])) <= 1e-9 * greatest;
+    const double x = dvec3_length(in->axes[0]), y = dvec3_length(in->axes[1]), z = dvec3_length(in->axes[2]);
+    return fabs(dvec3_dot(in->axes[0], in->cofactors[0])) <= 1e-9 * x * y * z || fmax(x, fmax(y, z)) > 1e9 || fmin(x, fmin(y, z)) < 1e-9;
 }
 
 static bool is_finite(const mat4 *m) {
@@ -202,7 +202,7 @@ static fnl_result add_posed(struct ray_scene *s, const struct scene_node *node, 
     size_t size = skin ? skin->joint_count * sizeof(mat4) : 0;
     mat4 *joints = host_allocate(&scene->host, size);
     if (size && !joints) return FNL_ERROR_MEMORY;
-    if (skin) skin_matrices(scene, node->skin, joints);
+    if (skin) skin_instance_matrices(scene, node->skin, skin_mirrors(scene, node), joints);
     fnl_result result = add_mesh(s, node, &(struct pose){.joints = joints}, out);
     host_free(&scene->host, joints, size);
     return result;
@@ -212,14 +212,14 @@ static fnl_result add_node(struct ray_scene *s, const struct scene_node *node, u
     const bool deforms = mesh_deforms(s->scene, node);
     uint32_t mesh = SCENE_NONE; /* until an instance needs it */
     for (uint32_t k = 0; k < node->instance_count; k++) {
-        mat4 matrix = node_matrix(node, k);
+        mat4 matrix = node_matrix(s->scene, node, k);
         struct ray_instance in = instance_make(SCENE_NONE, &matrix);
         if (!is_finite(&matrix)) continue; /* it is nowhere */
         if (is_flat(&in)) {
             uint32_t flat;
-            TRY(add_mesh(s, node, &(struct pose){.flat = &matrix}, &flat));
-            mat4 identity = mat4_identity();
-            in = instance_make(flat, &identity);
+            const mat4 instance = skin_instance(in.mirror < 0), posed = mat4_mul(instance, matrix);
+            TRY(add_mesh(s, node, &(struct pose){.flat = &posed}, &flat));
+            in = instance_make(flat, &instance);
         } else {
             if (mesh == SCENE_NONE && !deforms) mesh = shared[node->mesh];
             if (mesh == SCENE_NONE) TRY(deforms ? add_posed(s, node, &mesh) : add_mesh(s, node, NULL, &mesh));
@@ -235,7 +235,7 @@ static fnl_result add_node(struct ray_scene *s, const struct scene_node *node, u
 static uint64_t own_meshes(const fnl_scene *scene, const struct scene_node *node) {
     uint64_t count = mesh_deforms(scene, node);
     for (uint32_t k = 0; k < node->instance_count; k++) {
-        const mat4 matrix = node_matrix(node, k);
+        const mat4 matrix = node_matrix(scene, node, k);
         const struct ray_instance in = instance_make(SCENE_NONE, &matrix);
         count += is_finite(&matrix) && is_flat(&in);
     }

@@ -68,5 +68,7 @@ void ray_lights_destroy(struct ray_scene *scene);
  */
 double ray_coverage(const struct ray_part *part, const struct ray_instance *instance, uint32_t triangle, double u, double v,
                     const struct ray_neighbours *neighbours);
+/** What part of the light the material lets through there, 0 unless it is transmissive. */
+double ray_transmission(const struct ray_part *part, uint32_t triangle, double u, double v);
 
 #endif

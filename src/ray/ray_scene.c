@@ -77,7 +77,7 @@ void ray_filter_shadow(const struct RTCFilterFunctionNArguments *arguments) {
     const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments));
     struct ray_walk *walk = query->walk;
     double cover = ray_coverage(part, NULL, hit.triangle, hit.u, hit.v, NULL);
-    if (scene_material_transmissive(part->material)) cover *= 1 - (double)part->material->transmission.strength;
+    cover *= 1 - ray_transmission(part, hit.triangle, hit.u, hit.v);
     for (uint32_t i = 0; i < walk->crossed.count && cover < 1; i++)
         if (is_same_crossing(&hit, &walk->crossed.data[i])) cover = 0;
     query->visibility *= 1 - cover;

@@ -72,7 +72,18 @@ double ray_coverage(const struct ray_part *part, const struct ray_instance *in, 
     ray_texture_sample(part->scene->scene, part->scene->images, m, SCENE_TEXTURE_BASE_COLOR, &uv, texel);
     vertex_color(part, triangle, u, v, color);
     double alpha = (double)m->base_color.w * color[3] * texel[3];
-    return m->alpha_mode == FNL_ALPHA_BLEND ? clamp01(alpha) : alpha < (double)m->alpha_cutoff ? 0 : 1;
+    return m->alpha_mode == FNL_ALPHA_BLEND ? clamp01(alpha) : alpha < (double)scene_material_cutoff(m) ? 0 : 1;
+}
+
+double ray_transmission(const struct ray_part *part, uint32_t triangle, double u, double v) {
+    const struct scene_material *m = part->material;
+    struct ray_uv uv = {0};
+    double strength[4], metal[4];
+    if (!scene_material_transmissive(m)) return 0;
+    interpolate_uv(part, triangle, u, v, uv.at);
+    ray_texture_sample(part->scene->scene, part->scene->images, m, SCENE_TEXTURE_TRANSMISSION, &uv, strength);
+    ray_texture_sample(part->scene->scene, part->scene->images, m, SCENE_TEXTURE_METALLIC_ROUGHNESS, &uv, metal);
+    return (double)m->transmission.strength * strength[0] * (1 - clamp01((double)m->metallic * metal[2]));
 }
 
 /* The means of the corners' unit vectors in the world, as vertices have them. */
@@ -98,8 +109,12 @@ static dvec3 interpolate_tangent(const struct ray_part *part, const struct ray_i
     return tangent;
 }
 
-static dvec3 bend_normal(dvec3 tangent, double hand, dvec3 normal, double scale, const double texel[4]) {
-    dvec3 mapped = {(texel[0] * 2 - 1) * scale, (texel[1] * 2 - 1) * scale, texel[2] * 2 - 1};
+static dvec3 bend_normal(dvec3 tangent, double hand, dvec3 normal, const struct scene_material *m, enum scene_texture_slot slot, double scale,
+                         const double texel[4]) {
+    float turn[4];
+    scene_texture_turn_of(m, slot, turn);
+    const double x = (texel[0] * 2 - 1) * scale, y = (texel[1] * 2 - 1) * scale;
+    dvec3 mapped = {(double)turn[0] * x + (double)turn[1] * y, (double)turn[2] * x + (double)turn[3] * y, texel[2] * 2 - 1};
     return dvec3_combine(tangent, dvec3_scale(dvec3_cross(normal, tangent), hand), normal, mapped);
 }
 
@@ -146,7 +161,7 @@ static void find_layers(const struct ray_scene *s, const struct scene_material *
     l->clearcoat_normal = dvec3_scale(dvec3_normalize(normal), sign);
     if (ray_texture_exists(s->images, m, SCENE_TEXTURE_CLEARCOAT_NORMAL)) {
         SAMPLE(CLEARCOAT_NORMAL);
-        dvec3 bent = bend_normal(tangent, hand, normal, (double)m->clearcoat.normal_scale, texel);
+        dvec3 bent = bend_normal(tangent, hand, normal, m, SCENE_TEXTURE_CLEARCOAT_NORMAL, (double)m->clearcoat.normal_scale, texel);
         if (dvec3_length(bent) > 1e-10) l->clearcoat_normal = dvec3_scale(dvec3_normalize(bent), sign);
     }
     SAMPLE(SHEEN_COLOR);
@@ -181,8 +196,11 @@ static void find_layers(const struct ray_scene *s, const struct scene_material *
         l->anisotropy *= texel[2];
     }
 #undef SAMPLE
+    float axes[4];
+    scene_texture_turn_of(m, SCENE_TEXTURE_ANISOTROPY, axes);
+    const double x = c * along[0] - turn * along[1], y = c * along[1] + turn * along[0];
     dvec3 turned = dvec3_combine(tangent, dvec3_scale(dvec3_cross(normal, tangent), hand), normal,
-                                 dvec3_make(c * along[0] - turn * along[1], c * along[1] + turn * along[0], 0));
+                                 dvec3_make((double)axes[0] * x + (double)axes[1] * y, (double)axes[2] * x + (double)axes[3] * y, 0));
     turned = dvec3_add_scaled(turned, out->normal, -dvec3_dot(out->normal, turned));
     if (dvec3_length(turned) > 1e-10)
         l->tangent = dvec3_normalize(turned);
@@ -219,7 +237,7 @@ struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hi
     if (part->normals && part->tangents) tangent = interpolate_tangent(part, in, corners, weights, &hand);
     if (part->normals && part->tangents && ray_texture_exists(s->images, m, SCENE_TEXTURE_NORMAL)) {
         ray_texture_sample(s->scene, s->images, m, SCENE_TEXTURE_NORMAL, &uv, texel);
-        dvec3 bent = bend_normal(tangent, hand, normal, (double)m->normal_scale, texel);
+        dvec3 bent = bend_normal(tangent, hand, normal, m, SCENE_TEXTURE_NORMAL, (double)m->normal_scale, texel);
         if (dvec3_length(bent) > 1e-10) normal = bent;
     }
     out.geometric = dvec3_scale(face, sign);

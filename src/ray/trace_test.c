@@ -48,6 +48,112 @@ static void test_white_furnace(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- glass ---- */
+
+static fnl_mesh_id add_sphere_mesh(fnl_scene *scene, const fnl_material_params *material, float radius, bool inward) {
+    enum { RINGS = 24, VERTICES = (RINGS + 1) * (2 * RINGS + 1), TRIANGLES = 4 * RINGS * RINGS };
+    static float positions[3 * VERTICES], normals[3 * VERTICES];
+    static uint32_t indices[3 * TRIANGLES];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < VERTICES; i++) {
+        const float theta = PI * (float)(i / (2 * RINGS + 1)) / RINGS, phi = PI * (float)(i % (2 * RINGS + 1)) / RINGS;
+        const float n[3] = {sinf(theta) * cosf(phi), cosf(theta), sinf(theta) * sinf(phi)};
+        for (int c = 0; c < 3; c++) positions[3 * i + (uint32_t)c] = radius * n[c], normals[3 * i + (uint32_t)c] = inward ? -n[c] : n[c];
+    }
+    for (uint32_t i = 0; i < RINGS; i++)
+        for (uint32_t k = 0; k < 2 * RINGS; k++) {
+            const uint32_t a = i * (2 * RINGS + 1) + k, b = a + 2 * RINGS + 1, square[6] = {a, a + 1, b, b, a + 1, b + 1};
+            for (int c = 0; c < 6; c++) indices[count++] = square[inward ? 5 - c : c];
+        }
+    const fnl_mesh_params params = {.vertex_count = VERTICES, .index_count = count, .positions = positions, .normals = normals, .indices = indices, .material = add_material(scene, material)};
+    fnl_mesh_id id;
+    assert_int_equal(fnl_scene_add_mesh(scene, &params, &id), FNL_OK);
+    return id;
+}
+
+static fnl_material_params glass(float roughness, float thickness, float dispersion) {
+    fnl_material_params m = fnl_material_params_default();
+    m.metallic = 0;
+    m.roughness = roughness;
+    m.transmission.strength = 1;
+    m.volume.thickness = thickness;
+    m.dispersion = dispersion;
+    m.double_sided = thickness == 0;
+    return m;
+}
+
+static void surround(fnl_scene *scene, float value) {
+    float pixels[4 * 2 * 4];
+    for (uint32_t i = 0; i < COUNT_OF(pixels); i++) pixels[i] = value;
+    const fnl_image image = {4, 2, FNL_PIXEL_FORMAT_RGBA32F, pixels};
+    fnl_environment_params params = fnl_environment_params_default();
+    params.image = &image;
+    params.lights = false;
+    assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+}
+
+/* What surrounds a white ball in light of 1 from everywhere. */
+enum glass_kind { GLASS_PANE, GLASS_SHEET, GLASS_SHELL, GLASS_BALL, GLASS_ALONE, GLASS_KINDS };
+
+static fnl_trace trace_glass(enum glass_kind kind, float roughness, float dispersion, uint32_t bounces, uint32_t samples) {
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params white = matt(1), around = glass(roughness, kind < GLASS_SHELL ? 0 : 0.05f, dispersion);
+    const mat4 here = mat4_translation(vec3_make(0, 0, 0));
+    if (kind != GLASS_ALONE) add_instance(scene, add_sphere_mesh(scene, &white, 0.5f, false), here);
+    if (kind == GLASS_PANE) add_instance(scene, add_square_mesh(scene, add_material(scene, &around)), mat4_mul(mat4_translation(vec3_make(0, 0, 0.8f)), mat4_from_trs(vec3_make(0, 0, 0), quat_axis_angle(vec3_make(1, 0, 0), PI / 2), vec3_make(2, 2, 2))));
+    if (kind != GLASS_PANE) add_instance(scene, add_sphere_mesh(scene, &around, 0.8f, false), here);
+    if (kind == GLASS_SHELL) add_instance(scene, add_sphere_mesh(scene, &around, 0.7f, true), here);
+    surround(scene, 1);
+    fnl_trace_params p = trace_plain();
+    p.width = p.height = 8, p.samples = samples, p.bounces = bounces;
+    p.camera.position = (vec3){0, 0, 4};
+    p.camera.target = (vec3){0, 0, 0};
+    p.camera.vertical_fov = 0.4f;
+    fnl_trace trace = trace_scene(scene, &p);
+    fnl_scene_destroy(&scene);
+    return trace;
+}
+
+/* Light finds its way through glass in both directions, so nothing can be seen: refracted, reflected in full, scattered or in colors. */
+static void test_glass_in_a_white_furnace(void **state) {
+    UNUSED(state);
+    for (int kind = 0; kind < GLASS_KINDS; kind++)
+        for (int rough = 0; rough < 2; rough++) {
+            const float dispersion = kind >= GLASS_SHELL ? 3.0f * (float)rough : 0;
+            fnl_trace trace = trace_glass((enum glass_kind)kind, 0.3f * (float)rough, dispersion, 64, rough ? 400 : 200);
+            const double all = (mean_of(&trace.radiance, 0) + mean_of(&trace.radiance, 1) + mean_of(&trace.radiance, 2)) / 3; /* of dispersion each has a third */
+            if (!(fabs(all - 1) < (rough ? 0.02 : 0.01))) fail_msg("kind %d, roughness %g: %g, must be 1", kind, 0.3 * rough, all);
+            fnl_trace_free(NULL, &trace);
+            /* Without bounces the light that glass reflects is missing, and no more: a ball behind a face is not black. */
+            trace = trace_glass((enum glass_kind)kind, 0.3f * (float)rough, dispersion, 0, 40);
+            const double direct = mean_of(&trace.radiance, 1);
+            if (!(direct > 0.85 && direct < 1.02)) fail_msg("kind %d, roughness %g: %g without bounces", kind, 0.3 * rough, direct);
+            fnl_trace_free(NULL, &trace);
+        }
+}
+
+/* Straight through the middle of a ball of glass of 1.6 m: what is left after that way. */
+static void test_glass_absorbs_along_the_way(void **state) {
+    UNUSED(state);
+    static const float tint[3] = {0.5f, 1, 0.1f};
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params ball = glass(0, 0.05f, 0);
+    ball.volume.attenuation_distance = 1;
+    memcpy(ball.volume.attenuation_color, tint, sizeof tint);
+    ball.ior = 1; /* straight on, and nothing is reflected */
+    add_instance(scene, add_sphere_mesh(scene, &ball, 0.8f, false), mat4_translation(vec3_make(0, 0, 0)));
+    surround(scene, 1);
+    fnl_trace_params p = trace_plain();
+    p.width = p.height = 2, p.samples = 4;
+    p.camera.position = (vec3){0, 0, 4};
+    p.camera.target = (vec3){0, 0, 0};
+    p.camera.vertical_fov = 0.01f;
+    fnl_trace trace = trace_scene(scene, &p);
+    for (int c = 0; c < 3; c++) assert_float_equal(mean_of(&trace.radiance, c), pow((double)tint[c], 1.6), 0.02);
+    fnl_trace_free(NULL, &trace);
+    fnl_scene_destroy(&scene);
+}
+
 /* In a closed box whose walls glow and reflect a part r, N bounces give e (1 + r + … + r^(N + 1)). */
 static void test_energy_in_a_closed_box(void **state) {
     UNUSED(state);
@@ -214,10 +320,9 @@ static void test_ended_early(void **state) {
 }
 
 /* Whichever allocation fails: an error, nothing is left behind, and sizes are those that were asked for. */
-static void be_silent(void *user, fnl_log_level level, const char *line) {
-    UNUSED(user);
-    UNUSED(level);
+static void count_errors(void *user, fnl_log_level level, const char *line) {
     UNUSED(line);
+    if (level == FNL_LOG_ERROR) atomic_fetch_add(&((struct test_memory *)user)->errors, 1);
 }
 
 static void test_memory_that_runs_out(void **state) {
@@ -226,7 +331,7 @@ static void test_memory_that_runs_out(void **state) {
     fnl_host host = fnl_host_default();
     host.user = &memory;
     host.reallocate = test_memory_reallocate;
-    host.log = be_silent;
+    host.log = count_errors;
     host.thread_count = 1;
     fnl_scene *scene = world_create(&host);
     fnl_material_params glass = matt(1);
@@ -249,6 +354,7 @@ static void test_memory_that_runs_out(void **state) {
         atomic_store(&memory.fail_at, 0);
         if (result == FNL_OK) fnl_trace_free(&host, &trace);
         failures += result == FNL_ERROR_MEMORY;
+        assert_true(result == FNL_OK || atomic_exchange(&memory.errors, 0) > 0);
         assert_true(atomic_load(&memory.live_bytes) == before);
     }
     assert_int_equal(result, FNL_OK);
@@ -326,6 +432,8 @@ static void test_lights_that_reach_a_point_are_found(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_white_furnace),
+        cmocka_unit_test(test_glass_in_a_white_furnace),
+        cmocka_unit_test(test_glass_absorbs_along_the_way),
         cmocka_unit_test(test_energy_in_a_closed_box),
         cmocka_unit_test(test_area_light_has_its_form_factor),
         cmocka_unit_test(test_threads_do_not_change_a_byte),

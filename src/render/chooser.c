@@ -214,7 +214,7 @@ static void add_text(char *text, size_t capacity, size_t *length, const char *fo
     size_t at = MIN(*length, capacity);
     va_list arguments;
     va_start(arguments, format);
-    int n = vsnprintf(text ? text + at : NULL, text ? capacity - at : 0, format, arguments);
+    int n = text_format_list(text ? text + at : NULL, text ? capacity - at : 0, format, arguments);
     va_end(arguments);
     *length += n > 0 ? (size_t)n : 0;
 }
@@ -250,9 +250,12 @@ static void parse_line(struct chooser *c, const char *line) {
     for (uint32_t i = 0; i < FNL_LISTS_AUTO; i++)
         if (strcmp(lists, fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)i)) == 0) entry.choice.lists = (fnl_light_lists)i;
     if (entry.choice.shading >= FNL_SHADING_AUTO || entry.choice.lists >= FNL_LISTS_AUTO) return;
-    double time;
-    for (int n; entry.count < CHOOSER_TIMES && sscanf(line + used, "%lf%n", &time, &n) == 1; used += n)
+    const char *at = line + used;
+    for (char *rest; entry.count < CHOOSER_TIMES; at = rest) {
+        const double time = number_read(at, &rest);
+        if (rest == at) break;
         if (time >= 1e-4 && time < 1e9) entry.times[entry.count++] = time; /* less would be written as 0 */
+    }
     if (entry.count == 0) return;
     if (is_trial)
         keep_trial(c, entry);
@@ -407,10 +410,10 @@ static void finish_stage(struct chooser *c) {
         return;
     }
     if (second < CHOOSER_CANDIDATES)
-        snprintf(next, sizeof next, "; next %s + %s %.2f ms", fnl_value_name(FNL_ENUM_SHADING, c->candidates[second].choice.shading),
-                 fnl_value_name(FNL_ENUM_LISTS, c->candidates[second].choice.lists), median_of(&c->candidates[second]));
-    snprintf(how, sizeof how, "fastest of %u measured over %u frames: %.2f ms%s", c->measured_count, c->frames,
-             c->milliseconds, next);
+        text_format(next, sizeof next, "; next %s + %s %.2f ms", fnl_value_name(FNL_ENUM_SHADING, c->candidates[second].choice.shading),
+                    fnl_value_name(FNL_ENUM_LISTS, c->candidates[second].choice.lists), median_of(&c->candidates[second]));
+    text_format(how, sizeof how, "fastest of %u measured over %u frames: %.2f ms%s", c->measured_count, c->frames,
+                c->milliseconds, next);
     remember(c, (struct remembered_choice){chooser_key(&c->at), c->choice, c->milliseconds});
     forget_trials(c, chooser_key(&c->at));
     c->memory_changed = true;
@@ -440,7 +443,7 @@ static struct choice pick_best(struct chooser *c) {
         snprintf(c->reason, sizeof c->reason, "%s", not_measured);
         return c->choice;
     }
-    snprintf(c->reason, sizeof c->reason, "fastest of those measured so far: %.2f ms", median_of(&c->candidates[best]));
+    text_format(c->reason, sizeof c->reason, "fastest of those measured so far: %.2f ms", median_of(&c->candidates[best]));
     return c->candidates[best].choice;
 }
 
@@ -498,7 +501,7 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
             c->milliseconds = known->milliseconds;
             c->before_count = c->candidate_count = 0;
             char how[96];
-            snprintf(how, sizeof how, "remembered: %.2f ms when it was measured", known->milliseconds);
+            text_format(how, sizeof how, "remembered: %.2f ms when it was measured", known->milliseconds);
             decide(c, how);
         } else {
             start(c, at, chooser_guess(at));

@@ -3,6 +3,7 @@
  * A loaded scene is looked through and changed while a renderer shows it. After each change its picture has the bits of a scene that was
  * loaded from a file which says so.
  */
+#include "image/image.h"
 #include "tests/gltf_test_file.h"
 #include "tests/render_harness.h"
 
@@ -368,6 +369,91 @@ static void test_images_stay_on_the_device(void **state) {
     stage_close(&stage);
 }
 
+static uint64_t texture_bytes(struct stage *stage) {
+    struct shot shot = stage_shoot(stage, &stage->frame);
+    uint64_t bytes = 0;
+    for (uint32_t k = 0; k < shot.stats.memory_kind_count; k++)
+        if (strcmp(shot.stats.memory_kinds[k].name, "textures") == 0) bytes += shot.stats.memory_kinds[k].bytes;
+    shot_free(&shot);
+    return bytes;
+}
+
+/* What is freed is so once no frame that may use it is left. */
+static uint64_t texture_bytes_later(struct stage *stage) {
+    for (int i = 0; i < 3; i++) (void)texture_bytes(stage);
+    return texture_bytes(stage);
+}
+
+static void test_images_that_no_material_uses_leave_the_device(void **state) {
+    UNUSED(state);
+    enum { SIDE = 256, BYTES = SIDE * SIDE * 4 };
+    static uint8_t pixels[BYTES];
+    fnl_scene *scene = load(&plain);
+    fnl_image_id ids[2];
+    memset(pixels, 150, sizeof pixels);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(fnl_scene_add_image(scene, &(fnl_image){SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, pixels}, true, &ids[i]), FNL_OK);
+    struct stage stage = open_stage(scene);
+    fnl_image first = shoot(&stage);
+    const uint64_t none = texture_bytes(&stage);
+    fnl_material_id paint = find(scene, FNL_ENTITY_MATERIAL, "paint").id.material;
+    fnl_material_params usual, look;
+    assert_int_equal(fnl_scene_query_material(scene, paint.index, &usual), FNL_OK);
+    look = usual;
+    for (int i = 0; i < 3; i++) { /* the first again at the end */
+        look.base_color_image = ids[i % 2];
+        assert_int_equal(fnl_scene_set_material(scene, paint, &look), FNL_OK);
+        const uint64_t one = texture_bytes_later(&stage);
+        if (one < none + BYTES || one >= none + 2 * BYTES) fail_msg("%llu bytes, %llu without a texture", (unsigned long long)one, (unsigned long long)none);
+    }
+    assert_int_equal(fnl_scene_set_material(scene, paint, &usual), FNL_OK);
+    assert_int_equal(texture_bytes_later(&stage), none);
+    fnl_image last = shoot(&stage);
+    assert_int_equal(count_differing(&first, &last), 0);
+    fnl_image_free(gpu_host(harness_device()), &last);
+
+    /* A file that goes. */
+    char *png;
+    size_t png_size, size;
+    assert_int_equal(image_png_encode(gpu_host(harness_device()), "x", &(fnl_image){SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, pixels}, &png, &png_size), FNL_OK);
+    const size_t binary_size = 60 + png_size;
+    unsigned char *binary = calloc(1, binary_size);
+    const float corners[15] = {-1, -1, 1, 1, -1, 1, 0, 1, 1, 0, 0, 1, 0, 0, 1};
+    memcpy(binary, corners, sizeof corners);
+    memcpy(binary + 60, png, png_size);
+    char json[1500];
+    snprintf(json, sizeof json,
+             "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":60},"
+             "{\"buffer\":0,\"byteOffset\":60,\"byteLength\":%zu}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,"
+             "\"min\":[-1,-1,1],\"max\":[1,1,1]},{\"bufferView\":0,\"byteOffset\":36,\"componentType\":5126,\"type\":\"VEC2\",\"count\":3}],"
+             "\"images\":[{\"bufferView\":1,\"mimeType\":\"image/png\"}],\"textures\":[{\"source\":0}],"
+             "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
+             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"material\":0}]}],"
+             "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}",
+             binary_size, png_size);
+    unsigned char *glb = test_glb(json, binary, binary_size, &size);
+    fnl_load_params params = fnl_load_params_default();
+    params.data = glb;
+    params.size = size;
+    for (int round = 0; round < 4; round++) {
+        fnl_loaded loaded;
+        params.async = round == 3;
+        assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "flag.glb", &params, &loaded), FNL_OK);
+        if (round < 3) assert_true(texture_bytes_later(&stage) >= none + BYTES);
+        else (void)texture_bytes(&stage); /* it is being decoded, or waits for it */
+        assert_int_equal(fnl_scene_remove_instance(scene, loaded.root), FNL_OK);
+        assert_int_equal(texture_bytes_later(&stage), none);
+        last = shoot(&stage);
+        assert_int_equal(count_differing(&first, &last), 0);
+        fnl_image_free(gpu_host(harness_device()), &last);
+    }
+    free(png);
+    free(binary);
+    free(glb);
+    fnl_image_free(gpu_host(harness_device()), &first);
+    stage_close(&stage);
+}
+
 /* A baked decal is in copies of materials and textures: they follow their originals. */
 static void bake(fnl_scene *scene) {
     fnl_decal_params decal = fnl_decal_params_default();
@@ -594,6 +680,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_what_is_set_holds_until_it_is_animated, harness_check),
         cmocka_unit_test_teardown(test_variants_show_as_if_built_so, harness_check),
         cmocka_unit_test_teardown(test_images_stay_on_the_device, harness_check),
+        cmocka_unit_test_teardown(test_images_that_no_material_uses_leave_the_device, harness_check),
         cmocka_unit_test_teardown(test_baked_decals_follow_their_material, harness_check),
         cmocka_unit_test_teardown(test_baked_decals_follow_their_mesh, harness_check),
         cmocka_unit_test_teardown(test_poses_show_as_if_built_so, harness_check),

@@ -294,6 +294,40 @@ static void test_frames_with_a_compressed_cube_BC_14(void **state) {
     stage_close(&s);
 }
 
+/* A power of two on the picture, and its reciprocal as the intensity: half floats hold bright pictures and dim ones alike, with their colors. */
+static void test_frames_of_bright_and_dim_pictures(void **state) {
+    UNUSED(state);
+    static const int powers[] = {0, 20, 60, -19};
+    struct shot shots[COUNT_OF(powers)];
+    for (uint32_t i = 0; i < COUNT_OF(powers); i++) {
+        fnl_scene *scene = coarse_scene();
+        fnl_material_params material = fnl_material_params_default();
+        fnl_material_id id;
+        material.metallic = 0.5f;
+        material.roughness = 0.3f;
+        assert_int_equal(fnl_scene_add_material(scene, &material, &id), FNL_OK);
+        coarse_add_sphere(scene, id, 1);
+        fnl_image image = picture(false);
+        for (uint32_t k = 0; k < image.width * image.height * 4; k++) ((float *)image.pixels)[k] *= ldexpf(1, powers[i]);
+        fnl_environment_params params = fnl_environment_params_default();
+        params.image = &image;
+        params.lights = false;
+        params.intensity = ldexpf(1, -powers[i]);
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+        free(image.pixels);
+        struct stage s = stage_open_scene(scene);
+        s.frame.width = s.frame.height = 32;
+        s.frame.outputs = FNL_OUTPUT_RADIANCE;
+        s.frame.camera = fnl_camera_default();
+        s.frame.camera.position = (fnl_vec3){0, 0, 3};
+        s.frame.camera.target = (fnl_vec3){0, 0, 0};
+        shots[i] = stage_shoot(&s, &s.frame);
+        stage_close(&s);
+        if (i > 0 && memcmp(shots[0].radiance.pixels, shots[i].radiance.pixels, (size_t)32 * 32 * 16) != 0) fail_msg("2^%d: %g, must be %g", powers[i], (double)pixel(&shots[i], 16, 16)[0], (double)pixel(&shots[0], 16, 16)[0]);
+    }
+    for (uint32_t i = 0; i < COUNT_OF(powers); i++) shot_free(&shots[i]);
+}
+
 /* What is asked for and cannot be had changes nothing. */
 static void test_bad_environments_change_nothing_EN_7(void **state) {
     UNUSED(state);
@@ -324,6 +358,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_the_sky_and_mirrors_follow_the_rotation_EN_4_MP_11_MB_10, harness_check),
         cmocka_unit_test_teardown(test_every_order_has_the_same_environment_EN_5, harness_check),
         cmocka_unit_test_teardown(test_bright_sources_become_lights_EN_3, harness_check),
+        cmocka_unit_test_teardown(test_frames_of_bright_and_dim_pictures, harness_check),
         cmocka_unit_test_teardown(test_maps_are_made_once_EN_6, harness_check),
         cmocka_unit_test_teardown(test_bad_environments_change_nothing_EN_7, harness_check),
     };

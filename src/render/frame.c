@@ -238,7 +238,7 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
                                    .shadow_filter = (uint32_t)f->frame->shadow.filter,
                                    .shadow_samples = f->frame->shadow.samples,
                                    .light_radius = f->frame->shadow.light_radius,
-                                   .environment_scale = scene_environment_scale(environment),
+                                   .environment_scale = scene_environment_scale(environment) * environment->unit,
                                    .sun_tangent = tanf(f->frame->shadow.sun_degrees * (PI / 180)),
                                    .hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f};
     scene_environment_axes(environment, f->shared.environment_rows);
@@ -255,7 +255,7 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
 
 /* `out` is the view's place among those of the frame. */
 static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
-    fnl_camera camera = f->frame->camera;
+    fnl_camera camera = frame_camera(f);
     temporal_begin(f);
     camera.shift.x -= 2 * f->temporal.jitter.x / (float)f->frame->width;
     camera.shift.y += 2 * f->temporal.jitter.y / (float)f->frame->height;

@@ -76,7 +76,7 @@ static uint32_t lights_at(const fnl_scene *scene, const struct scene_node *node,
     const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
     const struct box *box = &scene->primitives.data[mesh->first_primitive + item % mesh->primitive_count].bounds;
     if (node->skin != SCENE_NONE || mesh->morph_target_count) return count;
-    mat4 m = device_instance_matrix(node, item / mesh->primitive_count);
+    mat4 m = device_instance_matrix(scene, node, item / mesh->primitive_count);
     vec3 center = mat4_point(&m, vec3_scale(vec3_add(box->low, box->high), 0.5f));
     vec3 half = vec3_scale(vec3_sub(box->high, box->low), 0.5f), extent;
     extent.x = fabsf(m.m[0]) * half.x + fabsf(m.m[4]) * half.y + fabsf(m.m[8]) * half.z;

@@ -4,6 +4,7 @@
 #include "base/values.h"
 #include "fanal/options.h"
 
+#include <ctype.h>
 #include <errno.h>
 
 struct row {
@@ -326,8 +327,10 @@ static fnl_result parse(const struct call *call, const struct row *row, const ch
         memcpy(out, &narrow, *out_size = sizeof narrow);
         return check_row(call, row, o->key, out);
     }
-    float number = o->has_auto && strcmp(text, "auto") == 0 ? INFINITY : strtof(text, &end);
-    if (end && (end == text || *end || !isfinite(number)))
+    const char *digits = text + (*text == '-');
+    const bool hexadecimal = digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X'), begins = isdigit((unsigned char)digits[*digits == '.']) && !hexadecimal;
+    float number = o->has_auto && strcmp(text, "auto") == 0 ? INFINITY : (float)number_read(text, &end);
+    if (end && (!begins || *end || !isfinite(number)))
         return misuse(call, "%s is '%.80s', must be a number%s", o->key, text, o->has_auto ? " or auto" : "");
     memcpy(out, &number, *out_size = sizeof number);
     return check_row(call, row, o->key, out);

@@ -589,10 +589,12 @@ static void test_late_allocation_failures(void **state) {
         assert_int_equal(fnl_scene_set_light(s.scene, s.lights[2], &light), FNL_OK);
         frame.width = 20 + n;
         frame.height = 70 + n;
+        memory.errors = 0;
         memory.fail_at = memory.allocations + n;
         fnl_result result = fnl_renderer_render(renderer, &frame);
         memory.fail_at = 0;
         failed = result != FNL_OK;
+        assert_true(!failed || memory.errors > 0);
         failures += failed;
         fnl_image image;
         fnl_frame_stats stats;

@@ -148,6 +148,73 @@ static void test_no_acne_and_no_gap_MP_6(void **state) {
     }
 }
 
+/* A closed room casts no shadow in itself, wherever its lamp is: beside a wall the walls' depths are steep, and texels in corners show two of them. */
+static void test_a_lamp_beside_a_wall(void **state) {
+    UNUSED(state);
+    static const float away[] = {0.01f, 0.05f, 0.3f};
+    for (uint32_t k = 0; k < COUNT_OF(away); k++) {
+        fnl_scene *scene = world_create(NULL);
+        const fnl_material_params material = matt(1);
+        const fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &material));
+        for (int wall = 0; wall < 6; wall++) {
+            const float side = wall & 1 ? 3 : -3;
+            const quat turn = wall < 2 ? quat_axis_angle((vec3){0, 0, 1}, wall & 1 ? PI / 2 : -PI / 2)
+                              : wall < 4 ? quat_axis_angle((vec3){1, 0, 0}, wall & 1 ? PI : 0)
+                                         : quat_axis_angle((vec3){1, 0, 0}, wall & 1 ? -PI / 2 : PI / 2);
+            add_instance(scene, mesh, mat4_from_trs((vec3){wall < 2 ? side : 0, wall / 2 == 1 ? side : 0, wall > 3 ? side : 0}, turn, (vec3){3, 1, 3}));
+        }
+        add_point_light(scene, (vec3){3 - away[k], 0.2f, 0.1f}, 20);
+        struct stage s = stage_open_scene(scene);
+        s.frame.width = 40, s.frame.height = 23;
+        s.frame.camera = fnl_camera_default();
+        s.frame.camera.position = (vec3){0, 0, 2.2f};
+        s.frame.camera.target = (vec3){0, 0, 0};
+        s.frame.camera.vertical_fov = 1.9f;
+        struct shot open = stage_shoot(&s, &s.frame);
+        s.frame.shadows = FNL_SHADOWS_MAPS;
+        struct shot maps = stage_shoot(&s, &s.frame);
+        uint32_t lit = 0, dark = 0;
+        for (uint32_t i = 0; i < s.frame.width * s.frame.height; i++) {
+            const float want = pixel_at(&open.radiance, i % 40, i / 40)[1], got = pixel_at(&maps.radiance, i % 40, i / 40)[1];
+            lit += want > 0;
+            dark += got < 0.9f * want;
+        }
+        print_message("%g m from a wall: %u of %u pixels are dark\n", (double)away[k], dark, lit);
+        assert_true(lit > 800);
+        assert_int_equal(dark, 0);
+        shot_free(&open);
+        shot_free(&maps);
+        stage_close(&s);
+    }
+}
+
+/* Positions are less exact far from the eye; casters of 5 cm still have their shadows at 20 km. */
+static void test_shadows_far_from_the_eye(void **state) {
+    UNUSED(state);
+    static float seen[2][SHADOW_SIZE * SHADOW_SIZE];
+    static const fnl_shadows kinds[] = {FNL_SHADOWS_RAYS, FNL_SHADOWS_MAPS};
+    for (uint32_t k = 0; k < COUNT_OF(kinds); k++) {
+        uint32_t dark = 0, wrong = 0;
+        for (int far = 0; far < 2; far++) {
+            fnl_scene *scene = bare_floor();
+            add_wall(scene, 0, 6, 0, 0.05f);
+            add_point_light(scene, (vec3){-1, 0.2f, 0}, 50);
+            const fnl_trace_params view = look_down((vec3){0, 0, 0}, 2, far ? 20000 : 5, SHADOW_SIZE);
+            struct stage s = shadow_stage(scene, &view);
+            s.frame.camera.near_distance = 1;
+            s.frame.camera.far_distance = far ? 20010 : 10;
+            parts_of(&s, kinds[k], seen[far]);
+            stage_close(&s);
+        }
+        for (uint32_t i = 0; i < COUNT_OF(seen[0]); i++) {
+            dark += seen[0][i] < 0.5f;
+            wrong += fabsf(seen[0][i] - seen[1][i]) > 0.5f;
+        }
+        print_message("%s: %u pixels are dark, %u others from afar\n", fnl_value_name(FNL_ENUM_SHADOWS, (uint32_t)kinds[k]), dark, wrong);
+        assert_true(dark > 100 && wrong * 4 < dark); /* two columns of pixels at most, at the foot of the wall */
+    }
+}
+
 /* ---- edits ---- */
 
 static void expect_fresh(struct stage *s, const char *what) {
@@ -315,6 +382,8 @@ int main(void) {
         cmocka_unit_test_teardown(test_casters_cross_the_near_plane, harness_check),
         cmocka_unit_test_teardown(test_faces_of_few_texels, harness_check),
         cmocka_unit_test_teardown(test_no_acne_and_no_gap_MP_6, harness_check),
+        cmocka_unit_test_teardown(test_a_lamp_beside_a_wall, harness_check),
+        cmocka_unit_test_teardown(test_shadows_far_from_the_eye, harness_check),
         cmocka_unit_test_teardown(test_lights_that_move_in_every_frame, harness_check),
         cmocka_unit_test_teardown(test_edits_of_a_scene_whose_pages_are_kept, harness_check),
         cmocka_unit_test_teardown(test_ten_thousand_lights_toggle, harness_check),

@@ -45,10 +45,16 @@ static vec2 choose_jitter(struct frame_state *f) {
     return (vec2){jitter.x + place.x, jitter.y + place.y};
 }
 
+fnl_camera frame_camera(const struct frame_state *f) {
+    const struct device_scene *d = f->r->device_scene;
+    return view_fit_depth(&f->frame->camera, &d->bounds, d->deformed.count > 0);
+}
+
 void temporal_begin(struct frame_state *f) {
     struct frame_temporal *t = &f->temporal;
     const struct temporal_state *s = &f->kept->temporal;
-    t->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
+    const fnl_camera camera = frame_camera(f);
+    t->view = view_from_camera(&camera, f->frame->width, f->frame->height);
     t->keeps = keeps(f, &t->view);
     t->still = t->keeps && is_still(f, &t->view);
     t->still_frames = t->still ? s->still + 1 : 0;

@@ -24,6 +24,8 @@ struct temporal_state {
 bool temporal_needs_motion(const fnl_frame *frame);
 /** Decides, once updates of the scene are declared, what of the last frame counts; fills f->temporal. */
 void temporal_begin(struct frame_state *f);
+/** The frame's camera, its depth fitted to the scene (view_fit_depth). */
+fnl_camera frame_camera(const struct frame_state *f);
 /** Motion vectors, with f->depth, for what needs them before the frame is shaded; fills f->temporal.motion. */
 void temporal_add_motion(struct frame_state *f);
 /** After shading: motion vectors, and with temporal antialiasing f->radiance becomes what was collected. */

@@ -101,18 +101,22 @@ static void test_animated_frames(void **state) {
 
 /* ---- environments ---- */
 
-/* A ball in a sky, whose sun is a light: paths choose directions by the lobe, frames read prefiltered maps. dB of the tone-mapped pictures. */
-static double ball_in_the_sky(const char *source, float ev, float metallic, float roughness) {
-    fnl_scene *scene = coarse_scene();
-    fnl_environment_params environment = fnl_environment_params_default();
+static fnl_material_params painted(float metallic, float roughness) {
     fnl_material_params material = fnl_material_params_default();
-    fnl_material_id id;
-    environment.source = source;
     material.metallic = metallic;
     material.roughness = roughness;
     material.base_color[0] = 0.9f, material.base_color[1] = 0.7f, material.base_color[2] = 0.4f;
+    return material;
+}
+
+/* A ball in a sky, whose sun is a light: paths choose directions by the lobe, frames read prefiltered maps. dB of the tone-mapped pictures. */
+static double ball_in_the_sky(const char *source, float ev, const char *name, const fnl_material_params *material, uint32_t bounces) {
+    fnl_scene *scene = coarse_scene();
+    fnl_environment_params environment = fnl_environment_params_default();
+    fnl_material_id id;
+    environment.source = source;
     assert_int_equal(fnl_scene_set_environment(scene, &environment), FNL_OK);
-    assert_int_equal(fnl_scene_add_material(scene, &material, &id), FNL_OK);
+    assert_int_equal(fnl_scene_add_material(scene, material, &id), FNL_OK);
     coarse_add_sphere(scene, id, 1);
     struct stage s = stage_open_scene(scene);
     s.frame.width = s.frame.height = 20;
@@ -126,12 +130,13 @@ static double ball_in_the_sky(const char *source, float ev, float metallic, floa
     p.width = s.frame.width, p.height = s.frame.height, p.camera = s.frame.camera;
     p.exposure = s.frame.exposure, p.ev = s.frame.ev, p.tonemap = s.frame.tonemap;
     p.samples = 700;
+    p.bounces = bounces;
     p.shadows = false;
     fnl_trace trace;
     fnl_image_difference difference;
     assert_int_equal(fnl_scene_trace(s.scene, &p, &trace), FNL_OK);
     assert_int_equal(fnl_image_compare(NULL, &trace.color, &shot.color, &difference), FNL_OK);
-    print_message("%s, metallic %.1f, roughness %.2f: %.1f dB\n", source, (double)metallic, (double)roughness, difference.psnr);
+    print_message("%s, %s, metallic %.1f, roughness %.2f: %.1f dB\n", source, name, (double)material->metallic, (double)material->roughness, difference.psnr);
     fnl_trace_free(&s.scene->host, &trace);
     shot_free(&shot);
     stage_close(&s);
@@ -142,8 +147,39 @@ static void test_environments_against_paths_EN_8(void **state) {
     UNUSED(state);
     static const float roughnesses[] = {0.2f, 0.6f, 1};
     for (uint32_t i = 0; i < COUNT_OF(roughnesses); i++) {
-        assert_true(ball_in_the_sky("builtin:sky", 14, 1, roughnesses[i]) > 35);
-        assert_true(ball_in_the_sky("builtin:studio", 1, 0, roughnesses[i]) > 35);
+        const fnl_material_params metal = painted(1, roughnesses[i]), paint = painted(0, roughnesses[i]);
+        assert_true(ball_in_the_sky("builtin:sky", 14, "metal", &metal, 0) > 35);
+        assert_true(ball_in_the_sky("builtin:studio", 1, "paint", &paint, 0) > 35);
+    }
+}
+
+/* Each model of the material extensions, in one environment: the frame's approximations against paths. */
+static void test_each_extension_against_paths(void **state) {
+    UNUSED(state);
+    enum { EXTENSIONS = 11 };
+    static const char *const names[EXTENSIONS] = {"clearcoat", "sheen", "iridescence", "anisotropy", "specular", "ior", "thin transmission", "rough transmission", "volume", "dispersion", "diffuse transmission"};
+    /* The last: the far side of the ball stops light that frames take from all around. */
+    static const double least[EXTENSIONS] = {36, 32, 38, 32, 36, 36, 45, 27, 30, 30, 15};
+    fnl_material_params m[EXTENSIONS];
+    for (int i = 0; i < EXTENSIONS; i++) m[i] = painted(0, 0.4f);
+    m[0].clearcoat.strength = 1, m[0].clearcoat.roughness = 0.1f;
+    m[1].sheen.color[0] = m[1].sheen.color[2] = 0.8f, m[1].sheen.roughness = 0.5f;
+    m[2] = painted(1, 0.3f), m[2].iridescence.strength = 1;
+    m[3] = painted(1, 0.4f), m[3].anisotropy.strength = 0.5f;
+    m[4].specular = 0.5f, m[4].specular_color[0] = 0.2f;
+    m[5].ior = 2;
+    for (int i = 6; i < 10; i++) {
+        m[i].transmission.strength = 1;
+        m[i].roughness = i == 7 ? 0.4f : 0.05f;
+        m[i].volume.thickness = i < 8 ? 0 : 1.5f;
+    }
+    m[8].volume.attenuation_distance = 2, m[8].volume.attenuation_color[0] = 0.8f, m[8].volume.attenuation_color[1] = m[8].volume.attenuation_color[2] = 0.5f;
+    m[9].dispersion = 2;
+    m[10].diffuse_transmission.strength = 0.5f;
+    for (int c = 0; c < 3; c++) m[10].diffuse_transmission.color[c] = 0.8f;
+    for (int i = 0; i < EXTENSIONS; i++) {
+        const double reached = ball_in_the_sky("builtin:overcast", 11, names[i], &m[i], 0);
+        if (!(reached > least[i])) fail_msg("%s: %.1f dB, must be over %g", names[i], reached, least[i]);
     }
 }
 
@@ -153,6 +189,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_layered_materials_of_files_MA_6, harness_check),
         cmocka_unit_test_teardown(test_animated_frames, harness_check),
         cmocka_unit_test_teardown(test_environments_against_paths_EN_8, harness_check),
+        cmocka_unit_test_teardown(test_each_extension_against_paths, harness_check),
     };
     return cmocka_run_group_tests_name("trace_frames", tests, harness_begin, harness_end);
 }

@@ -10,10 +10,32 @@ static vec4 clip_plane(const mat4 *m, int row, float sign) {
     return (vec4){p[0] * scale, p[1] * scale, p[2] * scale, p[3] * scale};
 }
 
+/* What an orthographic depth of floats resolves: this part of the distance between its planes, with room to spare. */
+#define DEPTH_RANGE 1000
+
+fnl_camera view_fit_depth(const fnl_camera *camera, const struct box *bounds, bool deforms) {
+    fnl_camera fitted = *camera;
+    if (!camera->orthographic || box_is_empty(bounds)) return fitted;
+    const mat4 to_view = mat4_look_at(camera->position, camera->target, camera->up);
+    float low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 8; i++) {
+        const vec3 corner = {i & 1 ? bounds->high.x : bounds->low.x, i & 2 ? bounds->high.y : bounds->low.y, i & 4 ? bounds->high.z : bounds->low.z};
+        const float depth = -mat4_point(&to_view, corner).z;
+        low = fminf(low, depth);
+        high = fmaxf(high, depth);
+    }
+    const float size = vec3_distance(bounds->low, bounds->high), room = size * (deforms ? 100 : 1); /* joints may carry vertices out of the bounds */
+    const float near = fmaxf(camera->near_distance, low - room), far = fminf(camera->far_distance, high + room);
+    if (!(far > near) || !(camera->far_distance - camera->near_distance > DEPTH_RANGE * size)) return fitted;
+    fitted.near_distance = near;
+    fitted.far_distance = far;
+    return fitted;
+}
+
 struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height) {
     struct gpu_view v = {.world_to_view = mat4_look_at(camera->position, camera->target, camera->up),
                          .eye = camera->position,
-                         .near_distance = camera->near_distance,
+                         .near_distance = camera->near_distance > 0 ? camera->near_distance : 1e-6f * camera->far_distance, /* lists divide by it */
                          .orthographic = camera->orthographic,
                          .size = {width, height},
                          .inverse_size = {1 / (float)width, 1 / (float)height}};

@@ -7,6 +7,11 @@
 #include "fanal/scene.h"
 #include "view_shared.h"
 
+/**
+ * An orthographic camera whose planes are far apart gets planes about the scene: depth has few bits at a millionth of the distance. `deforms`: the scene
+ * has vertices that may be out of its bounds.
+ */
+fnl_camera view_fit_depth(const fnl_camera *camera, const struct box *bounds, bool deforms);
 /** Fills in everything that follows from the camera; samples, frame and decals stay zero. The camera was checked with camera_check. */
 struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height);
 

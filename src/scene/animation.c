@@ -128,6 +128,41 @@ void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out) {
         out[i] = mat4_mul(scene->nodes.data[what->joints[i]].world, what->inverse_bind[i]);
 }
 
+/* Of the vertices of a mesh that its skin moves, this many of each primitive say which way round it is. */
+#define SKIN_VOTERS 64u
+
+static double joint_determinant(const fnl_scene *scene, const struct scene_skin *skin, uint32_t joint) {
+    return (double)mat4_determinant3(&scene->nodes.data[skin->joints[joint]].world) * (double)mat4_determinant3(&skin->inverse_bind[joint]);
+}
+
+bool skin_mirrors(const fnl_scene *scene, const struct scene_node *node) {
+    if (node->skin == SCENE_NONE || node->mesh == SCENE_NONE) return false;
+    const struct scene_skin *skin = &scene->skins.data[node->skin];
+    const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
+    int votes = 0;
+    for (uint32_t i = 0; i < mesh->primitive_count; i++) {
+        const struct scene_primitive *p = &scene->primitives.data[mesh->first_primitive + i];
+        const uint32_t voters = p->joint_count ? MIN(p->vertex_count, SKIN_VOTERS) : 0;
+        for (uint32_t k = 0; k < voters; k++) {
+            const size_t first = (size_t)((uint64_t)k * p->vertex_count / voters) * p->joint_count;
+            size_t most = first; /* the joint that moves the vertex most */
+            for (size_t j = first + 1; j < first + p->joint_count; j++)
+                if (p->weights[j] > p->weights[most]) most = j;
+            const double determinant = joint_determinant(scene, skin, p->joints[most]);
+            votes += (determinant > 0) - (determinant < 0);
+        }
+    }
+    return votes < 0;
+}
+
+mat4 skin_instance(bool mirrored) { return mat4_scaling(vec3_make(mirrored ? -1 : 1, 1, 1)); }
+
+void skin_instance_matrices(const fnl_scene *scene, uint32_t skin, bool mirrored, mat4 *out) {
+    skin_matrices(scene, skin, out);
+    for (uint32_t i = 0; mirrored && i < scene->skins.data[skin].joint_count; i++)
+        for (int column = 0; column < 4; column++) out[i].m[4 * column] = -out[i].m[4 * column];
+}
+
 /* ---- several at once ---- */
 
 /* A channel at a time, and which of the blended animations it is of. */

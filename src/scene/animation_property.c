@@ -66,7 +66,6 @@ static void finish_light(fnl_scene *scene, const struct scene_channel *channel) 
 
 static void finish_camera(fnl_camera *camera) {
     if (!camera->orthographic) return;
-    if (!(camera->near_distance > 0)) camera->near_distance = camera->far_distance * 1e-6f;
     if (!(camera->near_distance < camera->far_distance)) camera->near_distance = 0.999f * camera->far_distance;
 }
 

@@ -14,7 +14,7 @@ void glb_fail(struct glb *g, fnl_result result, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     if (g->result == FNL_OK) log_error(g->host, "%s: %s; it is not written", g->path, text);
     if (g->result == FNL_OK) g->result = result;
@@ -24,13 +24,13 @@ void glb_left_out(const struct glb *g, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     log_warning(g->host, "%s: left out: %s", g->path, text);
 }
 
 static void fail_memory(struct glb *g) {
-    if (g->result == FNL_OK) g->result = FNL_ERROR_MEMORY;
+    if (g->result == FNL_OK) glb_fail(g, FNL_ERROR_MEMORY, "memory ran out");
 }
 
 void *glb_memory(struct glb *g, uint64_t count, size_t size) {
@@ -41,14 +41,26 @@ void *glb_memory(struct glb *g, uint64_t count, size_t size) {
 
 /* ---- JSON ---- */
 
+json_t *glb_text(const struct glb *g, const char *text) {
+    json_t *json = json_string(text);
+    char *copy = json ? NULL : host_allocate(g->host, strlen(text) + 1);
+    if (!copy) return json;
+    strcpy(copy, text);
+    fnl_text_clean(copy);
+    json = json_string(copy);
+    glb_left_out(g, "bytes of the name '%s' that are not UTF-8", copy);
+    host_free(g->host, copy, strlen(text) + 1);
+    return json;
+}
+
 /* The shortest text of a float that reads as it again makes the double that is written. */
 json_t *glb_float(float value) {
     char text[32];
     for (int digits = 6; digits <= 9; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, (double)value);
-        if (strtof(text, NULL) == value) break;
+        text_format(text, sizeof text, "%.*g", digits, (double)value);
+        if ((float)number_read(text, NULL) == value) break;
     }
-    return json_real(strtod(text, NULL));
+    return json_real(number_read(text, NULL));
 }
 
 json_t *glb_floats(const float *values, uint32_t count) {
@@ -104,7 +116,7 @@ uint32_t glb_append(struct glb *g, json_t *array, json_t *value) {
 uint32_t glb_add(struct glb *g, const char *array, json_t *value) { return glb_append(g, glb_array(g, g->root, array), value); }
 
 void glb_set_name(struct glb *g, json_t *object, const char *name, const char *extras) {
-    if (name && *name) glb_set(g, object, "name", json_string(name));
+    if (name && *name) glb_set(g, object, "name", glb_text(g, name));
     if (extras) glb_set(g, object, "extras", json_loads(extras, JSON_DECODE_ANY | JSON_ALLOW_NUL, NULL));
 }
 

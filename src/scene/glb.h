@@ -62,6 +62,8 @@ uint32_t glb_add_accessor(struct glb *g, const void *data, uint32_t count, enum 
 
 /* JSON. Values are taken over; NULL is lack of memory. */
 json_t *glb_float(float value);
+/** A name, which JSON cannot hold unless it is UTF-8: otherwise cleaned, with a warning. */
+json_t *glb_text(const struct glb *g, const char *text);
 json_t *glb_floats(const float *values, uint32_t count);
 void glb_set(struct glb *g, json_t *object, const char *key, json_t *value);
 /** The object or array at a key, made if it is not there. */
@@ -83,7 +85,8 @@ bool glb_animates(const struct glb *g, enum scene_property_owner owner, uint32_t
 
 /* ---- the parts ---- */
 
-/** The nodes of the shown scene. */
+/** The scene that is shown: made, with all roots of the file, where there is none. And its nodes. */
+json_t *glb_shown_scene(struct glb *g);
 json_t *glb_roots(struct glb *g);
 /** A new root with this pose and what else is in `node`. */
 void glb_add_root(struct glb *g, json_t *node, const mat4 *pose);

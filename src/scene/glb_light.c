@@ -144,7 +144,7 @@ static void add_light_node(struct glb *g, const fnl_light_params *p, const char 
     mat4 pose = mat4_identity();
     if (p->kind != FNL_LIGHT_POINT) pose = glb_pose(p->kind == FNL_LIGHT_DIRECTIONAL ? (vec3){0, 0, 0} : p->position, p->direction, p->up);
     if (p->kind == FNL_LIGHT_POINT) glb_set(g, node, "translation", glb_floats(&p->position.x, 3));
-    if (name && *name) glb_set(g, node, "name", json_string(name));
+    if (name && *name) glb_set(g, node, "name", glb_text(g, name));
     glb_set(g, glb_extension(g, node, PUNCTUAL), "light", json_integer((json_int_t)index));
     glb_add_root(g, node, &pose);
 }

@@ -4,23 +4,23 @@
 
 /* ---- roots ---- */
 
-json_t *glb_roots(struct glb *g) {
-    json_t *scenes = glb_array(g, g->root, "scenes");
-    if (json_array_size(scenes) == 0) glb_append(g, scenes, json_object());
-    const json_t *value = json_object_get(g->root, "scene");
-    const json_int_t shown = json_is_integer(value) && json_integer_value(value) < (json_int_t)json_array_size(scenes) ? json_integer_value(value) : 0;
+json_t *glb_shown_scene(struct glb *g) {
+    json_t *scenes = glb_array(g, g->root, "scenes"), *value = json_object_get(g->root, "scene");
+    if (json_array_size(scenes) == 0) {
+        glb_append(g, scenes, json_object());
+        json_t *roots = g->file && g->node_count ? glb_array(g, json_array_get(scenes, 0), "nodes") : NULL;
+        /* A file without scenes shows all that it has: now it has one. */
+        for (uint32_t i = 0; roots && i < g->node_count; i++)
+            if (g->file->nodes.data[i].parent == SCENE_NONE) glb_append(g, roots, json_integer((json_int_t)i));
+    }
+    const double number = json_is_number(value) ? json_number_value(value) : 0;
+    const size_t shown = number >= 0 && number < (double)json_array_size(scenes) ? (size_t)number : 0;
     if (!value) glb_set(g, g->root, "scene", json_integer(0));
-    if (!json_is_object(json_array_get(scenes, (size_t)shown))) json_array_set_new(scenes, (size_t)shown, json_object());
-    return glb_array(g, json_array_get(scenes, (size_t)shown), "nodes");
+    if (!json_is_object(json_array_get(scenes, shown))) json_array_set_new(scenes, shown, json_object());
+    return json_array_get(scenes, shown);
 }
 
-/* A file without scenes shows all that it has: now it has one. Only where something is added or goes. */
-static void list_roots(struct glb *g) {
-    if (!g->file || json_array_size(json_object_get(g->root, "scenes")) > 0) return;
-    json_t *roots = glb_roots(g);
-    for (uint32_t i = 0; i < g->node_count; i++)
-        if (g->file->nodes.data[i].parent == SCENE_NONE) glb_append(g, roots, json_integer((json_int_t)i));
-}
+json_t *glb_roots(struct glb *g) { return glb_array(g, glb_shown_scene(g), "nodes"); }
 
 static void remove_index(json_t *array, uint32_t index) {
     for (size_t i = json_array_size(array); i-- > 0;)
@@ -39,9 +39,8 @@ static bool is_identity(const mat4 *m) {
 }
 
 void glb_add_root(struct glb *g, json_t *node, const mat4 *pose) {
-    list_roots(g);
+    json_t *roots = glb_roots(g); /* before there is another node */
     if (!is_identity(pose)) glb_set(g, node, "matrix", glb_floats(pose->m, 16));
-    json_t *roots = glb_roots(g);
     glb_append(g, roots, json_integer((json_int_t)glb_add(g, "nodes", node)));
 }
 
@@ -113,7 +112,7 @@ static void patch_node(struct glb *g, json_t *object, uint32_t index) {
                        glb_animates_node(g, index, SCENE_PATH_SCALE);
     if (now->removed) {
         if (base->parent != SCENE_NONE && g->scene->nodes.data[base->parent].removed) return; /* it goes with that one */
-        list_roots(g);
+        glb_shown_scene(g);
         json_t *scenes = json_object_get(g->root, "scenes"), *nodes = json_object_get(g->root, "nodes");
         for (uint32_t i = 0; i < gltf_count(scenes); i++) {
             remove_index(json_object_get(json_array_get(scenes, i), "nodes"), index);
@@ -261,7 +260,6 @@ static void add_nodes(struct glb *g) {
     bool any = false;
     for (uint32_t i = 0; i < count; i++) {
         if (!is_added(g, i)) continue;
-        if (!any) list_roots(g);
         any = true;
         g->nodes[i] = glb_add(g, "nodes", json_object());
         if (nodes[i].parent == SCENE_NONE && g->result == FNL_OK) glb_append(g, glb_roots(g), json_integer((json_int_t)g->nodes[i]));

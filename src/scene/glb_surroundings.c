@@ -6,14 +6,6 @@
 
 #define NAME "FNL_surroundings"
 
-static json_t *shown_scene(struct glb *g) {
-    glb_roots(g);
-    const json_t *value = json_object_get(g->root, "scene");
-    json_t *scenes = json_object_get(g->root, "scenes");
-    const json_int_t shown = json_is_integer(value) && json_integer_value(value) < (json_int_t)json_array_size(scenes) ? json_integer_value(value) : 0;
-    return json_array_get(scenes, (size_t)shown);
-}
-
 /* The picture as it is stored; it lives until the file is written. */
 static bool add_panorama(struct glb *g, json_t *object, const char *path) {
     struct file_view view;
@@ -49,17 +41,17 @@ static void save_environment(struct glb *g) {
     static const struct scene_environment nothing = {0};
     const struct scene_environment *e = g->scene->environment.staged ? &nothing : &g->scene->environment, *before = g->file ? &g->file->environment : &nothing;
     if (same_environment(e, before) || (e->panorama.width == 0 && before->panorama.width == 0)) return;
-    glb_remove_extension(shown_scene(g), "EXT_lights_image_based");
-    json_t *old = json_object_get(json_object_get(shown_scene(g), "extensions"), NAME);
+    glb_remove_extension(glb_shown_scene(g), "EXT_lights_image_based");
+    json_t *old = json_object_get(json_object_get(glb_shown_scene(g), "extensions"), NAME);
     json_object_del(old, "environment");
     if (e->panorama.width == 0) return;
     if (!e->name) {
         glb_left_out(g, "the environment, which is not of a file");
         return;
     }
-    json_t *object = glb_object(g, glb_extension(g, shown_scene(g), NAME), "environment");
+    json_t *object = glb_object(g, glb_extension(g, glb_shown_scene(g), NAME), "environment");
     if (strncmp(e->name, "builtin:", 8) == 0)
-        glb_set(g, object, "source", json_string(e->name));
+        glb_set(g, object, "source", glb_text(g, e->name));
     else if (!add_panorama(g, object, e->name))
         return;
     if (e->rotation != 0) glb_set(g, object, "rotation", glb_float(e->rotation));
@@ -70,7 +62,7 @@ static void save_environment(struct glb *g) {
 }
 
 static void save_color(struct glb *g, const char *key, vec3 now, vec3 before) {
-    if (memcmp(&now, &before, sizeof now) != 0) glb_set(g, glb_extension(g, shown_scene(g), NAME), key, glb_floats(&now.x, 3));
+    if (memcmp(&now, &before, sizeof now) != 0) glb_set(g, glb_extension(g, glb_shown_scene(g), NAME), key, glb_floats(&now.x, 3));
 }
 
 static json_t *probes_of(struct glb *g, const fnl_scene *scene) {
@@ -100,9 +92,9 @@ static void save_probes(struct glb *g) {
     json_t *now = probes_of(g, g->scene), *before = probes_of(g, g->file);
     if (!json_equal(now, before)) {
         if (json_array_size(now) > 0)
-            glb_set(g, glb_extension(g, shown_scene(g), NAME), "probes", json_incref(now));
+            glb_set(g, glb_extension(g, glb_shown_scene(g), NAME), "probes", json_incref(now));
         else
-            json_object_del(json_object_get(json_object_get(shown_scene(g), "extensions"), NAME), "probes");
+            json_object_del(json_object_get(json_object_get(glb_shown_scene(g), "extensions"), NAME), "probes");
     }
     json_decref(now);
     json_decref(before);

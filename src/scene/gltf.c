@@ -54,7 +54,9 @@ static void parse_json(struct gltf *g, const char *text, size_t size) {
         }
         host_free(g->host, patched, size);
     }
-    if (!g->root) {
+    if (!g->root && json_error_code(&error) == json_error_out_of_memory) {
+        gltf_fail_memory(g);
+    } else if (!g->root) {
         report_syntax(g, &error);
     } else if (!json_is_object(g->root)) {
         gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is not a JSON object");
@@ -113,6 +115,10 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
         offset += chunk_size;
     }
     if (!*json) gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "the GLB has no chunks");
+    uint32_t zeros = 0;
+    for (; *json && zeros < 3 && zeros + 1 < *json_size && (*json)[*json_size - 1 - zeros] == 0;) zeros++;
+    if (zeros) gltf_warn(g, &g->top, "the JSON chunk of the GLB is padded with zeros instead of spaces; they are skipped");
+    *json_size -= zeros;
     return *json != NULL;
 }
 
@@ -120,7 +126,8 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
 
 static bool parse_version(const char *text, int *major, int *minor) {
     int used = 0;
-    return text && sscanf(text, "%d.%d%n", major, minor, &used) == 2 && text[used] == 0;
+    if (!text || text[strspn(text, "0123456789.")]) return false; /* %d takes blanks and signs too */
+    return sscanf(text, "%9d.%9d%n", major, minor, &used) == 2 && text[used] == 0;
 }
 
 static void check_asset(struct gltf *g) {
@@ -204,9 +211,13 @@ static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t
     size_t json_size = size;
     g.is_glb = size >= 4 && read_u32(bytes) == GLB_MAGIC;
     if (!g.is_glb || parse_glb(&g, bytes, size, &json, &json_size)) parse_json(&g, json ? json : "", json_size);
+    /* As the file says it: loading rewrites primitives that are compressed. */
+    json_t *document = g.result == FNL_OK && out_root ? json_deep_copy(g.root) : NULL;
+    if (g.result == FNL_OK && out_root && !document) gltf_fail_memory(&g);
     if (g.result == FNL_OK) load_parts(&g);
     if (g.result == FNL_OK) keep_document(&g, bytes, size);
-    if (g.result == FNL_OK && out_root) *out_root = json_incref(g.root);
+    if (g.result == FNL_OK && out_root) *out_root = json_incref(document);
+    json_decref(document);
     json_decref(g.root);
     array_free(g.host, &g.vertex_map);
     array_free(g.host, &g.primitive_joints);
@@ -244,7 +255,8 @@ fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size
     *out = NULL;
     TRY(scene_create(host, name, &scene));
     /* Images point into the bytes for as long as the scene lives, so it keeps a copy. */
-    const unsigned char *copy = arena_copy(&scene->arena, bytes, size);
+    unsigned char *copy = scene_keep_bytes(scene, size);
+    if (copy && size) memcpy(copy, bytes, size);
     fnl_result result = copy ? load_into(scene, copy, size, NULL, params, NULL) : FNL_ERROR_MEMORY;
     if (result != FNL_OK) {
         fnl_scene_destroy(&scene);

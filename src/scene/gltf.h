@@ -241,6 +241,8 @@ uint32_t gltf_index_value(struct gltf *g, json_t *value, const struct at *at, ui
 /** A finite number; outside low..high it is clamped with a warning. False: absent or no number; `out` is unchanged. */
 bool gltf_float(struct gltf *g, json_t *object, const struct at *at, const char *key, bool required, float low, float high,
                 float *out);
+/** A unit quaternion; others are normalized with a warning. False: absent or no quaternion. */
+bool gltf_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, quat *out);
 /** Exactly `count` such numbers. */
 bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char *key, uint32_t count, float low, float high,
                  float *out);
@@ -264,7 +266,8 @@ void gltf_load_buffers(struct gltf *g); /* buffers and bufferViews (gltf_buffer.
  */
 bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool needed, const unsigned char **data,
                    uint64_t *size);
-/** The media type of a data URI, such as "image/png"; false when there is none, or it is longer than `capacity` - 1. */
+bool gltf_is_data_uri(const char *uri);
+/** The media type of a data URI, such as "image/png", in lower case; false when there is none, or it is longer than `capacity` - 1. */
 bool gltf_uri_media_type(const char *uri, char *out, size_t capacity);
 /** Decodes KHR_ or EXT_meshopt_compression of a bufferView (gltf_meshopt.c). False (warned) when it is broken. */
 bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at, struct gltf_view *view);

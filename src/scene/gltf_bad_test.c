@@ -127,6 +127,30 @@ static void test_broken_vertices(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A tangent without a length counts as absent: all of the primitive are made by its coordinates. */
+static void test_tangents_of_length_0(void **state) {
+    UNUSED(state);
+    static struct {
+        float positions[9], normals[9], tangents[12], uv[6];
+    } v = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 1, 0, 0, 1}, {0}, {0, 0, 0, -1, 1, 0}};
+    static const char json[] =
+        "{" ASSET ",\"buffers\":[{\"byteLength\":144}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36},"
+        "{\"buffer\":0,\"byteOffset\":72,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":120,\"byteLength\":24}],\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
+        "{\"bufferView\":2,\"componentType\":5126,\"type\":\"VEC4\",\"count\":3},{\"bufferView\":3,\"componentType\":5126,\"type\":\"VEC2\",\"count\":3}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":3}}]}]}";
+    for (uint32_t i = 0; i < 3; i++) v.tangents[4 * i] = v.tangents[4 * i + 3] = 1;
+    fnl_scene *scene = load_with_message(json, &v, sizeof v, "");
+    assert_int_equal(file_log.count, 0);
+    assert_true(scene->primitives.data[0].tangents[0].x == 1); /* as they are given */
+    fnl_scene_destroy(&scene);
+    v.tangents[4] = 0;
+    scene = load_with_message(json, &v, sizeof v, "/meshes/0/primitives/0/attributes/TANGENT: 1 tangents are of length 0; tangents are made anew");
+    assert_int_equal(file_log.count, 1);
+    for (uint32_t i = 0; i < 3; i++) assert_true(scene->primitives.data[0].tangents[i].y > 0.999f); /* u grows along y */
+    fnl_scene_destroy(&scene);
+}
+
 /** Ten thousand primitives of a small file that share one accessor must not become gigabytes. */
 static void test_sharing_does_not_multiply(void **state) {
     UNUSED(state);
@@ -529,11 +553,90 @@ static void test_media_types_are_compared(void **state) {
     }
 }
 
+/* Whatever way RFC 2397 writes them, the same four bytes; what is no data URI is refused. */
+static void test_data_uris(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *uri;
+        uint32_t lines;
+    } same[] = {
+        {"data:application/octet-stream;base64,AQL/%2Bg==", 0}, {"DATA:Application/Octet-Stream;BASE64,AQL%2f%2bg%3d%3D", 0},
+        {"data:application/octet-stream;a=b;base64,AQL/%2Bg", 0}, {"data:application/octet-stream,%01%02%ff%FA", 0},
+        {"dAtA:application/gltf-buffer;x=y,%01%02%ff%FA", 0},     {"data:,%01%02%ff%FA", 1}, /* its type is text */
+        {"data:;base64,AQL/-g", 1},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(same); i++) {
+        char json[512];
+        fnl_scene *scene = NULL;
+        snprintf(json, sizeof json, "{" ASSET ",\"buffers\":[{\"byteLength\":4,\"uri\":\"%s\"}]}", same[i].uri);
+        if (test_load(&file_log, json, NULL, 0, &scene) != FNL_OK) fail_msg("%s: %s", same[i].uri, file_log.text);
+        assert_int_equal(file_log.count, same[i].lines);
+        assert_memory_equal(scene->document.buffers[0].data, "\x01\x02\xff\xfa", 4);
+        fnl_scene_destroy(&scene);
+    }
+    static const char *const pictures[] = {"data:image/png;base64,", "data:IMAGE/PNG;base64,"};
+    for (uint32_t i = 0; i < COUNT_OF(pictures); i++) {
+        char json[1024];
+        snprintf(json, sizeof json, "{" ASSET ",\"images\":[{\"uri\":\"%s" TEST_PNG_BASE64 "\"}]}", pictures[i]);
+        expect_lines(json, NULL, 0, 0, (const char *const[]){NULL, NULL});
+    }
+}
+
+/* 4.4.3.2 asks for spaces; files of some programs have zeros. More than padding is no JSON. */
+static void test_json_padded_with_zeros(void **state) {
+    UNUSED(state);
+    size_t size;
+    unsigned char *glb = test_glb("{" ASSET ",\"nodes\":[{}]}   ", NULL, 0, &size); /* three characters of padding */
+    fnl_host host = test_host(&file_log);
+    for (size_t zeros = 1; zeros <= 4; zeros++) {
+        fnl_scene *scene = NULL;
+        glb[size - zeros] = zeros < 4 ? 0 : glb[size - zeros];
+        if (zeros == 4) memset(glb + size - 8, 0, 8);
+        host = test_host(&file_log);
+        assert_int_equal(gltf_load_memory(&host, glb, size, "test.glb", NULL, &scene), zeros < 4 ? FNL_OK : FNL_ERROR_FORMAT);
+        if (zeros < 4) assert_non_null(strstr(file_log.text, "test.glb: /: the JSON chunk of the GLB is padded with zeros"));
+        if (zeros < 4) assert_int_equal(scene->nodes.count, 1);
+        fnl_scene_destroy(&scene);
+    }
+    free(glb);
+}
+
+/* A buffer without 'uri' is a placeholder, and no fault. */
+static void test_placeholders_are_silent(void **state) {
+    UNUSED(state);
+    expect_lines("{" ASSET ",\"buffers\":[{\"byteLength\":4},{\"byteLength\":4}]}", "abc", 4, 0, (const char *const[]){NULL, NULL});
+    fnl_scene *scene = NULL;
+    fnl_host host = test_host(&file_log);
+    static const char text[] = "{" ASSET ",\"buffers\":[{\"byteLength\":4}]}";
+    assert_int_equal(gltf_load_memory(&host, text, strlen(text), "test.gltf", NULL, &scene), FNL_OK);
+    assert_int_equal(file_log.count, 0);
+    fnl_scene_destroy(&scene);
+}
+
+/* Rotations of any length turn as that of length 1. */
+static void test_rotations_are_normalized(void **state) {
+    UNUSED(state);
+    static const float lengths[] = {1, 2, 0.5f, 1e-25f, 1e25f};
+    for (uint32_t i = 0; i < COUNT_OF(lengths); i++) {
+        char json[512];
+        snprintf(json, sizeof json, "{" ASSET ",\"nodes\":[{\"rotation\":[0,%.9g,0,%.9g]}]}", (double)(0.6f * lengths[i]), (double)(0.8f * lengths[i]));
+        fnl_scene *scene = load_with_message(json, NULL, 0, i ? "/nodes/0/rotation: is not of unit length; it is normalized" : "");
+        assert_int_equal(file_log.count, i > 0);
+        assert_float_equal(scene->nodes.data[0].rotation.y, 0.6f, 1e-6f);
+        assert_float_equal(scene->nodes.data[0].rotation.w, 0.8f, 1e-6f);
+        fnl_scene_destroy(&scene);
+    }
+    fnl_scene *scene = load_with_message("{" ASSET ",\"nodes\":[{\"rotation\":[0,0,0,0]}]}", NULL, 0, "/nodes/0/rotation: is not of unit length; it is ignored");
+    assert_true(scene->nodes.data[0].rotation.w == 1);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_broken_files_are_refused),
         cmocka_unit_test(test_truncated_samples),
         cmocka_unit_test(test_broken_vertices),
+        cmocka_unit_test(test_tangents_of_length_0),
         cmocka_unit_test(test_sharing_does_not_multiply),
         cmocka_unit_test(test_node_graphs),
         cmocka_unit_test(test_deep_chain),
@@ -547,6 +650,10 @@ int main(void) {
         cmocka_unit_test(test_inverse_bind_matrices_are_affine),
         cmocka_unit_test(test_duplicate_channel_targets),
         cmocka_unit_test(test_media_types_are_compared),
+        cmocka_unit_test(test_data_uris),
+        cmocka_unit_test(test_json_padded_with_zeros),
+        cmocka_unit_test(test_placeholders_are_silent),
+        cmocka_unit_test(test_rotations_are_normalized),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

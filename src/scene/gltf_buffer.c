@@ -13,7 +13,7 @@ static bool buffer_is_fallback(json_t *object) {
 /** 3.6.1.1: a data URI of a buffer has one of two media types. */
 static void check_media_type(struct gltf *g, const struct at *at, const char *uri) {
     char type[64];
-    if (strncmp(uri, "data:", 5) != 0) return;
+    if (!gltf_is_data_uri(uri)) return;
     bool good = gltf_uri_media_type(uri, type, sizeof type) &&
                 (strcmp(type, "application/octet-stream") == 0 || strcmp(type, "application/gltf-buffer") == 0);
     if (!good)
@@ -45,8 +45,7 @@ static void load_buffer(struct gltf *g, json_t *object, const struct at *at, uin
             return;
         }
     } else {
-        gltf_warn(g, at, "has no 'uri', so there is nothing to read");
-        return;
+        return; /* a placeholder: whatever reads from it is refused */
     }
     if (!is_read_already(g, index)) {
         g->budget += 64 * available;

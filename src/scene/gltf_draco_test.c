@@ -4,6 +4,7 @@
 #include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -197,6 +198,33 @@ static void test_draco_strip_no_indices_shared_MA_9(void **state) {
     }
 }
 
+/* What is saved stays compressed: its accessors are those of the file. */
+static void test_draco_is_saved(void **state) {
+    UNUSED(state);
+    static const char *const files[] = {
+        HEAD ACCESSORS MESH(WHOLE "," WHOLE) ",\"nodes\":[{\"mesh\":0}]}",
+        HEAD ACCESSORS MESH("{\"mode\":5,\"indices\":9," ATTRIBUTES "," PACKED(IDS) "}") ",\"nodes\":[{\"mesh\":0}]}",
+    };
+    size_t size = encode((struct draco_encode_mesh){.face_count = FACES});
+    char path[] = "/tmp/fanal-draco-XXXXXX.glb";
+    const int file = mkstemps(path, 4);
+    assert_true(file >= 0);
+    close(file);
+    for (uint32_t i = 0; i < COUNT_OF(files); i++) {
+        fnl_scene *scene = load(files[i], size), *again = NULL;
+        assert_int_equal(fnl_scene_set_ambient(scene, vec3_make(1, 1, 1), vec3_make(1, 1, 1)), FNL_OK);
+        assert_int_equal(fnl_scene_save(scene, path, NULL), FNL_OK);
+        fnl_host host = test_host(&file_log);
+        assert_int_equal(fnl_scene_load(&host, path, NULL, &again), FNL_OK);
+        expect_no_words();
+        assert_int_equal(again->primitives.count, scene->primitives.count);
+        for (uint32_t k = 0; k < again->primitives.count; k++) expect_sheet(&again->primitives.data[k], 0);
+        fnl_scene_destroy(&scene);
+        fnl_scene_destroy(&again);
+    }
+    unlink(path);
+}
+
 /* Where plain data stands beside the compressed, it is used if the other is broken. */
 static void test_draco_fallback_MA_9(void **state) {
     UNUSED(state);
@@ -299,6 +327,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_draco_every_attribute_MA_9),       cmocka_unit_test(test_draco_joints_and_targets_MA_9),
         cmocka_unit_test(test_draco_strip_no_indices_shared_MA_9), cmocka_unit_test(test_draco_fallback_MA_9),
+        cmocka_unit_test(test_draco_is_saved),
         cmocka_unit_test(test_draco_disagreement_MA_9),          cmocka_unit_test(test_draco_broken_MA_9),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -143,14 +143,11 @@ static void surround(struct gltf *g, const struct at *at, const struct cube *cub
 
 static void load_light(struct gltf *g, json_t *light, const struct at *at, uint32_t index) {
     const struct scene_image *faces[FACES];
-    float rotation[4] = {0, 0, 0, 1}, intensity = 1;
+    quat turn = quat_identity();
+    float intensity = 1;
     check_coefficients(g, light, at);
-    gltf_floats(g, light, at, "rotation", 4, -1, 1, rotation);
+    gltf_rotation(g, light, at, "rotation", &turn);
     gltf_float(g, light, at, "intensity", false, 0, 1e6f, &intensity);
-    quat turn = {rotation[0], rotation[1], rotation[2], rotation[3]};
-    const float square = turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w;
-    if (fabsf(sqrtf(square) - 1) > 5e-3f) gltf_warn(g, AT_KEY(at, "rotation"), "is not of unit length; it is normalised");
-    turn = quat_normalize(turn);
     if (!find_faces(g, light, at, faces)) return;
     struct cube cube = {.side = faces[0]->width};
     if (!gltf_take_memory(g, at, cube_bytes(&cube))) return;

@@ -32,21 +32,13 @@ void gltf_pointer(const struct at *at, char *out, size_t capacity) {
     memmove(out, out + start, capacity - start);
 }
 
-/** Text quoted from the file must not reach a terminal's control functions. */
-static void clean(char *text) {
-    for (; *text; text++)
-        if ((unsigned char)*text < 0x20 || (unsigned char)*text == 0x7f) *text = '?';
-}
-
 struct message {
     char pointer[256], text[512];
 };
 
 static void compose(struct message *out, const struct at *at, const char *format, va_list arguments) {
     gltf_pointer(at, out->pointer, sizeof out->pointer);
-    vsnprintf(out->text, sizeof out->text, format, arguments);
-    clean(out->pointer);
-    clean(out->text);
+    text_format_list(out->text, sizeof out->text, format, arguments);
 }
 
 void gltf_warn(struct gltf *g, const struct at *at, const char *format, ...) {
@@ -69,14 +61,16 @@ void gltf_fail(struct gltf *g, fnl_result result, const struct at *at, const cha
 }
 
 void gltf_fail_memory(struct gltf *g) {
-    if (g->result == FNL_OK) g->result = FNL_ERROR_MEMORY;
+    if (g->result != FNL_OK) return;
+    log_error(g->host, "%s: memory ran out; the file is not loaded", g->name);
+    g->result = FNL_ERROR_MEMORY;
 }
 
 void gltf_refuse(struct gltf *g, fnl_result result, const struct at *at, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     if (g->params.lenient)
         gltf_warn(g, at, "%s; it is ignored", text);
@@ -308,6 +302,16 @@ bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char
         good &= float_value(g, json_array_get(array, i), AT_INDEX(here, i), low, high, &values[i]);
     if (good) memcpy(out, values, sizeof *values * count);
     return good;
+}
+
+bool gltf_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, quat *out) {
+    float v[4];
+    if (!gltf_floats(g, object, at, key, 4, -FLT_MAX, FLT_MAX, v)) return false;
+    double square = 0;
+    for (int i = 0; i < 4; i++) square += (double)v[i] * (double)v[i];
+    if (fabs(sqrt(square) - 1) > 5e-3) gltf_warn(g, AT_KEY(at, key), "is not of unit length; it is %s", square > 0 ? "normalized" : "ignored");
+    if (square > 0) *out = quat_normalize((quat){v[0], v[1], v[2], v[3]});
+    return square > 0;
 }
 
 json_t *gltf_extension(json_t *object, const struct at *at, const char *name, struct gltf_extension_place *place) {

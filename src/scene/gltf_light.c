@@ -35,8 +35,8 @@ static bool load_orthographic(struct gltf *g, json_t *object, const struct at *a
     }
     camera->vertical_extent = 2 * fabsf(height);
     camera->far_distance = far;
-    camera->near_distance = near > 0 ? near : far * 1e-6f; /* the projection needs a near distance above 0 */
-    return camera->near_distance > 0 && camera->far_distance > camera->near_distance;
+    camera->near_distance = near;
+    return true;
 }
 
 static void load_camera(struct gltf *g, json_t *object, const struct at *at, struct gltf_camera *out) {

@@ -225,6 +225,10 @@ static void load_material(struct gltf *g, json_t *object, const struct at *at, s
     material->casts_shadows = loads_shadows(g, object, at);
     load_material_extensions(g, object, at, material);
     load_layers(g, object, at, material);
+    const struct scene_texture *tangents = scene_tangent_texture(material);
+    const float *t = tangents ? tangents->transform : NULL;
+    if (t && (double)t[0] * (double)t[4] != (double)t[1] * (double)t[3])
+        memcpy(material->tangent_frame, (float[4]){t[0], t[1], t[3], t[4]}, sizeof material->tangent_frame);
 }
 
 void gltf_load_materials(struct gltf *g) {

@@ -15,45 +15,35 @@ static void warn_unread_uv(struct gltf *g, const struct at *at, const struct sce
             gltf_warn(g, at, "the textures of material %u want TEXCOORD_%u, which the primitive lacks; 0, 0 is used", index, set);
 }
 
-/* Which coordinates of a primitive a material's normal texture reads; SCENE_NONE: none. */
-static uint32_t normal_uv_set(const struct gltf *g, const struct scene_primitive *primitive, uint32_t material) {
-    if (material == SCENE_NONE) return SCENE_NONE;
-    const struct scene_texture *normal = &g->scene->materials.data[material].textures[SCENE_TEXTURE_NORMAL];
-    return normal->image != SCENE_NONE && primitive->uv[normal->uv_set] ? normal->uv_set : SCENE_NONE;
+/* The texture of a material whose coordinates tangents follow, if the primitive has those; NULL: none. */
+static const struct scene_texture *tangent_texture(const struct gltf *g, const struct scene_primitive *primitive, uint32_t material) {
+    const struct scene_texture *texture = material == SCENE_NONE ? NULL : scene_tangent_texture(&g->scene->materials.data[material]);
+    return texture && primitive->uv[texture->uv_set] ? texture : NULL;
 }
 
-/* The primitive's own material decides what tangents are made for, and where it has no normal texture, the first variant with one. */
-static uint32_t tangent_uv_set(const struct gltf *g, const struct scene_primitive *primitive) {
-    uint32_t set = normal_uv_set(g, primitive, primitive->material);
-    for (uint32_t i = 0; i < primitive->mapping_count && set == SCENE_NONE; i++) set = normal_uv_set(g, primitive, primitive->mappings[i].material);
-    return set == SCENE_NONE ? 0 : set;
+/* The primitive's own material decides what tangents are made for, and where it has no such texture, the first variant with one. */
+static uint32_t tangent_material(const struct gltf *g, const struct scene_primitive *primitive) {
+    if (tangent_texture(g, primitive, primitive->material)) return primitive->material;
+    for (uint32_t i = 0; i < primitive->mapping_count; i++)
+        if (tangent_texture(g, primitive, primitive->mappings[i].material)) return primitive->mappings[i].material;
+    return SCENE_NONE;
 }
 
-/* Tangents follow the coordinates of the normal texture (glTF 2.0, 3.7.2.1): mesh_complete takes the first set, so it is shown them there. */
-static fnl_result complete_by_normal_texture(struct gltf *g, struct scene_primitive *primitive) {
-    const bool second = tangent_uv_set(g, primitive) == 1;
-    const vec2 *first_set = primitive->uv[0];
-    if (second) {
-        primitive->uv[0] = primitive->uv[1];
-        primitive->uv[1] = first_set;
-    }
-    fnl_result result = mesh_complete(&g->scene->arena, primitive);
-    if (second) {
-        const vec2 *completed = primitive->uv[0];
-        primitive->uv[0] = primitive->uv[1];
-        primitive->uv[1] = completed;
-    }
-    return result;
+/* Tangents follow the coordinates of the normal texture (glTF 2.0, 3.7.2.1), as KHR_texture_transform makes them. */
+static fnl_result complete_by_texture(struct gltf *g, struct scene_primitive *primitive) {
+    const uint32_t material = tangent_material(g, primitive);
+    const struct scene_texture *texture = tangent_texture(g, primitive, material);
+    return mesh_complete_by(&g->scene->arena, primitive, texture ? texture->uv_set : 0, texture ? g->scene->materials.data[material].tangent_frame : NULL);
 }
 
 /** Counts the most that it may need beforehand, and gives back what it did not keep. */
 static bool complete(struct gltf *g, const struct at *at, struct scene_primitive *primitive) {
-    uint64_t most = mesh_complete_bytes(primitive), vertex_bytes = mesh_vertex_bytes(primitive), kept = 0;
+    uint64_t most = mesh_complete_bytes(primitive), vertex_bytes = mesh_vertex_bytes(primitive), kept = mesh_made_target_bytes(primitive);
     const vec4 *given = primitive->tangents;
     bool flat = primitive->topology == SCENE_TOPOLOGY_TRIANGLES && !primitive->normals;
     uint64_t corners = primitive->index_count, vertices = flat ? corners : primitive->vertex_count;
     if (!gltf_spend(g, at, most)) return false;
-    fnl_result result = complete_by_normal_texture(g, primitive);
+    fnl_result result = complete_by_texture(g, primitive);
     if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
     if (flat) kept += corners * (vertex_bytes + sizeof(vec3) + sizeof(uint32_t));
     if (primitive->tangents && primitive->tangents != given) {
@@ -73,9 +63,14 @@ static void check_variants(struct gltf *g, const struct at *at, const struct sce
         const uint32_t material = primitive->mappings[i].material;
         if (i > 0 && material == primitive->mappings[i - 1].material) continue; /* said already */
         warn_unread_uv(g, here, primitive, material);
-        const uint32_t set = normal_uv_set(g, primitive, material), made = tangent_uv_set(g, primitive);
-        if (!tangents_given && set != SCENE_NONE && set != made)
-            gltf_warn(g, here, "the normal texture of material %u wants tangents by TEXCOORD_%u; those by TEXCOORD_%u are used", material, set, made);
+        const uint32_t own = tangent_material(g, primitive);
+        const struct scene_texture *texture = tangent_texture(g, primitive, material), *made = tangent_texture(g, primitive, own);
+        if (tangents_given || !texture || texture == made) continue;
+        const struct scene_material *materials = g->scene->materials.data;
+        if (texture->uv_set != made->uv_set)
+            gltf_warn(g, here, "the normal texture of material %u wants tangents by TEXCOORD_%u; those by TEXCOORD_%u are used", material, texture->uv_set, made->uv_set);
+        else if (memcmp(materials[material].tangent_frame, materials[own].tangent_frame, sizeof materials->tangent_frame) != 0)
+            gltf_warn(g, here, "the normal texture of material %u is transformed in another way than that of material %u, whose tangents are used", material, own);
     }
 }
 

@@ -22,13 +22,7 @@ static void load_transform(struct gltf *g, json_t *object, const struct at *at, 
         node->translation = vec3_make(values[0], values[1], values[2]);
     if (gltf_floats(g, object, at, "scale", 3, -FLT_MAX, FLT_MAX, values))
         node->scale = vec3_make(values[0], values[1], values[2]);
-    if (gltf_floats(g, object, at, "rotation", 4, -1, 1, values)) {
-        quat rotation = {values[0], values[1], values[2], values[3]};
-        float square = rotation.x * rotation.x + rotation.y * rotation.y + rotation.z * rotation.z + rotation.w * rotation.w;
-        if (fabsf(sqrtf(square) - 1) > 5e-3f)
-            gltf_warn(g, AT_KEY(at, "rotation"), "is not of unit length; it is normalised");
-        node->rotation = quat_normalize(rotation);
-    }
+    gltf_rotation(g, object, at, "rotation", &node->rotation);
     if (!gltf_floats(g, object, at, "matrix", 16, -FLT_MAX, FLT_MAX, values)) return;
     const struct at *here = AT_KEY(at, "matrix");
     if (json_object_get(object, "translation") || json_object_get(object, "rotation") || json_object_get(object, "scale"))

@@ -32,6 +32,7 @@ static void load_panorama(struct gltf *g, json_t *object, const struct at *at, f
 
 static void load_environment(struct gltf *g, json_t *object, const struct at *at) {
     fnl_environment_params params = fnl_environment_params_default();
+    params.max_memory = g->memory_left;
     gltf_float(g, object, at, "rotation", false, -FLT_MAX, FLT_MAX, &params.rotation);
     gltf_float(g, object, at, "intensity", false, 0, 1e6f, &params.intensity);
     params.background = gltf_bool(g, object, at, "visible", true);
@@ -56,7 +57,7 @@ static void load_probe(struct gltf *g, json_t *object, const struct at *at) {
     fnl_probe_id id;
     gltf_floats(g, object, at, "centre", 3, -FLT_MAX, FLT_MAX, &p.centre.x);
     gltf_floats(g, object, at, "halfSize", 3, FLT_MIN, FLT_MAX, &p.half_size.x);
-    gltf_floats(g, object, at, "rotation", 4, -1, 1, &p.rotation.x);
+    gltf_rotation(g, object, at, "rotation", &p.rotation);
     gltf_floats(g, object, at, "capture", 3, -FLT_MAX, FLT_MAX, &p.capture.x);
     gltf_float(g, object, at, "wall", false, FLT_MIN, FLT_MAX, &p.wall);
     gltf_uint(g, object, at, "faceSize", false, 8, 2048, &face_size);

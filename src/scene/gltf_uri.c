@@ -14,7 +14,7 @@ static void complain(struct gltf *g, const struct at *at, bool needed, fnl_resul
     char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    text_format_list(text, sizeof text, format, arguments);
     va_end(arguments);
     if (needed)
         gltf_refuse(g, result, at, "%s", text);
@@ -23,6 +23,13 @@ static void complain(struct gltf *g, const struct at *at, bool needed, fnl_resul
 }
 
 /* ---- data URIs ---- */
+
+static int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
 
 static int base64_digit(unsigned char c) {
     if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -33,26 +40,57 @@ static int base64_digit(unsigned char c) {
     return -1;
 }
 
-static bool read_base64(struct gltf *g, const struct at *at, const char *text, bool needed, const unsigned char **data,
-                        uint64_t *size) {
-    size_t length = strlen(text);
-    while (length > 0 && text[length - 1] == '=') length--;
-    if (!gltf_take_memory(g, at, length / 4 * 3 + 3)) return false;
-    unsigned char *bytes = arena_allocate(&g->scene->arena, length / 4 * 3 + 3);
+/** The next octet of escaped text (RFC 3986, 2.1); -1: a '%' without two digits. */
+static int next_octet(const char **text) {
+    const char *c = *text;
+    if (*c != '%') {
+        *text = c + 1;
+        return (unsigned char)*c;
+    }
+    const int high = hex_digit(c[1]), low = high >= 0 ? hex_digit(c[2]) : -1;
+    *text = c + 3;
+    return low >= 0 ? high * 16 + low : -1;
+}
+
+bool gltf_is_data_uri(const char *uri) { return strncasecmp(uri, "data:", 5) == 0; }
+
+/** data:[<mediatype>][;base64],<data> (RFC 2397) */
+static bool read_data(struct gltf *g, const struct at *at, const char *uri, bool needed, const unsigned char **data, uint64_t *size) {
+    const char *comma = strchr(uri, ',');
+    if (!comma) {
+        complain(g, at, needed, FNL_ERROR_FORMAT, "is a data URI without a comma before its data");
+        return false;
+    }
+    const bool base64 = comma - uri >= 5 + 7 && strncasecmp(comma - 7, ";base64", 7) == 0;
+    size_t count = 0, length = 0;
+    for (const char *c = comma + 1; *c;) {
+        const int octet = next_octet(&c);
+        if (octet < 0) {
+            complain(g, at, needed, FNL_ERROR_FORMAT, "has a '%%' without two hexadecimal digits at octet %zu of its data", count);
+            return false;
+        }
+        count++;
+        if (!base64 || octet != '=') length = count; /* base64 ends before its padding */
+    }
+    const size_t most = base64 ? length / 4 * 3 + 3 : MAX(length, 1);
+    if (!gltf_take_memory(g, at, most)) return false;
+    unsigned char *bytes = scene_keep_bytes(g->scene, most);
     if (!bytes) {
         gltf_fail_memory(g);
         return false;
     }
     uint32_t bits = 0, bit_count = 0;
     size_t used = 0;
+    const char *c = comma + 1;
     for (size_t i = 0; i < length; i++) {
-        int digit = base64_digit((unsigned char)text[i]);
+        const int octet = next_octet(&c), digit = base64 ? base64_digit((unsigned char)octet) : 0;
         if (digit < 0) {
             complain(g, at, needed, FNL_ERROR_FORMAT, "is not base64 at character %zu of its data", i);
             return false;
         }
+        if (!base64) bytes[used++] = (unsigned char)octet;
         bits = bits << 6 | (uint32_t)digit;
-        bit_count += 6;
+        bit_count += base64 ? 6 : 0;
         if (bit_count >= 8) {
             bit_count -= 8;
             bytes[used++] = (unsigned char)(bits >> bit_count);
@@ -64,35 +102,52 @@ static bool read_base64(struct gltf *g, const struct at *at, const char *text, b
 }
 
 bool gltf_uri_media_type(const char *uri, char *out, size_t capacity) {
-    if (strncmp(uri, "data:", 5) != 0) return false;
+    if (!gltf_is_data_uri(uri)) return false;
     size_t length = strcspn(uri + 5, ";,");
     if (length == 0 || length >= capacity) return false;
-    memcpy(out, uri + 5, length);
+    for (size_t i = 0; i < length; i++) {
+        const char c = uri[5 + i];
+        out[i] = (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    }
     out[length] = 0;
     return true;
 }
 
 /* ---- files ---- */
 
-static int hex_digit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return -1;
-}
-
 /** Decodes %XX. False: the result does not fit, or has a zero byte. */
 static bool decode_percent(const char *uri, char *out, size_t capacity) {
     size_t length = 0;
-    for (const char *c = uri; *c; c++) {
-        int high = *c == '%' ? hex_digit(c[1]) : -1, low = high >= 0 ? hex_digit(c[2]) : -1;
-        char decoded = low >= 0 ? (char)(high * 16 + low) : *c;
-        if (length + 1 >= capacity || !decoded) return false;
-        out[length++] = decoded;
-        if (low >= 0) c += 2;
+    while (*uri) {
+        const char *next = uri;
+        int octet = next_octet(&next);
+        if (octet < 0) { /* the name of a file may have a '%' */
+            octet = '%';
+            next = uri + 1;
+        }
+        if (length + 1 >= capacity || !octet) return false;
+        out[length++] = (char)octet;
+        uri = next;
     }
     out[length] = 0;
     return length > 0;
+}
+
+/** RFC 3986, 5.2.4, of a relative path: "a/../b" is "b", whether there is an "a" or not. What leads out of the folder stays in front. */
+static void remove_dot_segments(char *path) {
+    char *out = path, *fixed = path; /* nothing before `fixed` can be taken back */
+    for (const char *in = path; *in;) {
+        const size_t length = strcspn(in, "/"), whole = length + (in[length] == '/');
+        if (length == 2 && in[0] == '.' && in[1] == '.' && out > fixed) {
+            for (out--; out > fixed && out[-1] != '/';) out--;
+        } else if (!(length == 1 && in[0] == '.') && !(length == 0 && out == path)) {
+            memmove(out, in, whole);
+            out += whole;
+            if (length == 2 && in[0] == '.' && in[1] == '.') fixed = out;
+        }
+        in += whole;
+    }
+    *out = 0;
 }
 
 /** Whether a URI begins with a scheme such as "http:". */
@@ -211,13 +266,7 @@ static bool resolve(struct gltf *g, const struct at *at, const char *uri, bool n
 
 bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool needed, const unsigned char **data,
                    uint64_t *size) {
-    if (strncmp(uri, "data:", 5) == 0) {
-        const char *comma = strchr(uri, ',');
-        if (comma && comma - uri >= 7 && strncmp(comma - 7, ";base64", 7) == 0)
-            return read_base64(g, at, comma + 1, needed, data, size);
-        complain(g, at, needed, FNL_ERROR_FORMAT, "is not a base64 data URI");
-        return false;
-    }
+    if (gltf_is_data_uri(uri)) return read_data(g, at, uri, needed, data, size);
     if (g->params.resolve) return resolve(g, at, uri, needed, data, size);
     char path[PATH_SIZE];
     if (!decode_percent(uri, path, sizeof path)) {
@@ -237,5 +286,6 @@ bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool ne
                     "'%.100s' is another file, but this glTF is loaded from memory without a resolver", uri);
         return false;
     }
+    remove_dot_segments(path);
     return read_file(g, at, uri, path, needed, data, size);
 }

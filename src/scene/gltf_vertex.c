@@ -19,16 +19,16 @@ static void replace_broken(struct gltf *g, const struct at *at, float *values, u
                   broken == 1 ? " is" : "s are", first, (double)replacement);
 }
 
-/** Makes the first three components of each element a unit vector. */
-static void make_unit(struct gltf *g, const struct at *at, float *values, uint32_t count, uint32_t width) {
+/** Makes the first three components of each element a unit vector; those of length 0 become `otherwise`. */
+static void make_unit(struct gltf *g, const struct at *at, float *values, uint32_t count, uint32_t width, vec3 otherwise) {
     uint32_t wrong = 0, first = 0;
     for (uint32_t i = 0; i < count; i++) {
         float *v = values + (size_t)i * width;
         float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
         if (fabsf(length - 1) < 1e-6f) continue;
-        if (fabsf(length - 1) > 0.03f && wrong++ == 0) first = i; /* 8-bit normals are off by up to 0.014 */
-        vec3 unit =
-            length > 0 && isfinite(length) ? vec3_make(v[0] / length, v[1] / length, v[2] / length) : vec3_make(0, 1, 0);
+        if (fabsf(length - 1) > 0.03f && (length > 0 || width == 3) && wrong++ == 0) first = i; /* 8-bit normals are off by up to 0.014 */
+        vec3 unit = vec3_normalize(vec3_make(v[0], v[1], v[2]));
+        if (!(vec3_dot(unit, unit) > 0.5f)) unit = otherwise;
         memcpy(v, &unit, sizeof unit);
     }
     if (wrong)
@@ -70,11 +70,11 @@ static void check_values(struct gltf *g, const struct at *at, enum gltf_use use,
         break;
     case GLTF_USE_NORMAL:
         replace_broken(g, at, values, count, 3, 0);
-        make_unit(g, at, values, count, 3);
+        make_unit(g, at, values, count, 3, vec3_make(0, 1, 0));
         break;
     case GLTF_USE_TANGENT:
         replace_broken(g, at, values, count, 4, 0);
-        make_unit(g, at, values, count, 4);
+        make_unit(g, at, values, count, 4, vec3_make(0, 0, 0));
         check_handedness(g, at, values, count);
         break;
     case GLTF_USE_COLOR:
@@ -145,6 +145,15 @@ static void load_targets(struct gltf *g, json_t *primitive, const struct at *at,
     out->morph_target_count = targets ? count : 0;
 }
 
+/** One of length 0 has no direction: all of the primitive count as absent, and are made as if there were none. */
+static const vec4 *load_tangents(struct gltf *g, uint32_t index, const struct at *at, const struct gltf_selection *selection) {
+    const vec4 *tangents = load(g, index, GLTF_USE_TANGENT, at, selection);
+    uint32_t missing = 0;
+    for (uint32_t i = 0; tangents && i < selection->count; i++) missing += tangents[i].x == 0 && tangents[i].y == 0 && tangents[i].z == 0;
+    if (missing) gltf_warn(g, at, "%u tangents are of length 0; tangents are made anew", missing);
+    return missing ? NULL : tangents;
+}
+
 bool gltf_load_vertices(struct gltf *g, json_t *primitive, const struct at *at, const struct gltf_attributes *attributes,
                         const struct gltf_selection *selection, struct scene_primitive *out) {
     const struct at *here = AT_KEY(at, "attributes");
@@ -153,7 +162,7 @@ bool gltf_load_vertices(struct gltf *g, json_t *primitive, const struct at *at, 
     if (!out->positions) return false;
     out->normals = load(g, attributes->accessor[GLTF_NORMAL][0], GLTF_USE_NORMAL, AT_KEY(here, "NORMAL"), selection);
     if (out->normals)
-        out->tangents = load(g, attributes->accessor[GLTF_TANGENT][0], GLTF_USE_TANGENT, AT_KEY(here, "TANGENT"), selection);
+        out->tangents = load_tangents(g, attributes->accessor[GLTF_TANGENT][0], AT_KEY(here, "TANGENT"), selection);
     out->uv[0] = load(g, attributes->accessor[GLTF_TEXCOORD][0], GLTF_USE_UV, AT_KEY(here, "TEXCOORD_0"), selection);
     out->uv[1] = load(g, attributes->accessor[GLTF_TEXCOORD][1], GLTF_USE_UV, AT_KEY(here, "TEXCOORD_1"), selection);
     out->colors = load(g, attributes->accessor[GLTF_COLOR][0], GLTF_USE_COLOR, AT_KEY(here, "COLOR_0"), selection);

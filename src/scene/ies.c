@@ -28,9 +28,9 @@ static double number(struct reader *r, const char *what) {
     char words[160];
     while (*r->at && (isspace((unsigned char)*r->at) || *r->at == ',')) r->line += *r->at++ == '\n';
     char *end;
-    const double value = *r->at ? strtod(r->at, &end) : 0;
+    const double value = *r->at ? number_read(r->at, &end) : 0;
     if (r->result != FNL_OK) return 0;
-    if (!*r->at || end == r->at || !isfinite(value) || (*end && !isspace((unsigned char)*end) && *end != ',')) {
+    if (!*r->at || end == r->at || !strchr("+-.0123456789", *r->at) || memchr(r->at, 'x', (size_t)(end - r->at)) || memchr(r->at, 'X', (size_t)(end - r->at)) || !isfinite(value) || (*end && !isspace((unsigned char)*end) && *end != ',')) {
         snprintf(words, sizeof words, *r->at ? "%s is no number" : "ends before %s", what);
         fail(r, words);
         return 0;
@@ -43,7 +43,7 @@ static uint32_t whole(struct reader *r, const char *what, uint32_t low, uint32_t
     char words[160];
     const double value = number(r, what);
     if (r->result == FNL_OK && value >= low && value <= high && value == floor(value)) return (uint32_t)value;
-    snprintf(words, sizeof words, "%s is %g, must be a whole number from %u to %u", what, value, low, high);
+    text_format(words, sizeof words, "%s is %g, must be a whole number from %u to %u", what, value, low, high);
     fail(r, words);
     return 0;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Photometric files: what they say in each direction, which of them are refused and how, and EXT_lights_ies. */
 #include "tests/gltf_test_file.h"
+#include "tests/test_memory.h"
 
 #include <setjmp.h>
 
@@ -252,9 +253,79 @@ static void test_lights_of_files_MA_11(void **state) {
     fnl_scene_destroy(&into);
 }
 
+static void count_error(void *user, fnl_log_level level, const char *line) {
+    struct test_memory *memory = user;
+    if (level != FNL_LOG_ERROR) return;
+    atomic_fetch_add(&memory->errors, 1);
+    snprintf(memory->last_error, sizeof memory->last_error, "%s", line);
+}
+
+/* Only the allocation at `fail_at` fails: those after it would be told, and hide that it was not. */
+static void *fail_once(void *user, void *old, size_t old_size, size_t new_size) {
+    struct test_memory *memory = user;
+    const long long fail_at = atomic_load(&memory->fail_at);
+    if (new_size && fail_at && atomic_load(&memory->allocations) + 1 == fail_at) {
+        atomic_fetch_add(&memory->allocations, 1);
+        return NULL;
+    }
+    atomic_store(&memory->fail_at, 0);
+    void *block = test_memory_reallocate(user, old, old_size, new_size);
+    atomic_store(&memory->fail_at, fail_at);
+    return block;
+}
+
+/* Adds a profile to a scene, or loads a file with profiles, whose reader keeps the lines of a profile to itself. */
+static fnl_result make(const fnl_host *host, bool file, fnl_scene *scene) {
+    fnl_light_profile_id id;
+    if (!file) return fnl_scene_add_light_profile(scene, "a name that takes some room.ies", lamp, sizeof lamp - 1, &id, NULL);
+    char json[3000];
+    size_t size;
+    fnl_scene *loaded = NULL;
+    snprintf(json, sizeof json, with_lamps, sizeof lamp - 1, sizeof lamp - 1);
+    unsigned char *glb = test_glb(json, lamp, sizeof lamp - 1, &size);
+    const fnl_result result = gltf_load_memory(host, glb, size, "lamps.glb", NULL, &loaded);
+    free(glb);
+    fnl_scene_destroy(&loaded);
+    return result;
+}
+
+/* Each allocation fails in turn: an error is told, and nothing is kept. */
+static void test_a_lack_of_memory_is_told(void **state) {
+    UNUSED(state);
+    for (int file = 0; file < 2; file++) {
+        struct test_memory memory = {0};
+        fnl_scene *scene;
+        fnl_host host = fnl_host_default();
+        host.user = &memory;
+        host.reallocate = fail_once;
+        host.log = count_error;
+        uint32_t failures = 0;
+        bool reached = true;
+        for (long long n = 1; reached; n++) {
+            assert_int_equal(fnl_scene_create(&host, &scene), FNL_OK);
+            const long long before = memory.allocations;
+            memory.errors = 0;
+            memory.fail_at = before + n;
+            const fnl_result result = make(&host, file, scene);
+            memory.fail_at = 0;
+            reached = memory.allocations - before >= n;
+            assert_true(result == FNL_OK || result == FNL_ERROR_MEMORY);
+            if (result == FNL_ERROR_MEMORY && memory.errors == 0) fail_msg("nothing is told of allocation %lld, which fails", n);
+            if (result == FNL_ERROR_MEMORY && !file && !strstr(memory.last_error, "room.ies: memory ran out")) fail_msg("the name is missing: %s", memory.last_error);
+            failures += result == FNL_ERROR_MEMORY;
+            fnl_scene_destroy(&scene);
+            assert_int_equal(memory.live_bytes, 0);
+        }
+        if (failures < (file ? 15u : 3u)) fail_msg("only %u allocations failed", failures);
+        assert_int_equal(memory.wrong_sizes, 0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_profile_MA_11),      cmocka_unit_test(test_horizontal_symmetries_MA_11),
+        cmocka_unit_test(test_round_profile_MA_11),
+        cmocka_unit_test(test_a_lack_of_memory_is_told),
+        cmocka_unit_test(test_horizontal_symmetries_MA_11),
         cmocka_unit_test(test_profile_directions_MA_11), cmocka_unit_test(test_odd_files_MA_11),
         cmocka_unit_test(test_broken_files_MA_11),       cmocka_unit_test(test_lights_take_profiles_MA_11),
         cmocka_unit_test(test_lights_of_files_MA_11),

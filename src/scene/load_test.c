@@ -268,10 +268,12 @@ static void test_errors_leave_the_scene_as_it_was(void **state) {
         const struct sight at_first = look_at(scene);
         for (long long n = 1;; n++) {
             atomic_store(&memory.fail_at, atomic_load(&memory.allocations) + n);
+            lines.count = 0;
             fnl_result result = fnl_scene_load_into(scene, nothing, "b.glb", &params, &loaded);
             atomic_store(&memory.fail_at, 0);
             if (result == FNL_OK) break;
             assert_int_equal(result, FNL_ERROR_MEMORY);
+            assert_true(lines.count > 0); /* told */
             now = look_at(scene);
             assert_memory_equal(&now, &at_first, sizeof now);
             failures++;
@@ -287,11 +289,91 @@ static void test_errors_leave_the_scene_as_it_was(void **state) {
     free(b);
 }
 
+/* ---- files that go again ---- */
+
+enum { PICTURE_BYTES = 2000000 }; /* much more than all else of the file */
+
+/* A triangle with a picture of so many bytes, most of them behind its end. */
+static unsigned char *make_textured(size_t *size) {
+    unsigned char *binary = calloc(1, 36 + PICTURE_BYTES);
+    char json[1500];
+    const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    memcpy(binary, positions, sizeof positions);
+    memcpy(binary + 36, test_png, sizeof test_png);
+    snprintf(json, sizeof json,
+             "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%d}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
+             "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":%d}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,"
+             "\"min\":[0,0,0],\"max\":[1,1,0]}],\"images\":[{\"bufferView\":1,\"mimeType\":\"image/png\"}],\"textures\":[{\"source\":0}],"
+             "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
+             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],"
+             "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}",
+             36 + PICTURE_BYTES, PICTURE_BYTES);
+    unsigned char *glb = test_glb(json, binary, 36 + PICTURE_BYTES, size);
+    free(binary);
+    return glb;
+}
+
+/* What else may hold on to the file's image, or its mesh. */
+enum holder { NOBODY, AN_INSTANCE, A_MATERIAL, A_DECAL, A_READER, HOLDERS };
+
+static void hold(fnl_scene *scene, enum holder by, const fnl_loaded *loaded) {
+    const fnl_image_id image = {loaded->first[FNL_ENTITY_IMAGE], FIXED_GENERATION};
+    const fnl_mat4 place = mat4_identity();
+    fnl_instance_id instance;
+    fnl_material_id material;
+    fnl_decal_id id;
+    fnl_material_params look = fnl_material_params_default();
+    fnl_decal_params decal = fnl_decal_params_default();
+    look.emissive_image = decal.color_image = image;
+    if (by == AN_INSTANCE) assert_int_equal(fnl_scene_add_instance(scene, (fnl_mesh_id){loaded->first[FNL_ENTITY_MESH], FIXED_GENERATION}, &place, &instance), FNL_OK);
+    if (by == A_MATERIAL) assert_int_equal(fnl_scene_add_material(scene, &look, &material), FNL_OK);
+    if (by == A_DECAL) assert_int_equal(fnl_scene_add_decal(scene, &decal, &id), FNL_OK);
+    if (by == A_READER) atomic_fetch_add(&scene->readers, 1);
+}
+
+static void test_images_of_a_file_that_goes_are_freed(void **state) {
+    UNUSED(state);
+    for (int by = NOBODY; by < HOLDERS; by++) {
+        size_t size_a, size_b, size;
+        unsigned char *a, *b, *textured = make_textured(&size);
+        struct test_memory memory = {0};
+        fnl_host host = counting_host(&memory);
+        host.log = quiet_log;
+        fnl_scene *scene = open_first(&host, &a, &size_a, &b, &size_b);
+        fnl_load_params params = from_memory(textured, size);
+        fnl_loaded loaded;
+        long long before[2];
+        for (int round = 0; round < 2; round++) {
+            before[round] = memory.live_bytes;
+            assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "c.glb", &params, &loaded), FNL_OK);
+            assert_true(memory.live_bytes >= before[round] + PICTURE_BYTES);
+            hold(scene, (enum holder)by, &loaded);
+            assert_int_equal(fnl_scene_remove_instance(scene, loaded.root), FNL_OK);
+            const bool stays = memory.live_bytes >= before[round] + PICTURE_BYTES / 2;
+            if (stays != (by != NOBODY)) fail_msg("holder %d: %lld bytes more than before", by, (long long)memory.live_bytes - before[round]);
+            const struct scene_image *image = &scene->images.data[loaded.first[FNL_ENTITY_IMAGE]];
+            assert_int_equal(image->encoded != NULL, by != NOBODY && by != A_READER);
+            const uint32_t texture = scene->materials.data[loaded.first[FNL_ENTITY_MATERIAL]].textures[SCENE_TEXTURE_BASE_COLOR].image;
+            assert_int_equal(texture != SCENE_NONE, by == AN_INSTANCE);
+        }
+        assert_int_equal(scene->parts.count, 0);
+        assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_IMAGE), 3); /* ids stay */
+        atomic_store(&scene->readers, 0);
+        fnl_scene_destroy(&scene);
+        assert_int_equal(memory.live_bytes, 0);
+        assert_int_equal(memory.wrong_sizes, 0);
+        free(a);
+        free(b);
+        free(textured);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_load_can_be_cancelled_at_every_step),
         cmocka_unit_test(test_a_file_becomes_part_of_a_scene),
         cmocka_unit_test(test_errors_leave_the_scene_as_it_was),
+        cmocka_unit_test(test_images_of_a_file_that_goes_are_freed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,26 +44,77 @@ static fnl_result number_vertices(struct arena *arena, struct scene_primitive *p
     return FNL_OK;
 }
 
+/* Of triangles whose corners follow each other. */
+static void find_flat_normals(const vec3 *positions, uint32_t count, vec3 *normals) {
+    for (uint32_t i = 0; i + 2 < count; i += 3) {
+        const vec3 *corner = positions + i;
+        const vec3 e1 = vec3_sub(corner[1], corner[0]), e2 = vec3_sub(corner[2], corner[0]);
+        vec3 n = vec3_normalize(vec3_cross(e1, e2));
+        if (!(vec3_dot(n, n) > 0.5f)) n = vec3_normalize(vec3_cross(vec3_normalize(e1), vec3_normalize(e2))); /* too large or small a product */
+        if (!(vec3_dot(n, n) > 0.5f)) n = vec3_make(0, 1, 0); /* a face without area is never seen */
+        for (uint32_t k = 0; k < 3; k++) normals[i + k] = n;
+    }
+}
+
 /** glTF 2.0, 3.7.2.1: "flat normals" when none are given; so every face gets vertices of its own. */
 static fnl_result make_flat_normals(struct arena *arena, struct scene_primitive *p) {
     uint32_t count = p->index_count;
     if (!mesh_gather(arena, p, p->indices, count)) return FNL_ERROR_MEMORY;
-    vec3 *normals = arena_allocate(arena, sizeof(vec3) * (size_t)MAX(count, 1));
+    vec3 *normals = arena_allocate_zero(arena, sizeof(vec3) * (size_t)MAX(count, 1));
     uint32_t *indices = arena_allocate(arena, sizeof(uint32_t) * (size_t)MAX(count, 1));
     if (!normals || !indices) return FNL_ERROR_MEMORY;
-    for (uint32_t i = 0; i + 2 < count; i += 3) {
-        const vec3 *corner = p->positions + i;
-        vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-        if (!(vec3_dot(n, n) > 0.5f)) n = vec3_make(0, 1, 0); /* a face without area is never seen */
-        for (uint32_t k = 0; k < 3; k++) {
-            normals[i + k] = n;
-            indices[i + k] = i + k;
-        }
-    }
+    find_flat_normals(p->positions, count, normals);
+    for (uint32_t i = 0; i < count; i++) indices[i] = i;
     p->normals = normals;
     p->tangents = NULL; /* given tangents mean nothing without the normals they belong to */
     p->indices = indices;
     return FNL_OK;
+}
+
+/* What a target makes of flat normals and of the tangents by `uv`, NULL: none. Every corner has a vertex of its own. */
+static fnl_result make_target_normals(struct arena *arena, const struct scene_primitive *p, const vec2 *uv, struct scene_morph_target *target) {
+    const uint32_t count = p->vertex_count;
+    target->normals = target->tangents = NULL;
+    if (!target->positions) return FNL_OK;
+    vec3 *normals = arena_allocate(arena, sizeof(vec3) * (size_t)count), *tangents = uv ? arena_allocate(arena, sizeof(vec3) * (size_t)count) : NULL;
+    struct arena passing;
+    arena_init(&passing, arena->host, sizeof(vec3) * 2 * (size_t)count);
+    vec3 *moved = arena_allocate(&passing, sizeof(vec3) * (size_t)count), *flat = arena_allocate_zero(&passing, sizeof(vec3) * (size_t)count);
+    fnl_result result = normals && moved && flat && (tangents || !uv) ? FNL_OK : FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < count && result == FNL_OK; i++) moved[i] = vec3_add(p->positions[i], target->positions[i]);
+    if (result == FNL_OK) find_flat_normals(moved, count, flat);
+    for (uint32_t i = 0; i < count && result == FNL_OK; i++) normals[i] = vec3_sub(flat[i], p->normals[i]);
+    struct scene_primitive there = *p;
+    there.positions = moved;
+    there.normals = flat;
+    there.morph_target_count = 0;
+    if (uv && result == FNL_OK) result = mesh_make_tangents(&passing, &there, uv);
+    for (uint32_t i = 0; uv && i < count && result == FNL_OK; i++) {
+        const vec4 a = p->tangents[i], b = there.tangents[i];
+        tangents[i] = vec3_make(b.x - a.x, b.y - a.y, b.z - a.z);
+    }
+    arena_finish(&passing);
+    target->normals = normals;
+    target->tangents = tangents;
+    return result;
+}
+
+/** glTF 2.0, 3.7.2.2: where the base has no normals, each target gets normals and tangents of its own. */
+static fnl_result complete_targets(struct arena *arena, struct scene_primitive *p, const vec2 *uv) {
+    if (!p->morph_target_count) return FNL_OK;
+    struct scene_morph_target *targets = arena_copy(arena, p->morph_targets, sizeof *targets * (size_t)p->morph_target_count);
+    if (!targets) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < p->morph_target_count; i++) TRY(make_target_normals(arena, p, uv, &targets[i]));
+    p->morph_targets = targets;
+    return FNL_OK;
+}
+
+uint64_t mesh_made_target_bytes(const struct scene_primitive *p) {
+    if (p->topology != SCENE_TOPOLOGY_TRIANGLES || p->normals) return 0;
+    const uint64_t corners = p->indices ? p->index_count : p->vertex_count;
+    uint64_t moved = 0;
+    for (uint32_t i = 0; i < p->morph_target_count; i++) moved += p->morph_targets[i].positions != NULL;
+    return moved * corners * sizeof(vec3) * (p->uv[0] || p->uv[1] ? 2 : 1);
 }
 
 uint64_t mesh_vertex_bytes(const struct scene_primitive *p) {
@@ -91,22 +142,43 @@ uint64_t mesh_complete_bytes(const struct scene_primitive *p) {
         bytes += corners * (vertex_bytes + sizeof(vec3) + sizeof(uint32_t));
         vertex_bytes += sizeof(vec3);
         vertices = corners;
+        if (p->morph_target_count) bytes += mesh_made_target_bytes(p) + corners * (sizeof(vec3) * 2 + sizeof(vec4)); /* and one that is being made */
     }
     if ((p->uv[0] || p->uv[1]) && (!p->tangents || !p->normals))
         bytes += corners * TANGENT_CORNER_BYTES + vertices * TANGENT_VERTEX_BYTES +
-                 (corners + vertices) * (vertex_bytes + sizeof(vec4)) + corners * sizeof(uint32_t);
+                 (corners + vertices) * (vertex_bytes + sizeof(vec4)) + corners * sizeof(uint32_t) + vertices * sizeof(vec2);
     return bytes;
 }
 
-fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive) {
+/* The texture coordinates that tangents follow: a set as it is, or turned, in memory of `passing`. NULL: there are none, or (the result) no memory. */
+static fnl_result find_tangent_uv(struct arena *passing, const struct scene_primitive *p, uint32_t set, const float *turn, const vec2 **out) {
+    static const float identity[4] = {1, 0, 0, 1}, none[4] = {0};
+    const vec2 *uv = *out = p->uv[set] ? p->uv[set] : p->uv[!set];
+    if (!uv || !turn || memcmp(turn, identity, sizeof identity) == 0 || memcmp(turn, none, sizeof none) == 0) return FNL_OK;
+    vec2 *turned = arena_allocate(passing, sizeof *turned * (size_t)p->vertex_count);
+    for (uint32_t i = 0; turned && i < p->vertex_count; i++)
+        turned[i] = vec2_make(turn[0] * uv[i].x + turn[1] * uv[i].y, turn[2] * uv[i].x + turn[3] * uv[i].y);
+    *out = turned;
+    return turned ? FNL_OK : FNL_ERROR_MEMORY;
+}
+
+fnl_result mesh_complete_by(struct arena *arena, struct scene_primitive *primitive, uint32_t set, const float *turn) {
     if (primitive->topology != SCENE_TOPOLOGY_TRIANGLES || primitive->vertex_count == 0) return FNL_OK;
     if (!primitive->indices) TRY(number_vertices(arena, primitive));
     if (primitive->index_count < 3) return FNL_OK;
-    if (!primitive->normals) TRY(make_flat_normals(arena, primitive));
-    const vec2 *uv = primitive->uv[0] ? primitive->uv[0] : primitive->uv[1];
-    if (!primitive->tangents && uv) TRY(mesh_make_tangents(arena, primitive, uv));
-    return FNL_OK;
+    const bool flat = !primitive->normals;
+    if (flat) TRY(make_flat_normals(arena, primitive));
+    struct arena passing;
+    arena_init(&passing, arena->host, 4096);
+    const vec2 *uv;
+    fnl_result result = find_tangent_uv(&passing, primitive, set, turn, &uv);
+    if (result == FNL_OK && !primitive->tangents && uv) result = mesh_make_tangents(arena, primitive, uv);
+    if (result == FNL_OK && flat) result = complete_targets(arena, primitive, uv);
+    arena_finish(&passing);
+    return result;
 }
+
+fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive) { return mesh_complete_by(arena, primitive, 0, NULL); }
 
 /** Weights are taken to stay in 0..1; each vertex then reaches at most the sum of its displacements of one sign. */
 struct box primitive_bounds(const struct scene_primitive *primitive) {

@@ -53,6 +53,26 @@ static void test_flat_normals_split_vertices(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/** In any unit that floats can have, and for each target as well: the differences lead to its own flat normals and tangents. */
+static void test_flat_normals_of_any_size_and_of_targets(void **state) {
+    UNUSED(state);
+    static const float sizes[] = {1, 1e11f, 1e-11f, 1e18f, 1e-18f};
+    for (uint32_t i = 0; i < COUNT_OF(sizes); i++) {
+        fnl_scene *scene = new_scene();
+        const float s = sizes[i];
+        const vec3 corners[] = {{0, 0, 0}, {s, 0, 0}, {0, s, 0}}, moves[] = {{0, 0, 0}, {-s, 0, s}, {0, 0, 0}};
+        const vec2 uv[] = {{0, 0}, {1, 0}, {0, 1}};
+        const struct scene_morph_target targets[2] = {{.positions = moves}, {0}};
+        struct scene_primitive p = {.vertex_count = 3, .positions = corners, .uv = {uv}, .morph_targets = targets, .morph_target_count = 2};
+        assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+        assert_near(p.normals[1], vec3_make(0, 0, 1), 1e-6f);
+        assert_near(vec3_add(p.normals[1], p.morph_targets[0].normals[1]), vec3_make(-1, 0, 0), 1e-6f);
+        assert_near(vec3_add(xyz(p.tangents[2]), p.morph_targets[0].tangents[2]), vec3_make(0, 0, 1), 1e-6f);
+        assert_null(p.morph_targets[1].normals);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /** Without indices, vertices are used in order, and a rest of one or two is left out. */
 static void test_missing_indices_are_numbered(void **state) {
     UNUSED(state);
@@ -391,6 +411,7 @@ static void test_scattered_lights_overlap_eightfold(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_flat_normals_split_vertices),
+        cmocka_unit_test(test_flat_normals_of_any_size_and_of_targets),
         cmocka_unit_test(test_missing_indices_are_numbered),
         cmocka_unit_test(test_tangents_follow_u_and_split_where_it_mirrors),
         cmocka_unit_test(test_tangents_are_averaged_over_equal_vertices),

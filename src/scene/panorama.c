@@ -11,9 +11,15 @@ void panorama_finish(const fnl_host *host, struct panorama *p) {
     *p = (struct panorama){0};
 }
 
-void panorama_bound(struct panorama *p) {
+float panorama_unit(const struct panorama *p) {
     const size_t count = (size_t)p->width * p->height * 3;
-    for (size_t i = 0; i < count; i++) p->texels[i] = fminf(p->texels[i], 65504);
+    float most = 0;
+    int exponent;
+    for (size_t i = 0; i < count; i++) most = fmaxf(most, p->texels[i]);
+    if (most == 0) return 1;
+    (void)frexpf(most, &exponent);
+    const float unit = ldexpf(1, MAX(exponent - 16, -126)); /* its reciprocal is finite */
+    return most / unit > 65504 ? 2 * unit : unit;
 }
 
 static float longitude_of(const struct panorama *p, float x) { return ((x + 0.5f) / (float)p->width - 0.5f) * 2 * PI; }

@@ -1,46 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/query.h"
 
-#include <errno.h>
-#include <stdlib.h>
-
 size_t query_name_length(const char *text) { return strcspn(text, "?"); }
 
-/* An optional minus sign, digits, and an optional fraction: no exponent, no space, whatever the locale. */
-static bool parse_decimal(const char *text, size_t length, double *out) {
-    const bool negative = length > 0 && *text == '-';
-    double number = 0, unit = 0;
-    size_t digits = 0;
-    for (size_t i = negative; i < length; i++) {
-        if (text[i] == '.' && unit == 0) {
-            unit = 1;
-            continue;
-        }
-        if (text[i] < '0' || text[i] > '9') return false;
-        number = 10 * number + (text[i] - '0');
-        if (unit > 0) unit *= 10;
-        digits++;
+/* Digits; of a decimal also a minus sign and a fraction. No exponent, no space. */
+static bool parse_number(const char *text, size_t length, bool decimal, double *out) {
+    char copy[24];
+    bool has_digits = false, has_point = !decimal;
+    if (length >= sizeof copy) return false;
+    for (size_t i = 0; i < length; i++) {
+        if (text[i] >= '0' && text[i] <= '9') has_digits = true;
+        else if (text[i] == '.' && !has_point) has_point = true;
+        else if (text[i] != '-' || i > 0 || !decimal) return false;
     }
-    *out = (negative ? -number : number) / (unit > 0 ? unit : 1);
-    return digits > 0 && digits < 20;
-}
-
-static bool parse_whole(const char *text, size_t length, double *out) {
-    char digits[24];
-    if (length == 0 || length >= sizeof digits) return false;
-    for (size_t i = 0; i < length; i++)
-        if (text[i] < '0' || text[i] > '9') return false;
-    memcpy(digits, text, length);
-    digits[length] = 0;
-    errno = 0;
-    *out = (double)strtoull(digits, NULL, 10);
-    return errno == 0;
+    memcpy(copy, text, length);
+    copy[length] = 0;
+    *out = number_read(copy, NULL);
+    return has_digits;
 }
 
 static fnl_result read_value(const fnl_host *host, const char *text, const struct query_key *key, const char *value, size_t length, double *out) {
     double number;
-    const bool good = key->decimal ? parse_decimal(value, length, &number) : parse_whole(value, length, &number);
-    if (!good || number < key->low || number > key->high) {
+    if (!parse_number(value, length, key->decimal, &number) || number < key->low || number > key->high) {
         log_error(host, "builtin:%s: %s=%.*s is not a %s from %.0f to %.0f", text, key->name, (int)MIN(length, 64), value,
                   key->decimal ? "number" : "whole number", key->low, key->high);
         return FNL_ERROR_INVALID;
@@ -60,7 +41,7 @@ static fnl_result read_pair(const fnl_host *host, const char *text, const char *
         if (equals && strlen(key->name) == name_length && memcmp(key->name, pair, name_length) == 0)
             return read_value(host, text, key, equals + 1, length - name_length - 1, &values[i]);
         const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s=%.0f..%.0f", i ? ", " : "", key->name, key->low, key->high);
+        text_format(known + used, sizeof known - used, "%s%s=%.0f..%.0f", i ? ", " : "", key->name, key->low, key->high);
     }
     log_error(host, "builtin:%s: '%.*s' is not a key of %s with a value; there are: %s", text, (int)MIN(length, 64), pair, what, key_count ? known : "none");
     return FNL_ERROR_INVALID;

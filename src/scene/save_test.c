@@ -432,6 +432,39 @@ static void test_an_unchanged_file_says_the_same(void **state) {
     fnl_scene_destroy(&again);
 }
 
+/* All that it has is shown, before and after something stands around it. */
+static void test_a_file_without_scenes_is_shown_whole(void **state) {
+    UNUSED(state);
+    for (int change = 0; change < 4; change++) {
+        char text[sizeof document];
+        write_document();
+        strcpy(text, document);
+        memcpy(strstr(text, "\"scene\": 1, "), "            ", 12); /* as long as what goes */
+        char *from = strstr(text, "\"scenes\""), *to = strstr(text, "\"nodes\": [{\"name\"");
+        memset(from, ' ', (size_t)(to - from));
+        write_text("a.gltf", text);
+        fnl_scene *scene = load(in_folder("a.gltf"));
+        const vec3 sky = {1, 2, 3};
+        const fnl_light_params lamp = fnl_light_params_default();
+        fnl_light_id id;
+        if (change == 1) assert_int_equal(fnl_scene_set_ambient(scene, sky, sky), FNL_OK);
+        if (change == 2) assert_int_equal(fnl_scene_add_light(scene, &lamp, &id), FNL_OK);
+        if (change == 3) assert_int_equal(fnl_scene_remove_instance(scene, (fnl_instance_id){6, scene->nodes.data[6].generation}), FNL_OK);
+        save(scene);
+        json_decref(validate(false));
+        fnl_scene *again = load(saved);
+        fnl_scene_info p, q;
+        fnl_scene_query_info(scene, &p);
+        fnl_scene_query_info(again, &q);
+        assert_int_equal(p.instance_count, change == 3 ? 1 : 2);
+        assert_int_equal(q.instance_count, p.instance_count);
+        assert_memory_equal(&q.bounds_low, &p.bounds_low, 2 * sizeof p.bounds_low);
+        same_lights(scene, again);
+        fnl_scene_destroy(&scene);
+        fnl_scene_destroy(&again);
+    }
+}
+
 static fnl_entity_info entity(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
     fnl_entity_info info;
     assert_int_equal(fnl_scene_query_entity(scene, kind, index, &info), FNL_OK);
@@ -667,18 +700,37 @@ static void test_what_is_left_out_is_told(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* JSON cannot hold such a name: the file gets one that is near to it. */
+static void test_names_that_are_not_utf8_are_told(void **state) {
+    UNUSED(state);
+    fnl_host host = test_host(&lines);
+    fnl_scene *scene;
+    const fnl_camera camera = fnl_camera_default();
+    assert_int_equal(fnl_scene_create(&host, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_add_camera(scene, "t\xfcr", &camera), FNL_OK);
+    save(scene);
+    assert_non_null(strstr(lines.text, "saved.glb: left out: bytes of the name 't?r' that are not UTF-8"));
+    json_t *root = validate(true);
+    json_t *first = json_array_get(json_object_get(root, "cameras"), 0);
+    assert_string_equal(json_string_value(json_object_get(first, "name")), "t?r");
+    json_decref(root);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_builtin_scenes_load_as_they_were),
         cmocka_unit_test(test_lights_of_all_kinds_survive_to_the_bit),
         cmocka_unit_test(test_pictures_and_materials_of_calls),
         cmocka_unit_test(test_an_unchanged_file_says_the_same),
+        cmocka_unit_test(test_a_file_without_scenes_is_shown_whole),
         cmocka_unit_test(test_changes_are_patched_in),
         cmocka_unit_test(test_what_was_added_to_a_file),
         cmocka_unit_test(test_environments),
         cmocka_unit_test(test_probes),
         cmocka_unit_test(test_errors_leave_no_file),
         cmocka_unit_test(test_what_is_left_out_is_told),
+        cmocka_unit_test(test_names_that_are_not_utf8_are_told),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -48,6 +48,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     }
     array_free(&host, &scene->resources);
     array_free(&host, &scene->sources);
+    array_free(&host, &scene->parts);
     array_free(&host, &scene->images);
     array_free(&host, &scene->samplers);
     array_free(&host, &scene->materials);
@@ -96,6 +97,40 @@ void scene_turn_texture(struct scene_texture *texture, const struct scene_textur
     const float c = cosf(turn->rotation), s = sinf(turn->rotation), *scale = turn->scale;
     const float transform[6] = {c * scale[0], s * scale[1], turn->offset[0], -s * scale[0], c * scale[1], turn->offset[1]};
     memcpy(texture->transform, transform, sizeof transform);
+}
+
+const struct scene_texture *scene_tangent_texture(const struct scene_material *m) {
+    static const enum scene_texture_slot slots[] = {SCENE_TEXTURE_NORMAL, SCENE_TEXTURE_CLEARCOAT_NORMAL, SCENE_TEXTURE_ANISOTROPY};
+    for (size_t i = 0; i < COUNT_OF(slots); i++)
+        if (m->textures[slots[i]].image != SCENE_NONE) return &m->textures[slots[i]];
+    return NULL;
+}
+
+/*
+ * Along u of the tangents' coordinates lies the tangent, against v the bitangent. A picture whose coordinates are those times R has its own tangent along
+ * the first column of R's inverse, and its bitangent at right angles, on the other side where R mirrors.
+ */
+void scene_texture_turn_of(const struct scene_material *m, enum scene_texture_slot slot, float out[4]) {
+    static const float identity[4] = {1, 0, 0, 1};
+    const float *a = m->textures[slot].transform, *f = m->tangent_frame;
+    const double determinant = (double)f[0] * (double)f[3] - (double)f[1] * (double)f[2];
+    memcpy(out, identity, sizeof identity);
+    if (m->textures[slot].image == SCENE_NONE) return;
+    double r[4] = {(double)a[0], (double)a[1], (double)a[3], (double)a[4]};
+    if (determinant != 0) {
+        const double x = r[0], y = r[1], z = r[2], w = r[3];
+        r[0] = (x * (double)f[3] - y * (double)f[2]) / determinant;
+        r[1] = (y * (double)f[0] - x * (double)f[1]) / determinant;
+        r[2] = (z * (double)f[3] - w * (double)f[2]) / determinant;
+        r[3] = (w * (double)f[0] - z * (double)f[1]) / determinant;
+    }
+    const double area = r[0] * r[3] - r[1] * r[2], length = sqrt(r[2] * r[2] + r[3] * r[3]);
+    if (!(length > 0) || !isfinite(length) || area == 0) return;
+    const double sign = area < 0 ? -1 : 1, c = sign * r[3] / length, s = sign * r[2] / length;
+    out[0] = (float)c;
+    out[1] = (float)(-s * sign);
+    out[2] = (float)s;
+    out[3] = (float)(c * sign);
 }
 
 void scene_structure_changed(fnl_scene *scene) {
@@ -209,9 +244,10 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) {
     } else {
         va_list arguments;
         va_start(arguments, format);
-        vsnprintf(text, sizeof text, format, arguments);
+        text_format_list(text, sizeof text, format, arguments);
         va_end(arguments);
     }
+    fnl_text_clean(text);
     log_warning(&scene->host, "%s", text);
     const char *kept = arena_string(&scene->arena, text);
     if (kept) UNUSED(array_push(&scene->host, &scene->messages, kept)); /* it has been logged in any case */
@@ -381,6 +417,7 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
             scene->free_nodes.data[scene->free_nodes.count++] = i;
     }
     scene->decal_version++;
+    scene_drop_parts(scene);
     return FNL_OK;
 }
 

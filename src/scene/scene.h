@@ -16,6 +16,8 @@
 #include "scene/ies.h"
 #include "scene/scene_environment.h"
 
+#include <stdatomic.h>
+
 #define SCENE_NONE UINT32_MAX
 
 /** The generation of images, materials and meshes, which are never removed. */
@@ -111,9 +113,16 @@ struct scene_material {
     float dispersion;
     fnl_diffuse_transmission_params diffuse_transmission;
     struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
+    float tangent_frame[4]; /* rows of the 2x2 matrix by which tangents saw texture coordinates; all 0: as the mesh has them */
     struct scene_material_parts parts; /* as the file or an animation said last: calls change only what they make */
     bool animated; /* within animation_apply: it has new values */
 };
+
+/**
+ * Alpha below this is a hole. An alpha that equals the cutoff is none (glTF 2.0, 3.9.4), so the cutoff is less what interpolation and vertex colors of
+ * 16 bits take from it; textures of 8 bits have steps of 1/255.
+ */
+static inline float scene_material_cutoff(const struct scene_material *material) { return material->alpha_cutoff - 1.0f / 65535; }
 
 enum scene_topology {
     SCENE_TOPOLOGY_TRIANGLES,
@@ -360,15 +369,23 @@ struct scene_stage {
     uint64_t bounds_version, light_version; /* of the scene, at which `bounds` and the fill's strength were found */
 };
 
+/** A file that was loaded into the scene (fnl_scene_load_into), until its root is removed: scene_part.c. */
+struct scene_part {
+    uint32_t root, generation;
+    uint32_t first_image, image_count, first_material, material_count, first_file, file_count;
+};
+
 struct fnl_scene {
     fnl_host host;
     struct arena arena;
     char *source;                  /* path or builtin:… for messages */
-    ARRAY(struct file_view) files; /* kept while images point into them */
+    ARRAY(struct file_view) files; /* kept while images point into them; without an identity: bytes from memory or of a data URI */
     ARRAY(fnl_resource) resources; /* from a resolver; so too */
     ARRAY(struct scene_source) sources;
     struct scene_document document;
 
+    ARRAY(struct scene_part) parts;
+    atomic_uint readers; /* renderers that decode images in the background: files stay */
     ARRAY(struct scene_image) images;
     ARRAY(struct scene_sampler) samplers;
     ARRAY(struct scene_material) materials;
@@ -437,10 +454,19 @@ bool scene_material_layered(const struct scene_material *material);
 bool scene_material_layered_besides(const struct scene_material *material);
 /** Whether what is behind shows through it, which makes it a layered one. */
 bool scene_material_transmissive(const struct scene_material *material);
+/** Of transmissive ones: whether a part lets through less than half, by a texture or as metal. */
+bool scene_material_dark(const struct scene_material *material);
 uint32_t scene_take_generation(fnl_scene *scene);
 struct scene_texture scene_texture_none(void);
 /** The matrix of a texture: scaled, then turned counter-clockwise in a picture whose v points down, then moved. */
 void scene_turn_texture(struct scene_texture *texture, const struct scene_texture_turn *turn);
+/**
+ * How the axes of a texture's picture lie to the tangents, which are those of scene_material.tangent_frame: rows of a 2x2 matrix, from x and y of its texels
+ * to tangent and bitangent.
+ */
+void scene_texture_turn_of(const struct scene_material *material, enum scene_texture_slot slot, float out[4]);
+/** The texture whose coordinates tangents are made by: of the normals, the coat's, or the anisotropy; NULL: none. */
+const struct scene_texture *scene_tangent_texture(const struct scene_material *material);
 /** After a change of a material: its copies that baked decals are painted on follow. `before`: what it was. */
 fnl_result scene_repaint(fnl_scene *scene, uint32_t material, const struct scene_material *before);
 /** Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena. */
@@ -503,6 +529,10 @@ void scene_activate(fnl_scene *scene, uint32_t root);
  * host. An error leaves both as they were.
  */
 fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_loaded *out);
+/** Bytes that images may point into, as into a file, which the caller fills; NULL: memory ran out. */
+unsigned char *scene_keep_bytes(fnl_scene *scene, size_t size);
+/** After nodes were removed: frees the images of files whose root is gone, unless an instance's material, another material or a decal uses them. */
+void scene_drop_parts(fnl_scene *scene);
 /** Hides a node with what is below it, or shows what is not hidden below it. */
 void scene_show_node(fnl_scene *scene, uint32_t node, bool visible);
 /** Removes a node, what is below it, and the lights there. */
@@ -598,12 +628,16 @@ fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out)
 
 /**
  * Fills in what a triangle primitive lacks (mesh_build.c): indices, flat normals (vertices are split where faces meet),
- * tangents where there are uvs (mesh_tangents.c; vertices are split where they differ). The arrays may be replaced; new ones
+ * tangents where there are uvs (mesh_tangents.c; vertices are split where they differ), and with flat normals those of morph targets. The arrays may be replaced; new ones
  * come from `arena`.
  */
 fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive);
+/** The same with tangents by one set of texture coordinates, times the rows of a 2x2 matrix (NULL: as they are). */
+fnl_result mesh_complete_by(struct arena *arena, struct scene_primitive *primitive, uint32_t set, const float *turn);
 /** The most memory that mesh_complete may hold at once for it, what stays included; and what one vertex of it takes as it is. */
 uint64_t mesh_complete_bytes(const struct scene_primitive *primitive);
+/** Of that: the normals and tangents of morph targets. */
+uint64_t mesh_made_target_bytes(const struct scene_primitive *primitive);
 uint64_t mesh_vertex_bytes(const struct scene_primitive *primitive);
 struct box primitive_bounds(const struct scene_primitive *primitive);
 
@@ -614,5 +648,13 @@ void animation_set_property(fnl_scene *scene, const struct scene_channel *channe
 fnl_result animation_finish_properties(fnl_scene *scene, const struct scene_animation *animation);
 /** joint matrices = inverse(world of mesh node) is NOT applied: world(joint) * inverse_bind, as glTF says. */
 void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out);
+/** Whether the joints mirror the node's mesh: most of its vertices, where they do not agree. Its triangles then wind the other way. */
+bool skin_mirrors(const fnl_scene *scene, const struct scene_node *node);
+/**
+ * Skinned vertices are drawn as an instance: not moved, or, if the joints mirror them, mirrored in x, which skin_instance_matrices takes back. What holds
+ * for mirrored instances (windings, normals, tangents) then holds for skins.
+ */
+mat4 skin_instance(bool mirrored);
+void skin_instance_matrices(const fnl_scene *scene, uint32_t skin, bool mirrored, mat4 *out);
 
 #endif

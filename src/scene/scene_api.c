@@ -92,6 +92,11 @@ bool scene_material_layered(const struct scene_material *m) {
 
 bool scene_material_transmissive(const struct scene_material *m) { return !m->unlit && m->transmission.strength > 0; }
 
+bool scene_material_dark(const struct scene_material *m) {
+    const float least = m->textures[SCENE_TEXTURE_TRANSMISSION].image == SCENE_NONE ? m->transmission.strength * (1 - m->metallic) : 0;
+    return scene_material_transmissive(m) && least < 0.5f;
+}
+
 struct scene_material scene_material_default(void) {
     fnl_material_params params = fnl_material_params_default();
     return material_of(&params);
@@ -234,6 +239,7 @@ fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fn
     changed.extras = before.extras;
     memcpy(changed.textures, before.textures, sizeof changed.textures);
     changed.parts = before.parts;
+    memcpy(changed.tangent_frame, before.tangent_frame, sizeof changed.tangent_frame);
     for (size_t i = 0; i < COUNT_OF(image_rows); i++) change_image(&changed.textures[image_rows[i].slot], image_of_row(p, &image_rows[i]));
     scene->materials.data[id.index] = changed;
     scene_materials_changed(scene);

@@ -34,7 +34,10 @@ fnl_result camera_check(const struct call *call, const char *prefix, const fnl_c
     if (!(vec3_distance(camera->position, camera->target) > 0))
         return misuse(call, "%starget is the position, must be another point", prefix);
     TRY(check_finite(call, in(prefix, "up", name), camera->up));
-    TRY(check_above(call, in(prefix, "near_distance", name), (double)camera->near_distance, 0, infinite, " metres"));
+    if (camera->orthographic)
+        TRY(check_range(call, in(prefix, "near_distance", name), (double)camera->near_distance, 0, infinite, " metres"));
+    else
+        TRY(check_above(call, in(prefix, "near_distance", name), (double)camera->near_distance, 0, infinite, " metres"));
     TRY(check_range(call, in(prefix, "shift.x", name), (double)camera->shift.x, -infinite, infinite, ""));
     TRY(check_range(call, in(prefix, "shift.y", name), (double)camera->shift.y, -infinite, infinite, ""));
     TRY(check_above(call, in(prefix, "pixel_aspect", name), (double)camera->pixel_aspect, 0, infinite, ""));

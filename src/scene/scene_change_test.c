@@ -448,6 +448,7 @@ static void test_without_memory_nothing_changes(void **state) {
         for (uint32_t allocation = 1; result == FNL_ERROR_MEMORY; allocation++) {
             const uint64_t versions[3] = {scene->structure_version, scene->transform_version, scene->light_version};
             const long long held = host_state.memory.live_bytes;
+            lines.count = 0;
             host_state.memory.allocations = 0;
             host_state.memory.fail_at = allocation;
             result = what == 0   ? fnl_scene_set_lights(scene, many, suns, 40)
@@ -456,6 +457,7 @@ static void test_without_memory_nothing_changes(void **state) {
             host_state.memory.fail_at = 0;
             if (result == FNL_OK) break;
             assert_int_equal(result, FNL_ERROR_MEMORY);
+            assert_true(lines.count > 0); /* told */
             failures++;
             assert_true(scene->structure_version == versions[0] && scene->transform_version == versions[1] &&
                         scene->light_version == versions[2]);
@@ -478,12 +480,14 @@ static void test_scattering_is_all_or_nothing(void **state) {
         scene->nodes.data[node].skin = SCENE_NONE; /* decals that are scattered avoid what a skin deforms */
         fnl_result result = FNL_ERROR_MEMORY;
         for (uint32_t allocation = 1; result == FNL_ERROR_MEMORY; allocation += allocation < 3 ? 1 : 8) {
+            lines.count = 0;
             host_state.memory.allocations = 0;
             host_state.memory.fail_at = allocation;
             result = what == 0 ? fnl_scene_scatter_lights(scene, COUNT, 1) : fnl_scene_scatter_decals(scene, COUNT, 1);
             host_state.memory.fail_at = 0;
             if (result == FNL_OK) break;
             assert_int_equal(result, FNL_ERROR_MEMORY);
+            assert_true(lines.count > 0); /* told */
             failures++;
             assert_true(scene->lights.count + scene->light_slots.count + scene->decals.count + scene->images.count == 0);
         }

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/scene_environment.h"
 
+#include "image/image.h"
 #include "scene/query.h"
 #include "scene/scene.h"
 
-enum { MOST_WIDTH = 4096 };
+enum { MOST_WIDTH = 4096, TEXEL_BYTES = 3 * sizeof(float) };
 
 fnl_environment_params fnl_environment_params_default(void) {
-    return (fnl_environment_params){.intensity = 1, .background = true, .lights = true};
+    return (fnl_environment_params){.intensity = 1, .background = true, .lights = true, .max_memory = host_memory_limit()};
 }
 
 /* Finite, and so that sums over all texels are. */
@@ -25,7 +26,7 @@ static fnl_result panorama_take(const fnl_host *host, const char *name, const fn
         return FNL_ERROR_UNSUPPORTED;
     }
     const size_t count = (size_t)image->width * image->height;
-    float *texels = host_allocate(host, count * 3 * sizeof(float));
+    float *texels = host_allocate(host, count * TEXEL_BYTES);
     if (!texels) return FNL_ERROR_MEMORY;
     if (image->format == FNL_PIXEL_FORMAT_RGBA32F)
         for (size_t i = 0; i < count; i++)
@@ -40,13 +41,13 @@ static fnl_result panorama_take(const fnl_host *host, const char *name, const fn
 static fnl_result load_panorama(const fnl_host *host, const fnl_environment_params *params, struct panorama *out) {
     if (!params->source) return panorama_take(host, "the environment's image", params->image, out);
     fnl_image image;
-    TRY(fnl_image_load(host, params->source, &image));
+    TRY(image_load(host, params->source, params->max_memory, TEXEL_BYTES, &image));
     const fnl_result result = panorama_take(host, params->source, &image, out);
     fnl_image_free(host, &image);
     return result;
 }
 
-/* The picture and, where they are wanted, the bright sources that go from it: with their whole light, before what remains is bounded. */
+/* The picture and, where they are wanted, the bright sources that go from it: with their whole light. */
 static fnl_result read_panorama(const fnl_host *host, const fnl_environment_params *params, struct scene_environment *out) {
     if (params->source && strncmp(params->source, "builtin:", 8) == 0) {
         TRY(panorama_make(host, params->source + 8, params->lights, &out->panorama, out->sources, &out->source_count));
@@ -54,8 +55,9 @@ static fnl_result read_panorama(const fnl_host *host, const fnl_environment_para
         TRY(load_panorama(host, params, &out->panorama));
         if (params->lights) TRY(panorama_part(host, &out->panorama, out->sources, &out->source_count));
     }
-    panorama_bound(&out->panorama);
-    return panorama_shrink(host, &out->panorama, MOST_WIDTH);
+    TRY(panorama_shrink(host, &out->panorama, MOST_WIDTH));
+    out->unit = panorama_unit(&out->panorama);
+    return FNL_OK;
 }
 
 /* ---- beside the scene's lights ---- */
@@ -278,6 +280,7 @@ static fnl_result set(fnl_scene *scene, const fnl_environment_params *params, co
     e->background = params->background;
     if (e->compressed != params->compressed) e->version++; /* made anew */
     e->compressed = params->compressed;
+    e->max_memory = params->max_memory;
     scene->light_version++;
     add_lights(scene);
     return FNL_OK;
@@ -346,6 +349,6 @@ fnl_result fnl_scene_query_environment(const fnl_scene *scene, fnl_environment_p
     const struct scene_environment *e = &scene->environment;
     *out = fnl_environment_params_default();
     if (e->panorama.width == 0 || e->staged) return misuse(CALL(&scene->host), "the scene has no environment");
-    *out = (fnl_environment_params){.source = e->name, .rotation = e->rotation, .intensity = e->intensity, .background = e->background, .lights = e->parted, .compressed = e->compressed};
+    *out = (fnl_environment_params){.source = e->name, .rotation = e->rotation, .intensity = e->intensity, .background = e->background, .lights = e->parted, .compressed = e->compressed, .max_memory = e->max_memory};
     return FNL_OK;
 }

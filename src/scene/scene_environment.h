@@ -9,7 +9,7 @@
 
 #define ENVIRONMENT_LIGHTS_MAX 8u
 
-/** A panorama: RGB floats, finite, not negative; at most 65504, which half floats hold, once bright sources have been taken out. */
+/** A panorama: RGB floats, cd/m^2, finite, not negative. */
 struct panorama {
     uint32_t width, height;
     float *texels;
@@ -30,6 +30,7 @@ struct scene_environment_own {
 
 struct scene_environment {
     struct panorama panorama; /* width 0: there is none; without the sources */
+    float unit;               /* a power of two, cd/m^2: divided by it the panorama fits half floats (panorama_unit) */
     struct panorama_source sources[ENVIRONMENT_LIGHTS_MAX];
     uint32_t source_count;
     fnl_light_id lights[ENVIRONMENT_LIGHTS_MAX]; /* of the sources */
@@ -39,6 +40,7 @@ struct scene_environment {
     bool background, parted, compressed;
     bool staged; /* the stage's studio: public calls find no environment */
     bool animated; /* something of `own` is new: scene_environment_moved() */
+    uint64_t max_memory; /* of the params */
     uint64_t version; /* of the panorama */
 };
 
@@ -50,8 +52,8 @@ void panorama_finish(const fnl_host *host, struct panorama *p);
 fnl_result panorama_make(const fnl_host *host, const char *name, bool apart, struct panorama *out, struct panorama_source *source, uint32_t *source_count);
 /** The luminance of all directions, times their solid angles. */
 double panorama_flux(const struct panorama *p);
-/** Values above 65504 become 65504. */
-void panorama_bound(struct panorama *p);
+/** The power of two by which values are divided for half floats: the greatest then lies in 32752 .. 65504, so dim values keep their bits too. */
+float panorama_unit(const struct panorama *p);
 /** The direction of a texel's centre, and which texel (fractional, from the first one's centre) a unit direction is at. */
 vec3 panorama_direction(const struct panorama *p, float x, float y);
 void panorama_place(const struct panorama *p, vec3 direction, float *x, float *y);

@@ -4,6 +4,8 @@
 #include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -183,7 +185,16 @@ static void show(fnl_scene *scene, float even, uint32_t at, float bright, bool l
     assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
 }
 
-/* What half floats cannot hold goes into the light, all of it; what stays in the picture is bounded. */
+/* Half floats hold the picture in its unit: a power of two that leaves the greatest value the most bits. */
+static void check_unit(const struct scene_environment *e) {
+    float most = 0;
+    int exponent;
+    for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++) most = fmaxf(most, e->panorama.texels[i]);
+    assert_true(frexpf(e->unit, &exponent) == 0.5f);
+    if (!(most / e->unit <= 65504 && most / e->unit > 32000)) fail_msg("%g in units of %g", (double)most, (double)e->unit);
+}
+
+/* A sun becomes a light with all that it gives; left in the picture it stays what it is, with its color. */
 static void test_suns_keep_their_light(void **state) {
     UNUSED(state);
     const uint32_t at = 10 * WIDTH + 20;
@@ -192,13 +203,32 @@ static void test_suns_keep_their_light(void **state) {
         fnl_scene *scene = empty();
         show(scene, 3000, at, 1e9f, lights, false);
         const struct panorama *p = &scene->environment.panorama;
-        for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++) assert_true(p->texels[i] <= 65504);
+        check_unit(&scene->environment);
+        assert_true(lights ? p->texels[3 * at] < 65504 : p->texels[3 * at] == 1e9f);
         assert_int_equal(scene->suns.count, lights);
         if (lights) {
             const fnl_light_params *sun = &scene->lights.data[0].params;
             assert_true(fabsf(sun->intensity / (1e9f * angle) - 1) < 1e-3f);
             assert_true(fabsf(sun->source_angle / acosf(1 - angle / (2 * PI)) - 1) < 1e-3f);
         }
+        fnl_scene_destroy(&scene);
+    }
+}
+
+static void test_pictures_keep_their_values(void **state) {
+    UNUSED(state);
+    static const float values[] = {1e-38f, 3e-7f, 0.9999f, 1, 65504, 65530, 2e6f, 1e19f};
+    static float pixels[WIDTH * HEIGHT * 4];
+    for (uint32_t k = 0; k < COUNT_OF(values); k++) {
+        fnl_scene *scene = empty();
+        for (uint32_t i = 0; i < WIDTH * HEIGHT * 4; i++) pixels[i] = values[k] * (i % 4 == 1 ? 0.25f : 1);
+        const fnl_image image = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, pixels};
+        fnl_environment_params params = fnl_environment_params_default();
+        params.image = &image;
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+        for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++) assert_true(scene->environment.panorama.texels[i] == values[k] * (i % 3 == 1 ? 0.25f : 1));
+        if (values[k] > 1e-30f) check_unit(&scene->environment);
+        assert_true(1 / scene->environment.unit < INFINITY && scene->environment.unit > 0);
         fnl_scene_destroy(&scene);
     }
 }
@@ -226,11 +256,47 @@ static void test_relative_pictures_beside_lights(void **state) {
     }
 }
 
+static void test_pictures_are_counted_before_they_are_decoded(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *name;
+        uint64_t bytes; /* a pixel, with 12 as the scene keeps it */
+        fnl_pixel_format format;
+    } files[] = {{"a.exr", 16 + 12, FNL_PIXEL_FORMAT_RGBA32F}, {"a.hdr", 16 + 12, FNL_PIXEL_FORMAT_RGBA32F}, {"a.png", 4 + 12, FNL_PIXEL_FORMAT_RGBA8}, {"b.png", 8 + 12, FNL_PIXEL_FORMAT_RGBA16}};
+    static uint8_t pixels[64 * 32 * 16];
+    char folder[] = "/tmp/fanal-environment-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    for (uint32_t i = 0; i < COUNT_OF(files); i++) {
+        char path[128], expected[256];
+        snprintf(path, sizeof path, "%s/%s", folder, files[i].name);
+        assert_int_equal(fnl_image_save(NULL, path, &(fnl_image){64, 32, files[i].format, pixels}), FNL_OK);
+        fnl_scene *scene = empty();
+        fnl_environment_params params = fnl_environment_params_default();
+        const uint64_t usual = params.max_memory, needed = 64 * 32 * files[i].bytes;
+        assert_true(usual >= (uint64_t)1 << 20);
+        params.source = path;
+        params.max_memory = needed - 1;
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_ERROR_MEMORY);
+        snprintf(expected, sizeof expected, "%s: the picture of 64 x 32 pixels needs %llu bytes of memory, over the limit of %llu", path,
+                 (unsigned long long)needed, (unsigned long long)needed - 1);
+        if (!strstr(lines.text, expected)) fail_msg("'%s' is not in '%s'", expected, lines.text);
+        params.max_memory = needed;
+        assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+        assert_int_equal(fnl_scene_query_environment(scene, &params), FNL_OK);
+        assert_true(params.max_memory == needed);
+        fnl_scene_destroy(&scene);
+        unlink(path);
+    }
+    rmdir(folder);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_skies_are_in_physical_units),     cmocka_unit_test(test_wrong_environments_are_explained),
         cmocka_unit_test(test_a_sky_beside_a_sun),              cmocka_unit_test(test_the_studio_has_a_key_light),
+        cmocka_unit_test(test_pictures_keep_their_values),
         cmocka_unit_test(test_suns_keep_their_light),           cmocka_unit_test(test_relative_pictures_beside_lights),
+        cmocka_unit_test(test_pictures_are_counted_before_they_are_decoded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -27,6 +27,7 @@ fnl_result scene_reserve_lights(fnl_scene *scene, uint32_t count) {
     bool room = lights < SCENE_NONE && array_reserve(host, &scene->lights, lights) &&
                 array_reserve(host, &scene->light_slots, slots) && array_reserve(host, &scene->free_light_slots, slots) &&
                 array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + count);
+    if (!room) log_error(host, "%s: no memory for %u more lights", scene->source, count);
     return room ? FNL_OK : FNL_ERROR_MEMORY;
 }
 
@@ -180,8 +181,10 @@ void scene_show_lights(fnl_scene *scene, uint32_t root) {
 
 fnl_result scene_add_profile(fnl_scene *scene, const fnl_host *host, const char *name, const void *data, size_t size, fnl_light_profile_id *out) {
     struct light_profile profile;
-    if (!array_reserve(&scene->host, &scene->profiles, (uint64_t)scene->profiles.count + 1)) return FNL_ERROR_MEMORY;
-    TRY(ies_read(host, &scene->arena, name, data, size, &profile));
+    const bool room = array_reserve(&scene->host, &scene->profiles, (uint64_t)scene->profiles.count + 1);
+    const fnl_result result = room ? ies_read(host, &scene->arena, name, data, size, &profile) : FNL_ERROR_MEMORY;
+    if (result == FNL_ERROR_MEMORY) log_error(host, "%s: memory ran out", name);
+    if (result != FNL_OK) return result;
     if ((uint64_t)scene->profile_floats + LIGHT_PROFILE_HEAD + (profile.rows + 1ull) * profile.columns >= SCENE_PROFILE_FLOATS_MAX) {
         log_error(host, "%s: the scene has no room for more light profiles", name);
         return FNL_ERROR_UNSUPPORTED;

@@ -4,13 +4,8 @@
 #include "scene/scene.h"
 #include "scene/scene_format.h"
 
-#include <unistd.h>
 
-fnl_load_params fnl_load_params_default(void) {
-    long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGESIZE);
-    bool known = pages > 0 && page_size > 0;
-    return (fnl_load_params){.max_memory = known ? (uint64_t)pages * (uint64_t)page_size / 2 : (uint64_t)4 << 30};
-}
+fnl_load_params fnl_load_params_default(void) { return (fnl_load_params){.max_memory = host_memory_limit()}; }
 
 /* The settings of a built-in scene, or NULL: it is a file. */
 static const char *builtin_of(const char *source) {

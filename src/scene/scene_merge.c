@@ -19,8 +19,10 @@ static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     bool room = ROOM(files) && ROOM(resources) && ROOM(sources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(probes) && ROOM(painted) && ROOM(cameras) &&
                 ROOM(variants) && ROOM(profiles) && ROOM(levels) && into->profile_floats + from->profile_floats < SCENE_PROFILE_FLOATS_MAX && ROOM(packets) && ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
-                array_reserve(&into->host, &into->nodes, nodes);
-    return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
+                array_reserve(&into->host, &into->nodes, nodes) && array_reserve(&into->host, &into->parts, (uint64_t)into->parts.count + 1);
+    if (room) return scene_reserve_lights(into, from->lights.count);
+    log_error(&into->host, "%s: there is no room in %s", from->source, into->source); /* memory, or indices */
+    return FNL_ERROR_MEMORY;
 }
 
 #define APPEND(name)                                                                                                        \
@@ -212,6 +214,14 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
                                into->meshes.count,     into->nodes.count,    into->skins.count,     into->animations.count,
                                into->lights.count,     into->cameras.count,  into->decals.count,
                                into->probes.count,     into->variants.count};
+    into->parts.data[into->parts.count++] = (struct scene_part){root,
+                                                                into->nodes.data[root].generation,
+                                                                at.images,
+                                                                from->images.count,
+                                                                at.materials,
+                                                                from->materials.count,
+                                                                into->files.count,
+                                                                from->files.count};
     APPEND(files);
     APPEND(resources);
     APPEND(sources);

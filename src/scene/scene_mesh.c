@@ -68,7 +68,7 @@ static const void *copy_optional(struct arena *arena, const void *data, uint64_t
 }
 
 /* The arrays of the params, completed. What else a primitive has is left out. */
-static fnl_result make_primitive(struct arena *arena, const fnl_mesh_params *p, enum scene_topology topology,
+static fnl_result make_primitive(const fnl_scene *scene, struct arena *arena, const fnl_mesh_params *p, enum scene_topology topology,
                                  struct scene_primitive *out) {
     bool failed = false;
     uint64_t count = p->vertex_count;
@@ -84,7 +84,7 @@ static fnl_result make_primitive(struct arena *arena, const fnl_mesh_params *p, 
         .uv = {copy_optional(arena, p->uv, count * sizeof(vec2), &failed)},
         .colors = copy_optional(arena, p->colors, count * sizeof(vec4), &failed),
     };
-    return failed ? FNL_ERROR_MEMORY : mesh_complete(arena, out);
+    return failed ? FNL_ERROR_MEMORY : mesh_complete_by(arena, out, 0, out->material == SCENE_NONE ? NULL : scene->materials.data[out->material].tangent_frame);
 }
 
 static bool equal(const void *a, const void *b, uint64_t size) {
@@ -134,7 +134,7 @@ fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, f
     TRY(check_pointer(call, "params", params));
     TRY(check_mesh(call, scene, params, 3));
     struct scene_primitive primitive;
-    TRY(make_primitive(&scene->arena, params, SCENE_TOPOLOGY_TRIANGLES, &primitive));
+    TRY(make_primitive(scene, &scene->arena, params, SCENE_TOPOLOGY_TRIANGLES, &primitive));
     uint32_t index = scene_add_mesh(scene, "", &primitive, 1);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_mesh_id){index, FIXED_GENERATION};
@@ -179,7 +179,7 @@ fnl_result fnl_scene_set_mesh(fnl_scene *scene, fnl_mesh_id id, uint32_t primiti
 
     struct arena memory;
     arena_init(&memory, &scene->host, 4096);
-    fnl_result result = make_primitive(&memory, params, old->topology, &made);
+    fnl_result result = make_primitive(scene, &memory, params, old->topology, &made);
     if (result != FNL_OK) {
         arena_finish(&memory);
         return result;

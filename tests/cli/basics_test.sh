@@ -42,7 +42,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 2 "no command 'triangle.gltf'" help triangle.gltf
     unset DISPLAY WAYLAND_DISPLAY
     for scene in builtin:hall triangle.gltf nowhere.glb; do
-        expect 2 "(no display for|built without) the viewer. To render a picture: fanal render '$scene' -o picture.png" $scene --lights 3
+        expect 2 "(no display for|built without) the viewer. To render a picture: fanal render $scene -o picture.png" $scene --lights 3
     done
     [ ! -s out ] || fail 'a scene without a display prints to stdout'
     if command -v Xvfb >/dev/null && "$fanal" view --help >/dev/null 2>&1; then
@@ -54,6 +54,43 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
             fail "a scene with a display: $(head -c 400 out)"
         kill $server
     fi
+
+    # What looks like a number, a size or a list, and is none; empty values.
+    bad() { # OPTION VALUE…
+        local option=$1 value
+        shift
+        for value in "$@"; do expect 2 "^fanal: error: .*$option" render triangle.gltf $small "$option=$value" -o bad.png; done
+    }
+    bad --size +32x32 32x+32 ' 32x32' '32 x32' 32x32x 32x 0x10 -3x3 32X32
+    bad --frames +3 ' 3' '3 ' 0x3 3.0 1e2 99999999999999999999
+    bad --frame-time +1 ' 1' 0x1 inf nan 1e999 1,5
+    bad --eye 1,2 1,2,3, +1,2,3 1,,3 ' 1,2,3' 1,2,0x3 1,2,1e39 nan,0,0
+    bad --exposure +3 ' 3' 0x3 3ev
+    bad --light-shapes point,,spot point, point=+3 point=0x3 'point= 3' point=
+    bad --aov , depth, ,depth depth,,normal
+    bad --pixel 1,2, +1,2 1,-2 ' 1,2'
+    bad --probe 0,0,0,1,1 0,0,0,1,1,1,1,1 +0,0,0,1,1,1 0,0,0,1,1,1, ' 0,0,0,1,1,1'
+    bad --max-memory +3 ' 3' 3m
+    expect 2 'set: gbuffer.fullness is .*must be|set: there is no option' render triangle.gltf --set gbuffer.fullness=+1 -o bad.png
+    for value in +0.5 ' 0.5' 0x1 nan inf 0.5x; do expect 2 "coarse.tolerance is '.*', must be a number" render triangle.gltf $small --set "coarse.tolerance=$value" -o bad.png; done
+    for value in +8 ' 8' 0x8 -8; do expect 2 "tiles.size is '.*', must be a whole number" render triangle.gltf $small --set "tiles.size=$value" -o bad.png; done
+    for option in aov device size output stats environment camera variant animation set hmd format camera-path; do expect 2 "the value of --$option is empty; see 'fanal render --help'" render triangle.gltf $small "--$option=" -o bad.png; done
+    expect 2 'the value of -o is empty' render triangle.gltf -o ''
+    expect 2 "max-diff: '\\+1' is not" compare triangle.gltf triangle.gltf --max-diff +1
+    for value in 1/ 1/0 1/+2 ' 1' 0x1 nan; do expect 2 "max-diff: '.*' is not" compare triangle.gltf triangle.gltf --max-diff "$value"; done
+    expect 2 "cube: '\\+64' is not a whole number" compress a.exr --cube +64 -o a.dds
+    for path in orbit: orbit:+3 'turntable: 3' orbit:3x orbit:0; do expect 2 "camera-path: ${path/+/.}" render triangle.gltf $small --camera-path "$path" --frames 2 -o 'bad-%d.png'; done
+    absent bad*.png
+
+    # A percent sign in a name.
+    expect 2 '%% is a percent sign' render triangle.gltf $small -o 50%.png
+    expect 2 '%% is a percent sign' render triangle.gltf $small -o 50%%-%.png
+    mkdir '9%'
+    expect 0 'wrote 9%/50%.png$' render triangle.gltf $small -o 9%%/50%%.png
+    expect 0 'wrote 9%/%-0.png to 9%/%-1.png$' render triangle.gltf $small --frames 2 --frame-time 0 -o 9%%/%%-%d.png
+    for name in 50% %-0 %-1; do [ -s "9%/$name.png" ] || fail "no 9%/$name.png: $(ls 9%)"; done
+    expect 2 'there is no folder none%' render triangle.gltf $small -o none%%/a-%d.png
+    expect 2 'are one file' render triangle.gltf $small -o a%%.png -o ./a%%.png
 
     # A folder with one scene, and what is no glTF.
     mkdir model

@@ -27,7 +27,7 @@ refuses() {
 refuses '--displays FILE is needed' -o a.png
 refuses 'there is no example' --displays builtin:castle -o a.png
 refuses 'none.json: cannot be read' --displays none.json -o a.png
-refuses '/dev/zero: cannot be read: it is no regular file' --displays /dev/zero -o a.png
+refuses '/dev/zero: cannot be read: it is a device, not a regular file' --displays /dev/zero -o a.png
 refuses 'needs %w' --displays builtin:cave -o a-%e.png
 refuses 'needs %e' --displays builtin:three -o a-%w.png
 refuses 'needs %d' --displays builtin:mono --frames 2 -o a.png
@@ -40,6 +40,11 @@ refuses '--fov has no effect' --displays builtin:mono -o a.png --fov 60
 refuses '--start-frame must be below --frames' --displays builtin:mono -o a.png --start-frame 1
 refuses 'belong together' --displays builtin:mono -o a.png --eye 0,0,1
 refuses 'a drill' --displays builtin:mono -o a.png --fault 1,2,sleepy
+for fault in +0,0,lost ' 0,0,lost' 0,0x0,lost -1,0,lost 0,-1,lost 0,0, 0,0 99,0,lost; do refuses 'a drill' --displays builtin:mono -o a.png --fault="$fault"; done
+refuses 'there is no rank 9; there is 1, from 0' --displays builtin:mono -o a.png --fault 9,0,lost
+refuses 'there is no frame 9; there are 0 to 1' --displays builtin:mono --frames 2 -o a-%d.png --fault 0,9,pose
+refuses '%% is a percent sign' --displays builtin:mono -o 5%.png
+cave --displays builtin:mono -o 5%%.png && [ -s 5%.png ] || fail 'a percent sign in a name'
 refuses 'needs an .exr' --displays builtin:mono -o a.png --aov depth
 "$fanal" cave --displays builtin:cave --print >cave.json || fail 'an example is not printed'
 cp cave.json cave.copy
@@ -125,6 +130,10 @@ for kind in hang lost; do
     [ "$(echo $kind-*-0.png | wc -w)" = 10 ] || fail "a rank that is $kind: frame 0 is not whole: $(echo $kind-*-0.png)"
 done
 none '*.part' 'after all'
+
+ranks 2 --frames 3 -o 'none-%w-%e-%d.png' --fault 9,9,lost && fail 'a drill of a rank that is not there'
+grep -q 'there is no rank 9; there are 2, from 0' out || fail 'a drill of a rank that is not there'
+none 'none-*.png' 'a drill of a rank that is not there'
 
 # The swap tells poses apart.
 ranks 3 --frames 3 -o 'pose-%w-%e-%d.png' --fault 1,2,pose && fail 'another pose'

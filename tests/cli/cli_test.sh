@@ -54,7 +54,7 @@ expect 2 'ends in .png or .exr' render builtin:spheres -o "$work/a.jpg"
 expect 2 'belong together' render builtin:spheres --eye 1,2,3 -o "$work/a.png"
 expect 2 'camera.target is the position, must be another point' render builtin:spheres $plain --eye 1,2,3 --look-at 1,2,3 -o "$work/a.png"
 expect 2 'aov needs an .exr' render builtin:spheres --aov depth -o "$work/a.png"
-expect 2 'unrecognized option|unknown option|invalid option' render builtin:spheres --nonsense -o "$work/a.png"
+expect 2 "error: there is no option '--nonsense'; see 'fanal render --help'" render builtin:spheres --nonsense -o "$work/a.png"
 expect 2 'nowhere' render builtin:nowhere -o "$work/a.png"
 expect 2 'camera' render builtin:spheres --camera nobody $plain -o "$work/a.png"
 expect 2 'animation' render builtin:spheres --animation 7 $plain -o "$work/a.png"
@@ -248,6 +248,17 @@ expect 0 'light evaluations' render builtin:spheres $plain --lists clustered -o 
 expect 0 '' render builtin:spheres $plain -o "$work/b.png" -o "$work/b.exr" --aov depth,normal,albedo,roughness,id,position,object --quiet
 cmp -s "$work/a.png" "$work/b.png" || fail 'two runs gave different PNG bytes'
 cmp -s "$work/a.exr" "$work/b.exr" || fail 'two runs gave different EXR bytes'
+# No picture depends on what is written beside it, single or in a sequence, averaged or not.
+for options in '' '--supersample 2' '--frames 2 --camera-path orbit:4'; do
+    number=0
+    [ "${options#--frames}" = "$options" ] || number=%d
+    for outputs in png exr 'png exr'; do
+        files=
+        for kind in $outputs; do files="$files -o $work/beside-${#outputs}-$number.$kind"; done
+        expect 0 '' render 'builtin:glass?lights=20' $plain --msaa 1 --aa none $options -q $files
+    done
+    for kind in png exr; do cmp -s "$work/beside-3-0.$kind" "$work/beside-7-0.$kind" || fail "another .$kind beside it changes a .$kind ($options)"; done
+done
 # The picture alone: the same bytes, a line that says how long it took, no table.
 expect 0 '[0-9.]+ s for the frame on ' render builtin:spheres $plain --lists clustered --frames 0 -o "$work/alone.png"
 grep -qE 'evaluations|median' "$work/out" && fail '--frames 0 counts and measures'

@@ -96,6 +96,11 @@ bad ': /eyes/0/hidden: must be' '{"ipd":0.06,"eyes":[{"tangents":[-1,1,-1,1],"hi
 bad ': /eyes/0/lens: has no' '{"ipd":0.06,"eyes":[{"tangents":[-1,1,-1,1],"lens":{"red":[1]}},{}]}'
 bad ': /resolution: must be whole' "{\"ipd\":0.06,\"resolution\":[1.5,2],\"eyes\":[$eyes]}"
 refuse 'nowhere.json' --stereo left --hmd nowhere.json
+mkfifo pipe.json # nobody writes to it
+mkdir folder.json
+refuse 'pipe.json: cannot be read: it is a pipe' --stereo left --hmd pipe.json
+refuse 'folder.json: cannot be read: it is a folder' --stereo left --hmd folder.json
+refuse '/dev/zero: cannot be read: it is a device' --stereo left --hmd /dev/zero
 refuse 'builtin:canted' --stereo left --hmd builtin:none
 refuse '--ipd' --stereo left --ipd -1
 refuse 'stereo.path' --stereo side-by-side --set multiview=off

@@ -192,7 +192,7 @@ sed -i '1i size 500 450' bad.txt
 # ---- files that change ----
 
 mkfifo live.txt
-timeout 900 "$fanal" view swing.gltf --validate --device 0 --headless --size 96x54 $plain --replay live.txt >out 2>&1 &
+timeout 900 "$fanal" view swing.gltf --validate --device 0 --headless --size 96x54 $plain --replay - <live.txt >out 2>&1 &
 viewer=$!
 exec 4>live.txt
 tell() { printf '%s\n' "$@" >&4; }

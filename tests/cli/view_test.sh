@@ -154,7 +154,7 @@ command moved.sh
 EOF
 replay moves builtin:onetile --headless --no-panels --size 160x90 --shadows off --lights 5 --environment builtin:sky --environment-rotation 40 || fail 'the replay of moves ended with an error'
 same moved
-grep -q -e "--lights '5'" moved.sh && grep -q -e "--environment 'builtin:overcast'" moved.sh && grep -q -e '--environment-hidden' moved.sh || fail "the command does not say all: $(cat moved.sh)"
+grep -q -e '--lights 5' moved.sh && grep -q -e '--environment builtin:overcast' moved.sh && grep -q -e '--environment-hidden' moved.sh || fail "the command does not say all: $(cat moved.sh)"
 # moved FROM TO: how far the camera went, up and along the ground, in all.
 moved() { awk -F'\t' '$1 == "camera" { if (seen++) printf "%.6f %.6f\n", $3 - y, sqrt(($2 - x) ^ 2 + ($4 - z) ^ 2); x = $2; y = $3; z = $4 }' "$1" "$2"; }
 read -r up along < <(moved start.tsv flown.tsv)
@@ -193,6 +193,14 @@ refused 'bad.txt:1: not an event' --headless --size 16x16 --replay bad.txt --no-
 printf 'click nothing like it\n' >bad.txt
 refused 'no widget in sight' --headless --size 16x16 --replay bad.txt --no-cache --device 0
 refused 'cannot be read' --headless --size 16x16 --replay missing.txt --no-cache --device 0
+mkfifo pipe.txt # nobody writes to it
+refused 'pipe.txt: cannot be read: it is a pipe' --headless --size 16x16 --replay pipe.txt --no-cache --device 0
+refused '. cannot be read: it is a folder' --headless --size 16x16 --replay . --no-cache --device 0
+refused '/dev/zero: cannot be read: it is a device' --headless --size 16x16 --replay /dev/zero --no-cache --device 0
+for event in report command; do
+    echo "$event /dev/full" >full.txt
+    refused '/dev/full: cannot be written: No space' builtin:onetile --headless --size 16x16 --replay full.txt --no-cache --device 0
+done
 refused 'needs --replay' --headless
 refused 'cannot be combined' --replay a --record b
 refused 'fifo, mailbox or immediate' --present sometimes
@@ -218,6 +226,10 @@ if command -v Xvfb >/dev/null; then
     cp all.txt broken.glb short.glb broken.hdr window
     (cd window && replay all builtin:spheres --shadows off --size 160x90) || fail 'the first replay, in a window'
     for name in orbit size dropped plain; do "$fanal" compare $name.png window/$name.png --max-diff 0 >out 2>&1 || fail "$name.png is another picture in a window"; done
+    timeout 900 "$fanal" view builtin:onetile --record /dev/full --exit-after 3 --size 64x36 --no-cache --no-settings --device 0 >out 2>&1 && fail 'a record on a full disk is no error'
+    grep -q '/dev/full: cannot be written: No space' out || fail 'a record on a full disk: no word of it'
+    timeout 900 "$fanal" view builtin:onetile --record record.txt --exit-after 3 --size 64x36 --no-cache --no-settings --device 0 >out 2>&1 || fail 'a record'
+    grep -q '^frames 1$' record.txt || fail 'the record has no frame'
     # What stands on the screen.
     "$fanal" view builtin:onetile --no-cache --no-settings --device 0 --size 320x180 --no-panels >out 2>&1 &
     program=$!

@@ -33,7 +33,7 @@ uint record_bits(gpu_primitive primitive, uint number) {
     gpu_material m = push.geometry.scene.scene.materials.at[primitive.material];
     uint bits = primitive.corners << DAIS_CORNERS;
     for (uint i = 0u; i < GPU_TEXTURE_COUNT; i++)
-        if (m.textures[i].image != GPU_TEXTURE_NONE) bits |= m.textures[i].uv_set == 0u ? DAIS_UV0 : DAIS_UV1;
+        if (m.textures[i].image != GPU_TEXTURE_NONE) bits |= (m.textures[i].flags & GPU_TEXTURE_UV1) == 0u ? DAIS_UV0 : DAIS_UV1;
     if (m.textures[2].image != GPU_TEXTURE_NONE) bits |= DAIS_TANGENT;
     if ((m.flags & GPU_MATERIAL_LAYERED) != 0u) bits |= DAIS_UV0 | DAIS_UV1 | DAIS_TANGENT;
     if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) bits |= DAIS_BIND;

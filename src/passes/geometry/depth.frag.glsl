@@ -12,5 +12,5 @@ layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a) || material_clear(materials, in_ids.x)) discard;
 }

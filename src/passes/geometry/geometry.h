@@ -49,7 +49,7 @@ struct geometry_scene {
     uint32_t most_triangles;                     /* of one item; lines and points count too */
     uint32_t material_count, material_classes;   /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
-    uint32_t caster_count;                       /* items before this one cast shadows, if they are opaque triangles */
+    uint32_t caster_count;                       /* items before this one cast shadows, if they are triangles of a material that does */
     uint32_t features;                           /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
     graph_buffer feature_buffers[6];             /* what they read for it; id 0: none */
     uint64_t cluster_count, triangle_count;      /* of all items that are culled by clusters */

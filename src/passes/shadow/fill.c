@@ -53,8 +53,11 @@ static void add_draw(struct graph *graph, gpu_device *device, const struct shado
                                       .side = (float)graph_image_info(graph, in->atlas).width}};
     if (!data.corners.data) return; /* the error sticks to the device */
     memcpy(data.corners.data, corners, sizeof corners);
-    for (uint32_t i = 0; i < in->scene->bucket_count; i++)
-        if (geometry_bucket_clustered(&in->scene->buckets[i])) data.casts[in->scene->buckets[i].mask] = true;
+    for (uint32_t i = 0; i < in->scene->bucket_count; i++) {
+        const struct geometry_bucket *bucket = &in->scene->buckets[i];
+        if (geometry_bucket_clustered(bucket)) data.casts[bucket->mask] = true;
+        if (bucket->forward_layouts >> GEOMETRY_TRANSMISSIVE & 1) data.casts[1] = true; /* clear parts are holes */
+    }
     struct graph_pass *pass = graph_add_pass(graph, "shadow fill", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
     graph_use_buffer(pass, in->scene->vertices, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws, GRAPH_INDIRECT);

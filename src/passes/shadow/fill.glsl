@@ -30,7 +30,9 @@ gpu_fill_caster caster_of(rays_block rays, uint index, uint caster_count) {
     scene_block s = rays.rays.scene;
     gpu_item item = s.scene.items.at[index];
     gpu_fill_caster c = gpu_fill_caster(s.scene.instances.at[item.instance].rows, vec3(1.0), vec3(0.0), item.primitive);
-    if (index < caster_count && (s.scene.materials.at[s.scene.primitives.at[item.primitive].material].flags & GPU_MATERIAL_SHADOWLESS) == 0u) {
+    uint flags = s.scene.materials.at[s.scene.primitives.at[item.primitive].material].flags;
+    bool clear = (flags & (GPU_MATERIAL_TRANSMISSIVE | GPU_MATERIAL_DARK)) == GPU_MATERIAL_TRANSMISSIVE;
+    if (index < caster_count && (flags & GPU_MATERIAL_SHADOWLESS) == 0u && !clear) {
         gpu_ray_box box = rays.rays.primitive_boxes.at[item.primitive];
         c.low = box.low;
         c.high = box.high;

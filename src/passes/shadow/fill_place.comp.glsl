@@ -30,7 +30,7 @@ void draw(uint index) {
         d.index_count = 3u * cluster.triangle_count;
         d.first_index += 3u * cluster.first_triangle;
     }
-    uint cutout = (s.scene.materials.at[primitive.material].flags & GPU_MATERIAL_MASK) != 0u ? 1u : 0u;
+    uint cutout = (s.scene.materials.at[primitive.material].flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_TRANSMISSIVE)) != 0u ? 1u : 0u;
     push.draws.at[cutout * push.unit_count + atomicAdd(push.totals.totals.draw_counts[cutout], 1u)] = d;
     atomicAdd(push.totals.totals.triangles, d.index_count / 3u * count);
 }

@@ -20,7 +20,8 @@ static bool is_compressed(const struct device_scene *d) { return d->scene->envir
 /* Of all that the maps depend on; bright sources have left the picture by now. */
 static uint64_t key_of(const struct device_scene *d, const struct panorama *p) {
     const uint64_t parts[] = {environment_version(), p->width, p->height, is_compressed(d)};
-    return hash_bytes(p->texels, (size_t)p->width * p->height * 3 * sizeof(float), hash_bytes(parts, sizeof parts, HASH_SEED));
+    const uint64_t start = hash_bytes(parts, sizeof parts, HASH_SEED), unit = hash_bytes(&d->scene->environment.unit, sizeof(float), start);
+    return hash_bytes(p->texels, (size_t)p->width * p->height * 3 * sizeof(float), unit);
 }
 
 static void name_kept(uint64_t key, char out[40]) { snprintf(out, 40, KEPT_STEM "%016llx", (unsigned long long)key); }
@@ -96,10 +97,11 @@ static bool keep(struct device_scene *d, bool wait) {
 static fnl_result send_picture(struct device_scene *d, const struct panorama *p) {
     const size_t count = (size_t)p->width * p->height, bytes = count * 4 * sizeof(uint16_t);
     const uint16_t one = half_from_float(1);
+    const float scale = 1 / d->scene->environment.unit;
     uint16_t *pixels = host_allocate(&d->host, bytes);
     if (!pixels) return FNL_ERROR_MEMORY;
     for (size_t i = 0; i < count; i++) {
-        for (size_t c = 0; c < 3; c++) pixels[4 * i + c] = half_from_float(p->texels[3 * i + c]);
+        for (size_t c = 0; c < 3; c++) pixels[4 * i + c] = half_from_float(p->texels[3 * i + c] * scale);
         pixels[4 * i + 3] = one;
     }
     const fnl_result result = environment_prepare(d->device, pixels, p->width, p->height, is_compressed(d), &d->environment);

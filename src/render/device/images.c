@@ -132,7 +132,10 @@ fnl_result device_image_ask(struct device_scene *d, uint32_t index) {
     struct device_image *own = &d->images.data[index];
     if (own->coming) return FNL_OK;
     uint32_t threads = jobs_thread_count(gpu_jobs(d->device)); /* one stays free for frames */
-    if (!d->image_queue) TRY(image_queue_create(&d->host, MAX(threads, 2u) - 1, &d->image_queue));
+    if (!d->image_queue) {
+        TRY(image_queue_create(&d->host, MAX(threads, 2u) - 1, &d->image_queue));
+        atomic_fetch_add(&d->scene->readers, 1);
+    }
     const struct image_request request = {.id = index,
                                           .bytes = image->encoded,
                                           .size = image->encoded_size,
@@ -149,6 +152,12 @@ fnl_result device_image_ask(struct device_scene *d, uint32_t index) {
 static void arrived(struct device_scene *d, struct device_image *own) {
     d->images_coming -= own->coming;
     own->coming = false;
+}
+
+/* Waits for those that are being decoded. */
+static void close_queue(struct device_scene *d) {
+    if (d->image_queue) atomic_fetch_sub(&d->scene->readers, 1);
+    image_queue_destroy(&d->image_queue);
 }
 
 /* Sends what there is room for; false: some rows are missing. */
@@ -232,14 +241,14 @@ fnl_result device_images_take(struct device_scene *d) {
     }
     if (d->images_coming == 0) {
         end_arrival(d);
-        image_queue_destroy(&d->image_queue);
+        close_queue(d);
     }
     return any ? show_arrivals(d) : FNL_OK;
 }
 
 void device_images_free(struct device_scene *d) {
     end_arrival(d);
-    image_queue_destroy(&d->image_queue);
+    close_queue(d);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].gpu.handle) gpu_image_destroy(d->device, &d->images.data[i].gpu);
     d->images.count = d->images_coming = 0;
@@ -257,14 +266,18 @@ static void find_used(struct device_scene *d) {
         }
 }
 
+static void free_image(struct device_scene *d, struct device_image *own) {
+    if (own->gpu.handle) gpu_image_destroy(d->device, &own->gpu);
+    own->blue = -1;
+}
+
 /* The image of before is of no more use. */
 static void forget_changed(struct device_scene *d, struct device_image *own, uint32_t version) {
     if (own->version == version) return;
-    if (own->gpu.handle) gpu_image_destroy(d->device, &own->gpu);
+    free_image(d, own);
     arrived(d, own);
     own->broken = false;
     own->version = version;
-    own->blue = -1;
 }
 
 /* Uploads an image, or asks for it, or adds it to `encoded`, of those to be decoded now. */
@@ -272,6 +285,7 @@ static fnl_result need_image(struct device_scene *d, uint32_t index, uint32_t *e
     const struct scene_image *image = &d->scene->images.data[index];
     struct device_image *own = &d->images.data[index];
     forget_changed(d, own, image->version);
+    if (!own->used) free_image(d, own);
     if (!own->used || own->gpu.handle || own->broken || image->width == 0 || image->height == 0) return FNL_OK;
     if (image->pixels) {
         const struct texture texture = {

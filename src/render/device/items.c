@@ -63,7 +63,7 @@ static void walk_items(struct item_walk *w) {
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
         uint32_t own = d->nodes.data[n].first_primitive;
         for (uint32_t k = 0; k < node->instance_count; k++) {
-            mat4 m = device_instance_matrix(node, k);
+            mat4 m = device_instance_matrix(scene, node, k);
             bool mirrored = mat4_determinant3(&m) < 0;
             for (uint32_t i = 0; i < mesh->primitive_count; i++) {
                 uint32_t primitive = own == SCENE_NONE ? mesh->first_primitive + i : own + i;
@@ -113,7 +113,7 @@ static fnl_result add_to_bucket(struct device_scene *d, uint32_t index) {
     bucket->item_count += group->count;
     bucket->group_count++;
     if (sorted) d->blend_item_count += group->count;
-    if (!sorted && !(bucket->forward_layouts >> GEOMETRY_TRANSMISSIVE & 1)) d->caster_count = group->first + group->count;
+    if (!sorted) d->caster_count = group->first + group->count;
     return FNL_OK;
 }
 

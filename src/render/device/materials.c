@@ -8,6 +8,8 @@ static VkSamplerAddressMode address_mode(enum scene_wrap wrap) {
                                        : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
 }
 
+static bool is_anisotropic(const struct scene_sampler *s) { return s->mipmapped && s->min == SCENE_FILTER_LINEAR; }
+
 static uint32_t sampler_index(struct device_scene *d, uint32_t index) {
     const struct scene_sampler *s = &d->scene->samplers.data[index];
     struct gpu_sampler_params params = {
@@ -17,7 +19,7 @@ static uint32_t sampler_index(struct device_scene *d, uint32_t index) {
         .mipmapped = s->mipmapped,
         .wrap_u = address_mode(s->wrap_u),
         .wrap_v = address_mode(s->wrap_v),
-        .anisotropy = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? d->scene->anisotropy : 1};
+        .anisotropy = is_anisotropic(s) ? d->scene->anisotropy : 1};
     return gpu_sampler_index(d->device, &params);
 }
 
@@ -69,7 +71,7 @@ static uint32_t material_class(const struct device_scene *d, const struct scene_
 
 /* Where neither has a picture they are the same too. */
 static bool same_texture(const struct gpu_texture *a, const struct gpu_texture *b) {
-    return a->image == b->image && a->sampler_index == b->sampler_index && a->uv_set == b->uv_set &&
+    return a->image == b->image && a->sampler_index == b->sampler_index && a->flags == b->flags &&
            memcmp(a->transform, b->transform, sizeof a->transform) == 0;
 }
 
@@ -81,7 +83,8 @@ static struct gpu_texture device_texture(struct device_scene *d, const struct sc
     const struct gpu_image *image = &d->images.data[t->image].gpu;
     if (image->handle) out.image = scene_texture_is_color(slot) && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
     out.sampler_index = sampler_index(d, t->sampler);
-    out.uv_set = t->uv_set;
+    const struct scene_sampler *s = &d->scene->samplers.data[t->sampler];
+    out.flags = (t->uv_set ? GPU_TEXTURE_UV1 : 0) | (is_anisotropic(s) ? 0 : GPU_TEXTURE_ROUND);
     if (t->uv_set) d->texture_bits |= GEOMETRY_UV1;
     memcpy(out.transform, t->transform, sizeof out.transform);
     return out;
@@ -94,18 +97,31 @@ static vec3 absorption_of(const fnl_volume_params *volume) {
     return vec3_make(out[0], out[1], out[2]);
 }
 
+static vec4 turn_of(const struct scene_material *m, enum scene_texture_slot slot, float scale) {
+    float t[4];
+    scene_texture_turn_of(m, slot, t);
+    return vec4_make(t[0] * scale, t[1] * scale, t[2] * scale, t[3] * scale);
+}
+
+/* The material turns the direction within the texture's axes. */
+static vec4 anisotropy_turn(const struct scene_material *m) {
+    const float c = cosf(m->anisotropy.rotation), s = sinf(m->anisotropy.rotation);
+    const vec4 t = turn_of(m, SCENE_TEXTURE_ANISOTROPY, 1);
+    return vec4_make(t.x * c + t.y * s, t.y * c - t.x * s, t.z * c + t.w * s, t.w * c - t.z * s);
+}
+
 static struct gpu_layers device_layers(struct device_scene *d, const struct scene_material *m) {
     struct gpu_layers g = {.sheen_color = vec3_make(m->sheen.color[0], m->sheen.color[1], m->sheen.color[2]),
                            .sheen_roughness = m->sheen.roughness,
                            .clearcoat = m->clearcoat.strength,
                            .clearcoat_roughness = m->clearcoat.roughness,
-                           .clearcoat_normal_scale = m->clearcoat.normal_scale,
+                           .clearcoat_normal_turn = turn_of(m, SCENE_TEXTURE_CLEARCOAT_NORMAL, m->clearcoat.normal_scale),
                            .film = m->iridescence.strength,
                            .film_ior = m->iridescence.ior,
                            .film_thinnest = m->iridescence.thickness_minimum,
                            .film_thickest = m->iridescence.thickness_maximum,
                            .anisotropy = m->anisotropy.strength,
-                           .anisotropy_turn = {cosf(m->anisotropy.rotation), sinf(m->anisotropy.rotation)},
+                           .anisotropy_turn = anisotropy_turn(m),
                            .transmission = m->transmission.strength,
                            .thickness = m->volume.thickness,
                            .absorption = absorption_of(&m->volume),
@@ -129,9 +145,9 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
                              .roughness = m->roughness,
                              .dielectric_f0 = dielectric_f0(m),
                              .specular = m->specular,
-                             .normal_scale = m->normal_scale,
+                             .normal_turn = turn_of(m, SCENE_TEXTURE_NORMAL, m->normal_scale),
                              .occlusion_strength = m->occlusion_strength,
-                             .alpha_cutoff = m->alpha_cutoff,
+                             .alpha_cutoff = scene_material_cutoff(m),
                              .flags = (m->unlit ? GPU_MATERIAL_UNLIT : 0) |
                                       (m->alpha_mode == FNL_ALPHA_MASK ? GPU_MATERIAL_MASK : 0) |
                                       (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) |
@@ -139,6 +155,7 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
                                       (m->casts_shadows ? 0 : GPU_MATERIAL_SHADOWLESS) |
                                       (scene_material_layered(m) ? GPU_MATERIAL_LAYERED : 0) |
                                       (scene_material_transmissive(m) ? GPU_MATERIAL_TRANSMISSIVE : 0) |
+                                      (scene_material_dark(m) ? GPU_MATERIAL_DARK : 0) |
                                       material_class(d, m) << GPU_MATERIAL_CLASS_SHIFT,
                              .forward_layouts = device_material_forward_layouts(d, m, id)};
     for (int slot = 0; slot < SCENE_TEXTURE_CORE_COUNT; slot++) g.textures[slot] = device_texture(d, m, (enum scene_texture_slot)slot);

@@ -8,20 +8,20 @@ static struct gpu_instance device_instance(const mat4 *m) {
     return r;
 }
 
-mat4 device_instance_matrix(const struct scene_node *node, uint32_t k) {
-    if (node->skin != SCENE_NONE) return mat4_identity(); /* the joints carry it (glTF 2.0, 3.7.3.1) */
+mat4 device_instance_matrix(const fnl_scene *scene, const struct scene_node *node, uint32_t k) {
+    if (node->skin != SCENE_NONE) return skin_instance(skin_mirrors(scene, node)); /* the joints carry it (glTF 2.0, 3.7.3.1) */
     return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
 }
 
-void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out) {
+void device_scene_node_instances(const fnl_scene *scene, const struct scene_node *node, struct gpu_instance *out) {
     for (uint32_t k = 0; k < node->instance_count; k++) {
-        mat4 m = device_instance_matrix(node, k);
+        mat4 m = device_instance_matrix(scene, node, k);
         out[k] = device_instance(&m);
     }
 }
 
-bool device_node_mirrors(const struct scene_node *node) {
-    return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0;
+bool device_node_mirrors(const fnl_scene *scene, const struct scene_node *node) {
+    return node->skin == SCENE_NONE ? mat4_determinant3(&node->world) < 0 : skin_mirrors(scene, node);
 }
 
 bool device_node_deforms(const struct scene_node *node, const struct scene_primitive *p) {
@@ -85,7 +85,7 @@ static fnl_result send_instances(struct device_scene *d, uint32_t n) {
     for (uint32_t k = 0; k < node->instance_count;) {
         uint32_t part = MIN(node->instance_count - k, COUNT_OF(chunk));
         for (uint32_t i = 0; i < part; i++) {
-            mat4 m = device_instance_matrix(node, k + i);
+            mat4 m = device_instance_matrix(d->scene, node, k + i);
             chunk[i] = device_instance(&m);
         }
         uint64_t first = (uint64_t)d->nodes.data[n].first_instance + k;
@@ -126,7 +126,10 @@ fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uin
         const uint32_t n = nodes ? nodes[i] : i;
         const struct scene_node *node = &scene->nodes.data[n];
         if (d->nodes.data[n].first_instance == SCENE_NONE && device_node_draws(node)) TRY(take_place(d, n));
-        d->nodes.data[n].mirrored = device_node_mirrors(node);
+        const bool mirrors = device_node_mirrors(scene, node);
+        if (node->skin != SCENE_NONE && mirrors != d->nodes.data[n].mirrored && d->nodes.data[n].first_instance != SCENE_NONE)
+            d->nodes.data[n].fresh = true; /* it has another instance */
+        d->nodes.data[n].mirrored = mirrors;
     }
     TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "instances", &d->instances, before,
                               (uint64_t)d->instances_taken.end * sizeof(struct gpu_instance)));
@@ -151,7 +154,7 @@ static bool is_plain(const struct device_scene *d, uint32_t n) {
 }
 
 static void grow_bounds(struct device_scene *d, const struct scene_node *node) {
-    mat4 matrix = device_instance_matrix(node, 0);
+    mat4 matrix = device_instance_matrix(d->scene, node, 0);
     struct box box = box_transform(&d->scene->meshes.data[node->mesh].bounds, &matrix);
     if (!box_is_empty(&box)) box_add_box(&d->bounds, &box);
 }

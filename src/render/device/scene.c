@@ -126,7 +126,13 @@ static bool handedness_changed(const struct device_scene *d) {
         uint32_t n = listed ? scene->moved.data[i] : i;
         if (n >= d->nodes.count) continue; /* has come since */
         const struct device_node *place = &d->nodes.data[n];
-        if (place->first_instance != SCENE_NONE && device_node_mirrors(&scene->nodes.data[n]) != place->mirrored) return true;
+        if (place->first_instance != SCENE_NONE && device_node_mirrors(scene, &scene->nodes.data[n]) != place->mirrored) return true;
+    }
+    for (uint32_t i = 0; i < d->deformed.count; i++) { /* by joints, which need not be listed */
+        const uint32_t n = d->deformed.data[i].node;
+        if (n < scene->nodes.count && d->nodes.data[n].first_instance != SCENE_NONE && scene->nodes.data[n].generation == d->nodes.data[n].generation &&
+            device_node_mirrors(scene, &scene->nodes.data[n]) != d->nodes.data[n].mirrored)
+            return true;
     }
     return false;
 }
@@ -237,9 +243,9 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
     struct gpu_instance *out = move.slice.data;
     for (uint32_t i = 0; i < count; i++) {
         const struct scene_node *node = &scene->nodes.data[move.nodes[i]];
-        device_scene_node_instances(node, out);
+        device_scene_node_instances(scene, node, out);
         for (uint32_t k = 0; k < node->instance_count; k++) {
-            mat4 matrix = device_instance_matrix(node, k);
+            mat4 matrix = device_instance_matrix(scene, node, k);
             struct box box = box_transform(&scene->meshes.data[node->mesh].bounds, &matrix);
             if (!box_is_empty(&box)) box_add_box(&d->bounds, &box);
         }
@@ -268,7 +274,8 @@ static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph
         const float *values = node->morph_weights ? node->morph_weights : scene->meshes.data[node->mesh].morph_weights;
         for (uint32_t w = 0; w < deform->weight_count; w++)
             ((float *)weights.data)[deform->first_weight + w] = values ? values[w] : 0;
-        if (deform->matrix_count) skin_matrices(scene, deform->skin, (mat4 *)matrices.data + deform->first_matrix);
+        if (deform->matrix_count)
+            skin_instance_matrices(scene, deform->skin, d->nodes.data[deform->node].mirrored, (mat4 *)matrices.data + deform->first_matrix);
     }
     struct skin_input input = {.vertices = vertices,
                                .positions = d->positions.address,

@@ -440,7 +440,7 @@ fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uin
  * many, or one has several instances or deforms; nothing has changed then. Costs what was edited, and moving the items behind it.
  */
 fnl_result device_nodes_edit(struct device_scene *d, uint64_t since, bool *done);
-bool device_node_mirrors(const struct scene_node *node);
+bool device_node_mirrors(const fnl_scene *scene, const struct scene_node *node);
 /** Whether the vertices of a primitive are the node's own, moved every frame. */
 bool device_node_deforms(const struct scene_node *node, const struct scene_primitive *p);
 /** Logs it. */
@@ -463,7 +463,7 @@ fnl_result device_items_name(const struct device_scene *d, struct device_object 
 /** The addresses of all arrays (geometry.c). */
 fnl_result device_table_send(struct device_scene *d);
 /** Object to world of one of a node's instances, at its present pose; and the device form of all of them. */
-mat4 device_instance_matrix(const struct scene_node *node, uint32_t k);
-void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);
+mat4 device_instance_matrix(const fnl_scene *scene, const struct scene_node *node, uint32_t k);
+void device_scene_node_instances(const fnl_scene *scene, const struct scene_node *node, struct gpu_instance *out);
 
 #endif
