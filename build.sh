@@ -10,8 +10,9 @@ usage: ./build.sh VERB [OPTIONS]
   setup             installs the packages that are missing (apt, as root or through sudo; other systems: lists them)
   build             setup, then builds everything into build/: the command build/fanal, the library, the tests
   demo              installs what the command alone needs, builds it, renders the city with 4096 lights to demo.png
-  test              setup, builds, runs every test
-       -R REGEX       only tests whose name matches
+  test              setup, builds, runs the tests
+       -R REGEX       only tests whose name matches, marked or not
+       --all          also those marked so in tests/slow.txt: long tables of combinations, and what compares times (wants an idle machine)
        --quick        only those that take a few seconds (not those in tests/slow.txt): all within two minutes
        --coverage     also says of each checklist line whether tests show it, wholly or in part
        --sanitize     in build/sanitize, with AddressSanitizer and UndefinedBehaviorSanitizer
@@ -34,15 +35,16 @@ fail() { echo "build.sh: $*" >&2; exit 2; }
 
 verb=${1:-help}
 [ $# -gt 0 ] && shift
-install=yes sanitize='' clang='' coverage='' quick='' regex='' record='' seconds=60
+install=yes sanitize='' clang='' coverage='' skip='[0-9]+ all' regex='' record='' seconds=60
 while [ $# -gt 0 ]; do
     case $verb:$1 in
     *:--no-install) install= ;;
     test:--sanitize) sanitize=yes ;;
     test:--clang) clang=yes ;;
     test:--coverage) coverage=yes ;;
-    test:--quick) FANAL_SKIP=$(sed -n 's/^\([a-z].*\) .*/\1/p' tests/slow.txt | paste -sd ' '); export FANAL_SKIP; quick="^(${FANAL_SKIP// /|})\$" ;;
-    test:-R) [ $# -gt 1 ] || fail "-R needs a regular expression"; regex=$2; shift ;;
+    test:--quick) skip='[0-9]+( all)?' ;;
+    test:--all) skip='' ;;
+    test:-R) [ $# -gt 1 ] || fail "-R needs a regular expression"; regex=$2 skip=''; shift ;;
     fuzz:[1-9]*) seconds=$1 ;;
     bench:--record | shaders:--record) record=yes ;;
     *) fail "'$verb' has no option '$1' (see ./build.sh help)" ;;
@@ -109,7 +111,9 @@ test)
     if [ -n "$sanitize" ]; then folder+=/sanitize; options+=("-DFANAL_SANITIZE=address,undefined"); fi
     build $folder all "${options[@]}"
     [ -z "$coverage" ] || tools/checklist.sh
-    ctest --test-dir $folder --output-on-failure --no-tests=error -j 3 ${regex:+-R "$regex"} ${quick:+-E "$quick"}
+    FANAL_SKIP=$([ -z "$skip" ] || sed -nE "s/^([a-z].*) +$skip\$/\1/p" tests/slow.txt | paste -sd ' ') # parts of test_render
+    export FANAL_SKIP
+    ctest --test-dir $folder --output-on-failure --no-tests=error -j 3 ${regex:+-R "$regex"} ${FANAL_SKIP:+-E "^(${FANAL_SKIP// /|})\$"}
     ;;
 shaders) setup --tests; build build shader_report -DFANAL_TESTS=ON; if [ -n "$record" ]; then what=record; else what=show; fi; tools/shaders.sh $what build/tests/shader_report ;;
 fuzz)
