@@ -11,6 +11,7 @@
  */
 struct gpu_environment {
     vec3 diffuse[9];
+    float unit; /* of probes: what the texels of their cube are multiplied by, a power of two */
 };
 
 #endif

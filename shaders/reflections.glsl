@@ -40,7 +40,8 @@ vec3 reflection_radiance(reflections_block r, uint index, vec3 position, vec3 pl
     reflection_array from = r.set.reflections;
     vec3 looked = r.set.parallax == 1u ? reflection_direction(from, index, position, place, direction) : direction;
     uint cube = from.at[index].cube, sampler_index = r.set.sampler_index;
-    return textureLod(samplerCube(cubes[nonuniformEXT(cube)], samplers[sampler_index]), looked, lod * from.at[index].last_mip * r.set.mip_scale).rgb;
+    return textureLod(samplerCube(cubes[nonuniformEXT(cube)], samplers[sampler_index]), looked, lod * from.at[index].last_mip * r.set.mip_scale).rgb *
+           r.set.diffuse.at[index].unit;
 }
 
 struct light_around {

@@ -145,7 +145,7 @@ typedef enum fnl_debug_view {
 /** What a frame keeps for fnl_renderer_read; bits. */
 typedef enum fnl_output {
     FNL_OUTPUT_COLOR = 1,     /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
-    FNL_OUTPUT_RADIANCE = 2,  /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
+    FNL_OUTPUT_RADIANCE = 2,  /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F; alpha: the part of the pixel that surfaces cover */
     FNL_OUTPUT_SURFACE = 4,   /**< RGBA32F: base colour RGB and roughness of the nearest surface that is not blended */
     FNL_OUTPUT_NORMAL = 8,    /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
     FNL_OUTPUT_POSITION = 16, /**< RGBA32F: world-space position, draw item id + 1; 0 where there is nothing */

@@ -95,6 +95,7 @@ struct frame_state {
     struct denoise denoise; /* places.id 0: nothing was denoised */
     graph_image color;
     const struct frame_target *target; /* or NULL: where the picture goes besides */
+    bool sky_drawn;
     bool blended;                      /* the order has drawn blended surfaces itself */
 };
 

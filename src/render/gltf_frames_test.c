@@ -319,12 +319,11 @@ static void test_scales_of_any_size(void **state) {
             snprintf(what, sizeof what, "scale %g, %s normals", (double)scales[i], flat ? "flat" : "given");
             begin_with(1, 1 / fabsf(scales[i]), straight);
             snprintf(text, sizeof text, "\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":3}]}],\"nodes\":[{\"mesh\":0,\"scale\":[%g,%g,%g]}]",
-                     attributes[flat], (double)scales[i], (double)scales[i], (double)scales[i]);
+                     attributes[flat], (double)scales[i], fabs((double)scales[i]), fabs((double)scales[i]));
             fnl_scene *scene = finish(text);
             begin();
-            const float turn = scales[i] < 0 ? -1 : 1;
             snprintf(text, sizeof text, "\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":3}]}],\"nodes\":[{\"mesh\":0,\"scale\":[%g,%g,%g]}]",
-                     attributes[flat], (double)turn, (double)turn, (double)turn);
+                     attributes[flat], scales[i] < 0 ? -1.0 : 1.0, 1.0, 1.0);
             expect_same(scene, finish(text), what, flat ? 12 : 2); /* at edges of flat faces a rounded corner decides */
         }
 }

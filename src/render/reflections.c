@@ -181,10 +181,10 @@ void reflections_take_face(struct frame_state *f) {
     struct renderer_reflections *p = &r->captures_for->reflections;
     struct renderer_reflection *probe = &p->list.data[r->captured];
     const uint32_t side = f->frame->width;
-    if (f->view_index == 0) r->captured_texels = environment_texels_create(f->graph, side);
-    environment_face_add(f->graph, r->device, side, f->view_index, f->radiance, r->captured_texels);
+    if (f->view_index == 0) r->captured_faces = environment_faces_create(f->graph, side);
+    environment_face_add(f->graph, r->device, side, f->view_index, f->radiance, &r->captured_faces);
     if (f->view_index + 1 < FACES) return;
-    environment_faces_filter(f->graph, r->device, &probe->maps, r->captured_texels);
+    environment_faces_filter(f->graph, r->device, &probe->maps, &r->captured_faces);
 }
 
 static fnl_result capture(fnl_renderer *r, const fnl_frame *shown, uint32_t index) {

@@ -137,7 +137,7 @@ struct fnl_renderer {
     struct renderer_reflections reflections;
     struct fnl_renderer *captures_for; /* it makes frames that reflection probes of that renderer are captured by; NULL: it makes the caller's */
     uint32_t captured;                 /* of a renderer that captures: which one in the list */
-    graph_buffer captured_texels;      /* in such a frame: of the cube */
+    struct environment_faces captured_faces; /* in such a frame */
     uint64_t mapless_version; /* light_version of the scene + 1 at which it was asked whether it has lights without maps: shadows.c */
     bool mapless;
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */

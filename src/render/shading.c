@@ -219,7 +219,9 @@ fnl_background shading_background(const struct frame_state *f) {
     return f->frame->background;
 }
 
-static void add_sky(struct frame_state *f) {
+void shading_add_sky(struct frame_state *f) {
+    if (f->sky_drawn || !shading_shows_sky(f)) return;
+    f->sky_drawn = true;
     const fnl_background background = shading_background(f);
     const struct sky_params params = {.gradient = background == FNL_BACKGROUND_GRADIENT,
                                       .blur = background == FNL_BACKGROUND_BLUR ? f->frame->background_blur : 0};
@@ -227,7 +229,7 @@ static void add_sky(struct frame_state *f) {
 }
 
 VkFormat shading_format(const struct frame_state *f) {
-    if (f->frame->outputs & FNL_OUTPUT_RADIANCE) return VK_FORMAT_R32G32B32A32_SFLOAT;
+    if (f->frame->outputs & FNL_OUTPUT_RADIANCE || f->r->captures_for) return VK_FORMAT_R32G32B32A32_SFLOAT;
     return shading_is(f->frame->shading, SHADING_BLENDS) ? volumes_format(f->r->device) : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
@@ -330,7 +332,7 @@ bool shading_has_glass(const struct frame_state *f) { return geometry_draw_count
 
 static struct transmission find_glass(struct frame_state *f, const struct shade_input *input) {
     const uint32_t layers = MIN(MAX(f->r->transmission_layers, 1u), f->frame->transmission_layers);
-    const struct transmission found = transmission_find(f->graph, input, layers, f->depth);
+    const struct transmission found = transmission_find(f->graph, f->r->device, input, layers, f->radiance, f->depth);
     f->kept->transmission_layers = layers;
     f->kept->transmission_limit = f->frame->transmission_layers;
     COUNTERS_COPY(f, found.totals, 0, transmission);
@@ -406,7 +408,7 @@ void shading_add(struct frame_state *f) {
     add_layered(f, &input);
     decals_redraw(f, &input);
     if (f->eyes) return; /* which see the sky, and what is transparent, by themselves */
-    if (shading_shows_sky(f)) add_sky(f);
+    shading_add_sky(f);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     add_over(f, &input);
 }

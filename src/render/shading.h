@@ -41,6 +41,8 @@ bool frame_is(const fnl_frame *frame, uint32_t traits);
 bool shading_shows_volumes(const fnl_frame *frame);
 /** Whether the environment is seen behind everything. */
 bool shading_shows_sky(const struct frame_state *f);
+/** Where nothing opaque is seen. An order that draws blended surfaces itself calls it before them; a second call does nothing. */
+void shading_add_sky(struct frame_state *f);
 /** The frame's background in place of auto, and of what its scene does not have. Captures of reflection probes show the environment. */
 fnl_background shading_background(const struct frame_state *f);
 /** Whether the scene has surfaces that show what is behind them. */

@@ -201,7 +201,7 @@ static void add_levels(struct graph *graph, uint32_t side, graph_buffer texels) 
     }
 }
 
-static void add_diffuse(struct graph *graph, const struct environment_maps *maps, graph_buffer texels, graph_buffer light) {
+static void add_diffuse(struct graph *graph, const struct environment_maps *maps, graph_buffer texels, graph_buffer peak, graph_buffer light) {
     enum { SIDE = 32 }; /* nine functions do not tell it from more */
     uint32_t mip = 0;
     while (maps->side >> mip > SIDE) mip++;
@@ -210,7 +210,8 @@ static void add_diffuse(struct graph *graph, const struct environment_maps *maps
                                                    .pipeline = {.shader = &shader_environment_light_comp},
                                                    .groups = {1},
                                                    GRAPH_PUSH(push),
-                                                   GRAPH_ROWS(graph_reads(&push.texels, texels), graph_writes(&push.light, light))});
+                                                   GRAPH_ROWS(graph_reads(&push.texels, texels), graph_writes(&push.light, light),
+                                                              graph_row_if(peak.id != 0, graph_reads(&push.peak, peak)))});
 }
 
 /* All mips for their roughness; the first is a mirror's. */
@@ -262,16 +263,16 @@ static graph_buffer add_table(struct graph *graph, struct environment_maps *maps
     return texels;
 }
 
-graph_buffer environment_texels_create(struct graph *graph, uint32_t side) {
+static graph_buffer create_texels(struct graph *graph, uint32_t side) {
     return graph_create_buffer(graph, "environment texels", first_texel(side, mip_count(side)) * 8ull);
 }
 
-/* The cube and what diffuse surfaces reflect, from the first mip; returns the blocks, where the cube has them. */
-static graph_buffer add_cube(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_buffer texels, graph_image cube,
-                             graph_buffer light) {
+/* The cube and what diffuse surfaces reflect, from the first mip; returns the blocks, where the cube has them. `peak`: texels are fractions. */
+static graph_buffer add_cube(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_buffer texels, graph_buffer peak,
+                             graph_image cube, graph_buffer light) {
     graph_image levels = graph_import_image(graph, &maps->levels, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     add_levels(graph, maps->side, texels);
-    add_diffuse(graph, maps, texels, light);
+    add_diffuse(graph, maps, texels, peak, light);
     add_copy(graph, "environment levels copy", &(struct copy_data){texels, levels, 0});
     add_filter(graph, device, maps, levels, texels);
     if (maps->parts[0].handle) return add_blocks(graph, device, maps, levels, texels, cube);
@@ -337,26 +338,43 @@ struct environment_light environment_add(struct graph *graph, gpu_device *device
         return out;
     }
     graph_image picture = graph_import_image(graph, &maps->picture, sampled, sampled);
-    out.texels = environment_texels_create(graph, maps->side);
+    out.texels = create_texels(graph, maps->side);
     add_faces(graph, device, maps, picture, out.texels);
-    out.blocks = add_cube(graph, device, maps, out.texels, out.cube, out.light);
+    out.blocks = add_cube(graph, device, maps, out.texels, (graph_buffer){0}, out.cube, out.light);
     graph_buffer table = add_table(graph, maps, out.table, environment_last_mip(maps->side));
     if (maps->kept.handle) add_keep(graph, maps, out.blocks.id ? out.blocks : out.texels, out.light, table);
     return out;
 }
 
-void environment_face_add(struct graph *graph, gpu_device *device, uint32_t side, uint32_t face, graph_image picture, graph_buffer texels) {
+struct environment_faces environment_faces_create(struct graph *graph, uint32_t side) {
+    const struct environment_faces out = {.radiances = graph_create_buffer(graph, "probe radiances", 6ull * side * side * sizeof(vec3)),
+                                          .peak = graph_create_buffer(graph, "probe peak", 4)};
+    graph_add_clear(graph, "probe clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {out.peak}});
+    return out;
+}
+
+void environment_face_add(struct graph *graph, gpu_device *device, uint32_t side, uint32_t face, graph_image picture,
+                          const struct environment_faces *faces) {
     struct gpu_reflections_face_push push = {.side = side, .face = face, .sampler_index = linear_sampler(device, false, false)};
     graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "environment face %u", face),
                                                    .pipeline = {.shader = &shader_reflections_face_comp},
                                                    .groups = {DIVIDE_UP(side * side, 64u)},
                                                    GRAPH_PUSH(push),
-                                                   GRAPH_ROWS(graph_samples(&push.picture, picture), graph_writes(&push.texels, texels))});
+                                                   GRAPH_ROWS(graph_samples(&push.picture, picture), graph_writes(&push.radiances, faces->radiances),
+                                                              graph_changes(&push.peak, faces->peak))});
 }
 
-void environment_faces_filter(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_buffer texels) {
+void environment_faces_filter(struct graph *graph, gpu_device *device, const struct environment_maps *maps, const struct environment_faces *faces) {
     graph_image cube = graph_import_image(graph, &maps->cube, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    add_cube(graph, device, maps, texels, cube, graph_import_buffer(graph, "environment light", &maps->light));
+    graph_buffer texels = create_texels(graph, maps->side);
+    struct gpu_reflections_pack_push push = {.count = 6 * maps->side * maps->side};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "environment faces",
+                                                   .pipeline = {.shader = &shader_reflections_pack_comp},
+                                                   .groups = {DIVIDE_UP(push.count, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.radiances, faces->radiances), graph_reads(&push.peak, faces->peak),
+                                                              graph_writes(&push.texels, texels))});
+    add_cube(graph, device, maps, texels, faces->peak, cube, graph_import_buffer(graph, "environment light", &maps->light));
 }
 
 struct environment_light environment_add_table(struct graph *graph, struct environment_maps *maps, bool fill) {

@@ -92,12 +92,16 @@ void environment_release(gpu_device *device, struct environment_maps *maps);
 struct environment_light environment_add(struct graph *graph, gpu_device *device, struct environment_maps *maps, bool make);
 /** Of the table alone; `fill`: it is made in this frame. */
 struct environment_light environment_add_table(struct graph *graph, struct environment_maps *maps, bool fill);
-/** Texels of a cube map with all mips (environment_maps_shared.h). */
-graph_buffer environment_texels_create(struct graph *graph, uint32_t side);
-/** The first mip of a face (+X, -X, +Y, -Y, +Z, -Z) from what a camera has seen that looks that way; its upper edge is the face's first row. */
-void environment_face_add(struct graph *graph, gpu_device *device, uint32_t side, uint32_t face, graph_image picture, graph_buffer texels);
-/** Fills the cube of environment_prepare_cube() from its first mip, and maps->light. */
-void environment_faces_filter(struct graph *graph, gpu_device *device, const struct environment_maps *maps, graph_buffer texels);
+/** What six cameras see: radiance, and its largest component, by which the cube's halves are scaled. */
+struct environment_faces {
+    graph_buffer radiances, peak;
+};
+struct environment_faces environment_faces_create(struct graph *graph, uint32_t side);
+/** A face (+X, -X, +Y, -Y, +Z, -Z) from what a camera has seen that looks that way; its upper edge is the face's first row. */
+void environment_face_add(struct graph *graph, gpu_device *device, uint32_t side, uint32_t face, graph_image picture,
+                          const struct environment_faces *faces);
+/** Fills the cube of environment_prepare_cube() with what all six have seen, and maps->light. */
+void environment_faces_filter(struct graph *graph, gpu_device *device, const struct environment_maps *maps, const struct environment_faces *faces);
 /** Declares that a pass shades in compute or fragment shaders (GRAPH_READ_COMPUTE, GRAPH_READ_FRAGMENT). */
 void environment_use(struct graph_pass *pass, const struct environment_light *light, enum graph_use use);
 struct gpu_frame;

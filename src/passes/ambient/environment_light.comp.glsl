@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 // Irradiance as spherical harmonics (environment_maps_shared.h). One work group; sums are added in a fixed order.
 #include "passes/ambient/environment_texels.glsl"
 
@@ -32,6 +33,8 @@ void main() {
         for (uint b = 0u; b < 9u; b++) sums[b] += color * values[b];
         angle += solid;
     }
+    float unit = uvec2(push.peak) == uvec2(0u) ? 1.0 : texel_unit(push.peak.at[0]);
+    if (gl_LocalInvocationIndex == 0u) push.light.light.unit = unit;
     /* Unrolled, these loops have 81 barriers, and CPU drivers take seconds to compile them. */
     [[dont_unroll]] for (uint b = 0u; b < 9u; b++) {
         parts[gl_LocalInvocationIndex] = vec4(sums[b], angle);
@@ -39,7 +42,7 @@ void main() {
             barrier();
             if (gl_LocalInvocationIndex < half_count) parts[gl_LocalInvocationIndex] += parts[gl_LocalInvocationIndex + half_count];
         }
-        if (gl_LocalInvocationIndex == 0u) push.light.light.diffuse[b] = parts[0].rgb * (scales[b] * 4.0 * PI / parts[0].w);
+        if (gl_LocalInvocationIndex == 0u) push.light.light.diffuse[b] = parts[0].rgb * (scales[b] * 4.0 * PI / parts[0].w) * unit;
         barrier();
     }
 }

@@ -19,13 +19,22 @@ struct gpu_environment_faces_push {
     uint taps;
 };
 
-/* A face of the first mip from the picture of a camera. */
+/* What a camera has seen in the direction of a face. */
 struct gpu_reflections_face_push {
-    ADDRESS(texel_array) texels;
-    uint picture; /* sampled; side x side */
+    ADDRESS(radiance_array) radiances; /* of all faces */
+    ADDRESS(uint_array) peak;          /* the bits of the largest component, of all faces */
+    uint picture;                      /* sampled; side x side */
     uint sampler_index;
     uint side;
     uint face;
+};
+
+/* The first mip from what was seen, as fractions of a power of two that the largest of them fits: halves alone hold 1e-7 .. 65504 cd/m^2. */
+struct gpu_reflections_pack_push {
+    ADDRESS(radiance_array) radiances;
+    ADDRESS(uint_array) peak;
+    ADDRESS(texel_array) texels;
+    uint count;
 };
 
 /* A mip from the one before. */
@@ -51,7 +60,8 @@ struct gpu_environment_filter_push {
 struct gpu_environment_light_push {
     ADDRESS(texel_array) texels;
     ADDRESS(environment_block) light;
-    uint first; /* texel */
+    ADDRESS(uint_array) peak; /* texels are fractions (gpu_reflections_pack_push); 0: they are cd/m^2 */
+    uint first;               /* texel */
     uint side;
 };
 

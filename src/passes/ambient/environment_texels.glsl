@@ -6,6 +6,7 @@
 #include "common.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer texel_array { uvec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer radiance_array { vec3 at[]; };
 layout(buffer_reference) buffer environment_block;
 #include "environment_shared.h"
 #include "passes/ambient/environment_maps_shared.h"
@@ -16,6 +17,12 @@ uvec2 texel_pack(vec3 color) {
     return uvec2(packHalf2x16(held.xy), packHalf2x16(vec2(held.z, 1.0)));
 }
 vec3 texel_unpack(uvec2 texel) { return vec3(unpackHalf2x16(texel.x), unpackHalf2x16(texel.y).x); }
+
+// What fractions are multiplied by where the largest component has these bits: then it is half of what a half holds, or a quarter. 1 for black.
+float texel_unit(uint peak_bits) {
+    int exponent = int(peak_bits >> 23u) - 127;
+    return peak_bits == 0u ? 1.0 : exp2(float(clamp(exponent - 14, -126, 126)));
+}
 
 // A point of a face, out to the square that `u` and `v` (-1 .. 1, right and down) span; not unit.
 vec3 face_point(uint face, float u, float v) {

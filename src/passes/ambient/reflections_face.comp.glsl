@@ -12,5 +12,6 @@ void main() {
     if (index >= side * side) return;
     uvec2 at = uvec2(index % side, index / side);
     vec3 color = texelFetch(sampler2D(textures[push.picture], samplers[push.sampler_index]), ivec2(side - 1u - at.x, at.y), 0).rgb;
-    push.texels.at[push.face * side * side + index] = texel_pack(color);
+    push.radiances.at[push.face * side * side + index] = color;
+    atomicMax(push.peak.at[0], floatBitsToUint(max(max_component(color), 0.0)));
 }

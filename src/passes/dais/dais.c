@@ -281,7 +281,7 @@ static void add_spread(struct graph *graph, const struct shade_data *data) {
     graph_use_buffer(pass, data->results, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, data->slots, GRAPH_READ_FRAGMENT);
     graph_color(pass, data->radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){data->background[0], data->background[1], data->background[2], 1});
+                (float[4]){data->background[0], data->background[1], data->background[2], 0});
 }
 
 void dais_view_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, uint32_t which,

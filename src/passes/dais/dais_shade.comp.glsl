@@ -84,7 +84,7 @@ void main() {
             }
         }
         if (SAMPLES > 1u) push.slots.at[uint(pixel.y) * size.x + uint(pixel.x)] = word;
-        if (SAMPLES == 1u && mask == 0u) imageStore(images[push.target], pixel, vec4(push.background, 1.0));
+        if (SAMPLES == 1u && mask == 0u) imageStore(images[push.target], pixel, vec4(push.background, 0.0));
     }
     if (SAMPLES > 1u) {
         barrier();

@@ -13,6 +13,6 @@ void main() {
     uvec2 size = push.view.view.size, at = min(uvec2(gl_FragCoord.xy), size - 1u);
     uint mask = surface_samples(push.slots.at[at.y * size.x + at.x], in_slot);
     gl_SampleMask[0] = int(mask);
-    out_radiance = vec4(push.background, 1.0);
-    if (mask != 0u) out_radiance.rgb = result_at(push.results, in_slot * size.x * size.y + at.y * size.x + at.x);
+    out_radiance = vec4(0.0);
+    if (mask != 0u) out_radiance = vec4(result_at(push.results, in_slot * size.x * size.y + at.y * size.x + at.x), 1.0);
 }

@@ -433,6 +433,8 @@ static graph_image add_finish(struct graph *graph, const struct shade_input *inp
                                                                         .width = input->width,
                                                                         .height = input->height});
     struct step_data data = {.targets = *targets, .merged = merged, .state = screen_state(shaders[layout->wide][merged])};
+    const uint32_t place = layout->wide ? 0 : 1; /* a position or depth: whether there is a surface */
+    data.reads = 1u << place;
     for (uint32_t i = 0; i < layout->light_count; i++) data.reads |= 1u << layout->lights[i];
     data.push.view = input->view;
     data.push.factor = finish->picture ? finish->tonemap.factor : 1;
@@ -443,6 +445,7 @@ static graph_image add_finish(struct graph *graph, const struct shade_input *inp
     data.state.color_formats[0] = finish->format;
     struct graph_pass *pass = graph_add_pass(graph, finish->picture ? "mobile tonemap" : "mobile radiance",
                                              GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
+    graph_local_read(pass, place, targets->images[place]);
     for (uint32_t i = 0; i < layout->light_count; i++)
         graph_local_read(pass, layout->lights[i], targets->images[layout->lights[i]]);
     graph_color(pass, target, VK_ATTACHMENT_LOAD_OP_DONT_CARE, NULL);

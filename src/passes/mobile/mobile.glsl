@@ -161,13 +161,13 @@ surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view
 }
 
 #ifdef MOBILE_READS
-// The targets at this pixel. MOBILE_READS: 1, the light alone; 2, all.
+// The targets at this pixel. MOBILE_READS: 1, light and place alone; 2, all.
 #ifdef MOBILE_LOCAL
-#if MOBILE_READS == 2 || !defined(MOBILE_WIDE)
 layout(input_attachment_index = 0, set = 1, binding = 0) uniform subpassInput target_0;
+#if MOBILE_READS == 2 || !defined(MOBILE_WIDE)
+layout(input_attachment_index = 1, set = 1, binding = 1) uniform subpassInput target_1;
 #endif
 #if MOBILE_READS == 2
-layout(input_attachment_index = 1, set = 1, binding = 1) uniform subpassInput target_1;
 layout(input_attachment_index = 2, set = 1, binding = 2) uniform subpassInput target_2;
 #endif
 #if MOBILE_READS == 2 || defined(MOBILE_WIDE)
@@ -191,11 +191,13 @@ layout(input_attachment_index = 7, set = 1, binding = 7) uniform subpassInput ta
     MOBILE_LOAD_REST(g)
 #ifdef MOBILE_WIDE
 #define MOBILE_LOAD_LIGHT(g) g.t[3] = MOBILE_LOAD(3); g.t[4] = MOBILE_LOAD(4);
+#define MOBILE_LOAD_PLACE(g) g.t[0] = MOBILE_LOAD(0);
 #define MOBILE_LOAD_REST(g)                                                                                                                \
     g.t[0] = MOBILE_LOAD(0); g.t[1] = MOBILE_LOAD(1); g.t[2] = MOBILE_LOAD(2);                                                             \
     g.t[5] = MOBILE_LOAD(5); g.t[6] = MOBILE_LOAD(6); g.t[7] = MOBILE_LOAD(7);
 #else
 #define MOBILE_LOAD_LIGHT(g) g.t[0] = MOBILE_LOAD(0);
+#define MOBILE_LOAD_PLACE(g) g.t[1] = MOBILE_LOAD(1);
 #if MOBILE_TARGETS > 4
 #define MOBILE_LOAD_REST(g) g.t[1] = MOBILE_LOAD(1); g.t[2] = MOBILE_LOAD(2); g.t[3] = MOBILE_LOAD(3); g.t[4] = MOBILE_LOAD(4);
 #else

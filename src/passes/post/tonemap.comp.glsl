@@ -26,6 +26,7 @@ void main() {
         sum += c;
     }
     sum /= float(SAMPLES);
-    if (push.encode == 1u) sum = vec4(srgb_encode(sum.rgb), 1.0);
+    if (push.encode == 1u) sum.rgb = srgb_encode(sum.rgb);
+    sum.a = 1.0;
     imageStore(images[push.target], pixel, push.swap == 1u ? sum.bgra : sum);
 }

@@ -110,7 +110,7 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
     pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 1});
+                (float[4]){input->background[0], input->background[1], input->background[2], 0});
     static const float zero[4];
     for (uint32_t i = 0; i < count; i++) graph_color(pass, images[i], VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     if (prepass)

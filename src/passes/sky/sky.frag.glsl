@@ -23,5 +23,5 @@ void main() {
     } else {
         radiance = environment_radiance(v, direction, push.lod);
     }
-    out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)), 1.0);
+    out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)), 0.0);
 }

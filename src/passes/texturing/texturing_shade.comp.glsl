@@ -145,7 +145,7 @@ void main() {
     is_shaded = is_shaded && target(TARGET_UV, pixel, 0).x != VIRTUAL_NOWHERE; // a forward pass lights those
 #endif
     if (is_shaded) radiance = shade(pixel, 0, vec2(pixel) + 0.5, depth);
-    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)), 1.0));
+    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)), depth > 0.0 ? 1.0 : 0.0));
 }
 
 #endif

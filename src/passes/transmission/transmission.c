@@ -114,20 +114,29 @@ static uvec2 mip_size(const struct shade_input *input, uint32_t mip) {
     return (uvec2){MAX(input->width >> mip, 1u), MAX(input->height >> mip, 1u)};
 }
 
+/* The format of the copy: halves hold no more than 65504 cd/m^2. */
+static VkFormat behind_format(gpu_device *device, VkFormat radiance) {
+    const bool floats = radiance == VK_FORMAT_R32G32B32A32_SFLOAT && gpu_format_supports(device, radiance, VK_FORMAT_FEATURE_2_SAMPLED_IMAGE_FILTER_LINEAR_BIT);
+    return floats ? radiance : VK_FORMAT_R16G16B16A16_SFLOAT;
+}
+
+static uint32_t texel_size(VkFormat format) { return format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8; }
+
 /* The picture with all its mips; `shown` is its depth. */
-static graph_image add_behind(struct graph *graph, const struct shade_input *input, uint32_t layer, uint32_t mips, graph_image radiance,
+static graph_image add_behind(struct graph *graph, const struct shade_input *input, uint32_t layer, uint32_t mips, VkFormat format, graph_image radiance,
                               graph_image shown) {
+    const bool floats = texel_size(format) == 16;
     uint64_t texel_count = 0;
     for (uint32_t mip = 0; mip < mips; mip++) texel_count += (uint64_t)mip_size(input, mip).x * mip_size(input, mip).y;
-    graph_buffer texels = graph_create_buffer(graph, graph_numbered_name(graph, "transmission texels", layer), texel_count * 8);
+    graph_buffer texels = graph_create_buffer(graph, graph_numbered_name(graph, "transmission texels", layer), texel_count * texel_size(format));
     graph_image behind = graph_create_image(graph, &(struct graph_image_params){.name = graph_numbered_name(graph, "transmission behind", layer),
-                                                                                .format = VK_FORMAT_R16G16B16A16_SFLOAT,
+                                                                                .format = format,
                                                                                 .width = input->width,
                                                                                 .height = input->height,
                                                                                 .mips = mips});
     struct gpu_transmission_behind_push push = {.view = input->view, .samples = MAX(graph_image_info(graph, radiance).samples, 1u)};
     graph_dispatch(graph, &(struct graph_dispatch){.name = graph_numbered_name(graph, "transmission behind", layer),
-                                                   .pipeline = {&shader_transmission_behind_comp, 1, {push.samples}},
+                                                   .pipeline = {&shader_transmission_behind_comp, 2, {floats, push.samples}},
                                                    .groups = {DIVIDE_UP(input->width, 8u), DIVIDE_UP(input->height, 8u)},
                                                    GRAPH_PUSH(push),
                                                    GRAPH_ROWS(graph_samples(&push.radiance, radiance), graph_samples(&push.depth, shown),
@@ -139,7 +148,7 @@ static graph_image add_behind(struct graph *graph, const struct shade_input *inp
         const char *name = graph_name(graph, "transmission level %u", mip);
         if (layer) name = graph_name(graph, "transmission level %u of %u", mip, layer);
         graph_dispatch(graph, &(struct graph_dispatch){.name = name,
-                                                       .pipeline = {.shader = &shader_transmission_level_comp},
+                                                       .pipeline = {&shader_transmission_level_comp, 1, {floats}},
                                                        .groups = {DIVIDE_UP(level.to_size.x, 8u), DIVIDE_UP(level.to_size.y, 8u)},
                                                        GRAPH_PUSH(level),
                                                        GRAPH_ROWS(graph_changes(&level.texels, texels))});
@@ -204,11 +213,14 @@ static void add_draw(struct graph *graph, const struct shade_input *input, uint3
     graph_depth_read_only(pass, depth);
 }
 
-struct transmission transmission_find(struct graph *graph, const struct shade_input *input, uint32_t layers, graph_image depth) {
-    struct transmission out = {.layers = layers, .totals = add_count(graph, input, depth)};
+struct transmission transmission_find(struct graph *graph, gpu_device *device, const struct shade_input *input, uint32_t layers, graph_image radiance,
+                                      graph_image depth) {
+    struct transmission out = {.layers = layers,
+                               .format = behind_format(device, graph_image_info(graph, radiance).format),
+                               .totals = add_count(graph, input, depth)};
     for (uint32_t i = 0; i < layers; i++) out.depths[i] = add_depth(graph, input, i, i ? out.depths[i - 1] : (graph_image){0}, depth);
     const uint64_t pixels = (uint64_t)input->width * input->height;
-    out.byte_count = pixels * (layers * 4ull * MAX(graph_image_info(graph, depth).samples, 1u) + 2 * 32 / 3 + 4);
+    out.byte_count = pixels * (layers * 4ull * MAX(graph_image_info(graph, depth).samples, 1u) + 2 * texel_size(out.format) * 4 / 3 + 4);
     return out;
 }
 
@@ -218,7 +230,7 @@ void transmission_add(struct graph *graph, const struct shade_input *input, cons
     while (MAX(input->width, input->height) >> mips && mips < TRANSMISSION_MIPS) mips++;
     for (uint32_t i = found->layers; i-- > 0;) {
         /* As far as what is opaque: through a layer behind this one that is what one sees. */
-        graph_image behind = add_behind(graph, input, i, mips, radiance, depth);
+        graph_image behind = add_behind(graph, input, i, mips, found->format, radiance, depth);
         add_draw(graph, input, i, mips, behind, radiance, found->depths[i]);
     }
 }

@@ -20,10 +20,12 @@ struct transmission {
     graph_image depths[TRANSMISSION_LAYERS_MAX]; /* of the layers, the nearest first: or of what is opaque where there is none */
     uint32_t layers;
     graph_buffer totals; /* struct transmission_totals */
+    VkFormat format;     /* of the copy: floats where `radiance` is and the device filters them, else halves */
     uint64_t byte_count; /* of depths and of the copy */
 };
 /** Finds the layers, at most `layers` of them; `depth` is that of all that is opaque. Cost: geometry once for each, and once more. */
-struct transmission transmission_find(struct graph *graph, const struct shade_input *input, uint32_t layers, graph_image depth);
+struct transmission transmission_find(struct graph *graph, gpu_device *device, const struct shade_input *input, uint32_t layers, graph_image radiance,
+                                      graph_image depth);
 /**
  * Draws GEOMETRY_GLASS over `radiance`, which shows all that is behind. input->lights serves any depth. Cost: geometry and a copy of the picture with its
  * mips for each layer, a shading per fragment.

@@ -7,8 +7,9 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer texel_array { uvec2 at[]; };
 #include "passes/transmission/transmission_behind_shared.h"
+#include "passes/transmission/transmission_texels.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 1u;
+layout(constant_id = 1) const uint SAMPLES = 1u;
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_transmission_behind_push push; };
 
@@ -20,8 +21,7 @@ void main() {
     for (uint i = 0u; i < SAMPLES; i++) {
         vec3 color = SAMPLES > 1u ? texelFetch(textures_multisampled[push.radiance], pixel, int(i)).rgb : texelFetch(textures[push.radiance], pixel, 0).rgb;
         float depth = SAMPLES > 1u ? texelFetch(textures_multisampled[push.depth], pixel, int(i)).r : texelFetch(textures[push.depth], pixel, 0).r;
-        sum += vec4(min(color, vec3(HALF_MAX)), depth > 0.0 ? min(1.0 / view_depth_of(push.view, depth), HALF_MAX) : 0.0);
+        sum += vec4(color, depth > 0.0 ? min(1.0 / view_depth_of(push.view, depth), HALF_MAX) : 0.0);
     }
-    sum /= float(SAMPLES);
-    push.texels.at[uint(pixel.y) * size.x + uint(pixel.x)] = uvec2(packHalf2x16(sum.xy), packHalf2x16(sum.zw));
+    texel_write(push.texels, uint(pixel.y) * size.x + uint(pixel.x), sum / float(SAMPLES));
 }

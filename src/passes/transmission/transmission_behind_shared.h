@@ -6,7 +6,7 @@
 
 #define TRANSMISSION_MIPS 15u /* of pictures up to 16384 */
 
-/* A texel of what is behind, four halves: radiance, and 1 / view depth, 0 for the sky. Mips are tightly packed one after the other. */
+/* A texel of what is behind, four halves or floats: radiance, and 1 / view depth, 0 for the sky. Mips are tightly packed one after the other. */
 struct gpu_transmission_behind_push {
     ADDRESS(view_block) view;
     ADDRESS(texel_array) texels;

@@ -7,6 +7,7 @@
 layout(buffer_reference) buffer view_block;
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer texel_array { uvec2 at[]; };
 #include "passes/transmission/transmission_behind_shared.h"
+#include "passes/transmission/transmission_texels.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_transmission_level_push push; };
@@ -22,10 +23,8 @@ void main() {
         for (uint x = first.x; x < end.x; x++) {
             vec2 covered = min(high, vec2(x, y) + 1.0) - max(low, vec2(x, y));
             float weight = max(covered.x, 0.0) * max(covered.y, 0.0);
-            uvec2 texel = push.texels.at[push.from + y * push.from_size.x + x];
-            sum += weight * vec4(unpackHalf2x16(texel.x), unpackHalf2x16(texel.y));
+            sum += weight * texel_read(push.texels, push.from + y * push.from_size.x + x);
             weights += weight;
         }
-    sum /= weights;
-    push.texels.at[push.to + to.y * push.to_size.x + to.x] = uvec2(packHalf2x16(sum.xy), packHalf2x16(sum.zw));
+    texel_write(push.texels, push.to + to.y * push.to_size.x + to.x, sum / weights);
 }

@@ -127,14 +127,14 @@ void main() {
     uint samples = SAMPLES > 1u ? surface_samples(push.words.at[pixel.y * size.x + pixel.x], surface_index) : 1u;
     uvec2 id = visible_id(push.ids, push.ids_high, pixel, findLSB(samples));
     vec2 point = SAMPLES > 1u ? vec2(pixel) + middle_of(samples) : GRID == 1u ? grid_place(pixel) : vec2(pixel) + 0.5;
-    vec3 radiance = push.background;
+    vec4 radiance = vec4(push.background, 0.0);
     // In one place: compilers put a copy of all that it calls wherever it is called.
-    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u) radiance = shade(pixel, point, id);
-    radiance = min(radiance, vec3(push.view.view.frame.frame.hdr_max));
+    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u) radiance = vec4(shade(pixel, point, id), 1.0);
+    radiance.rgb = min(radiance.rgb, vec3(push.view.view.frame.frame.hdr_max));
     if (SAMPLES == 1u) {
-        imageStore(images[push.radiance], pixel, vec4(radiance, 1.0));
+        imageStore(images[push.radiance], pixel, radiance);
         return;
     }
-    store_result(push.results, push.sums.at[place_of_pixel(uvec2(pixel), uvec2(size))] + surface_index, radiance);
+    store_result(push.results, push.sums.at[place_of_pixel(uvec2(pixel), uvec2(size))] + surface_index, radiance.rgb);
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
 }

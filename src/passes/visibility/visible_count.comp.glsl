@@ -36,7 +36,7 @@ void main() {
     push.sums.at[place] = count;
     if (SAMPLES == 1u) {
         if (inside && count == 0u)
-            imageStore(images[push.radiance], ivec2(pixel), vec4(min(push.background, vec3(push.view.view.frame.frame.hdr_max)), 1.0));
+            imageStore(images[push.radiance], ivec2(pixel), vec4(min(push.background, vec3(push.view.view.frame.frame.hdr_max)), 0.0));
         return;
     }
     if (gl_LocalInvocationIndex < EDGES_SHADED) group_counts[gl_LocalInvocationIndex] = 0u;

@@ -126,7 +126,9 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     lights->view = slice.address;
     f->frame = &low_frame;
 
-    bool blend = order_has_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED && !shading_has_glass(f); /* which comes before */
+    /* What else is drawn over opaque surfaces comes before blended ones. */
+    const bool more = shading_has_glass(f) || shading_draws_layered(f) || decals_redraws(f) || frame->light_lod > 0 || f->mono || f->eyes;
+    const bool blend = order_has_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED && !more;
     struct shade_input low = *input;
     low.view = slice.address;
     low.width = low_frame.width;
@@ -146,6 +148,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     f->blend_lights = order_add_fallback_lists(f);
     input->lights = &f->blend_lights;
     inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
+    if (blend) shading_add_sky(f);
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
     f->blended = blend;
     note_light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
