@@ -13,6 +13,7 @@
 #include "views.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -335,6 +336,12 @@ static bool warm_up(fnl_renderer *renderer, const fnl_frame *frame) {
 bool render_shows_nothing(const struct render_options *o) { return o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file && !o->frame.pixel.asked; }
 
 /* Without a device, where nothing is rendered. */
+/* Each of several frames has its part of a pixel's textures. Pages of virtual ones are filled at levels of their own. */
+static bool sharpen(const struct render_options *o, fnl_scene *scene) {
+    const bool pages = o->frame.shading == FNL_SHADING_VIRTUAL_TEXTURING;
+    return o->supersample <= 1 || pages || fnl_scene_set_texture_bias(scene, -0.5f * log2f((float)o->supersample)) == FNL_OK;
+}
+
 static bool load_and_save(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     return world_load(&o->world, host, o->frame.width, o->frame.height, o->quiet, scene, camera) &&
            (!o->save_scene || fnl_scene_save(*scene, o->save_scene, NULL) == FNL_OK);
@@ -390,7 +397,7 @@ static int run(const struct render_options *o) {
     fnl_camera cameras[FNL_VIEWS_MAX];
     fnl_vec3 gaze;
     uint32_t view_count = 0;
-    bool good = load_and_save(o, &host, &scene, &frame.camera) &&
+    bool good = load_and_save(o, &host, &scene, &frame.camera) && sharpen(o, scene) &&
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) &&
                 (!o->eyes || stereo_cameras(o->eyes, &frame.camera, o->world.time, frame.width, frame.height, cameras)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK && (!both || fnl_renderer_create(device, scene, &linear) == FNL_OK) &&

@@ -49,6 +49,8 @@ static void print_help(void) {
          "  --light-radius METRES      radius of all lights: above 0 shadows are soft, and need samples (that of each light)\n"
          "  --sun-angle DEGREES        the same for directional lights and boxes: half the angle that they fill\n"
          "  --roulette                 ends long paths by chance: the same mean in less time, with more noise\n"
+         "  --light-sampling on|off    send rays to bright parts of the environment and to glowing surfaces (on): the same\n"
+         "                             mean with less noise\n"
          "  --seed S                   the random seed (1)\n");
     puts("Scene\n" WORLD_SCENE_HELP "\n"
          "Run\n"
@@ -78,6 +80,7 @@ enum {
     O_LIGHT_RADIUS,
     O_SUN_ANGLE,
     O_ROULETTE,
+    O_LIGHT_SAMPLING,
     O_SEED,
     O_THREADS,
 };
@@ -145,6 +148,10 @@ static bool parse_option(struct trace_options *o, int option, const char *value)
     case O_ROULETTE:
         p->russian_roulette = true;
         break;
+    case O_LIGHT_SAMPLING:
+        good = argument_name("light-sampling", value, switch_name, &index);
+        p->light_sampling = index == 1;
+        break;
     case O_SEED:
         good = argument_integer("seed", value, 0, INT64_MAX, &integer);
         p->seed = (uint64_t)integer;
@@ -173,6 +180,7 @@ static const struct option long_options[] = {
     {"light-radius", required_argument, NULL, O_LIGHT_RADIUS},
     {"sun-angle", required_argument, NULL, O_SUN_ANGLE},
     {"roulette", no_argument, NULL, O_ROULETTE},
+    {"light-sampling", required_argument, NULL, O_LIGHT_SAMPLING},
     {"seed", required_argument, NULL, O_SEED},
     {"threads", required_argument, NULL, O_THREADS},
     WORLD_OPTIONS,

@@ -357,6 +357,7 @@ static fnl_loaded loaded;
       NULLED("params", fnl_scene_scatter_light_shapes(w.scene, NULL)))                                                      \
     X(fnl_scene_set_ambient, NULLED("scene", fnl_scene_set_ambient(NULL, camera.up, camera.up)))                            \
     X(fnl_scene_set_anisotropy, NULLED("scene", fnl_scene_set_anisotropy(NULL, 1)))                                         \
+    X(fnl_scene_set_texture_bias, NULLED("scene", fnl_scene_set_texture_bias(NULL, 1)))                                     \
     X(fnl_scene_set_background, NULLED("scene", fnl_scene_set_background(NULL, camera.up)))                                 \
     X(fnl_scene_set_decal, NULLED("scene", fnl_scene_set_decal(NULL, w.decal, &decal));                                     \
       NULLED("params", fnl_scene_set_decal(w.scene, w.decal, NULL)))                                                        \
@@ -620,6 +621,7 @@ static void test_other_arguments(void **state) {
     environment.intensity = -1;
     SAYS("fnl_scene_set_environment", "intensity is -1, must be 0 .. 1e+06", fnl_scene_set_environment(w.scene, &environment));
     SAYS("fnl_scene_query_environment", "the scene has no environment", fnl_scene_query_environment(w.scene, &environment));
+    SAYS("fnl_scene_set_texture_bias", "levels is 17 levels of detail, must be -16 .. 16", fnl_scene_set_texture_bias(w.scene, 17));
     SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
     SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));
     SAYS("fnl_scene_set_times", "count is 0, must be 1 .. 1024", fnl_scene_set_times(w.scene, &moment, 0));

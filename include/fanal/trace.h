@@ -18,7 +18,10 @@ extern "C" {
 typedef struct fnl_trace_params {
     uint32_t width, height; /**< pixels, 1 .. 16384; default 1280 x 720 */
     fnl_camera camera;      /**< default fnl_camera_default() */
-    /** Rays per pixel, 1 .. 1048576. Ray k goes through place k of fnl_jitter(), so the first one through the pixel's centre. Default 1. */
+    /**
+     * Rays per pixel, 1 .. 1048576. Ray k goes through place k of fnl_jitter(), so the first one through the pixel's centre. Textures are filtered over
+     * 1 / sqrt(samples) of the pixel's width: the mean is as sharp as a larger picture that is averaged down. Default 1.
+     */
     uint32_t samples;
     /**
      * How often light may bounce before it meets the surface that is seen, 0 .. 1024. 0: only lights and the environment shine, and ambient
@@ -36,6 +39,11 @@ typedef struct fnl_trace_params {
     float sun_angle; /**< the same for directional lights and boxes: half the angle that they fill, radians, 0 .. 1; or INFINITY, the default */
     /** Ends long paths by chance. The mean stays the same, with more noise in less time. Default false. */
     bool russian_roulette;
+    /**
+     * Sends rays to bright parts of the environment and, from 1 bounce on, to surfaces that glow, rather than waiting for paths that meet them. The mean stays
+     * the same. Default true.
+     */
+    bool light_sampling;
     uint64_t seed;     /**< of all chances; default 1 */
     bool visibility;   /**< wants fnl_trace.visibility; default false */
     bool studio;       /**< as in fnl_frame, like the next three; default true */
@@ -54,7 +62,7 @@ typedef struct fnl_trace_params {
 } fnl_trace_params;
 
 static inline fnl_trace_params fnl_trace_params_default(void) {
-    const fnl_trace_params params = {1280,  720, fnl_camera_default(),        1,                 0, true, INFINITY, INFINITY, false, 1,
+    const fnl_trace_params params = {1280,  720, fnl_camera_default(),        1,                 0, true, INFINITY, INFINITY, false, true, 1,
                                      false, true, FNL_GROUND_AUTO, FNL_BACKGROUND_AUTO, 0.35f, FNL_TONEMAP_KHRONOS_NEUTRAL, FNL_EXPOSURE_AUTO, 0, NULL, NULL};
     return params;
 }

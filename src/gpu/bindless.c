@@ -168,7 +168,7 @@ void gpu_bindless_remove(gpu_device *device, enum gpu_binding binding, uint32_t 
 static bool same_sampler(const struct gpu_sampler_params *a, const struct gpu_sampler_params *b) {
     return a->mag == b->mag && a->min == b->min && a->mip == b->mip && a->mipmapped == b->mipmapped &&
            a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v && a->anisotropy == b->anisotropy &&
-           a->reduction == b->reduction;
+           a->bias == b->bias && a->reduction == b->reduction;
 }
 
 static fnl_result create_sampler(gpu_device *device, const struct gpu_sampler_params *params, VkSampler *out) {
@@ -183,6 +183,7 @@ static fnl_result create_sampler(gpu_device *device, const struct gpu_sampler_pa
         .addressModeU = params->wrap_u,
         .addressModeV = params->wrap_v,
         .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+        .mipLodBias = params->bias,
         .anisotropyEnable = params->anisotropy > 1,
         .maxAnisotropy = params->anisotropy,
         /* Without mips, a quarter still tells minifying from magnifying (Vulkan specification, VkSamplerCreateInfo). */
@@ -203,6 +204,7 @@ uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *
     struct gpu_sampler_params wanted = *params;
     float limit = device->properties.limits.maxSamplerAnisotropy;
     wanted.anisotropy = wanted.anisotropy > 1 ? MIN(wanted.anisotropy, limit) : 1; /* NaN gives 1 */
+    wanted.bias = CLAMP(wanted.bias, -device->properties.limits.maxSamplerLodBias, device->properties.limits.maxSamplerLodBias);
     pthread_mutex_lock(&bindless->mutex);
     uint32_t count = bindless->pools[GPU_BINDING_SAMPLER].next, index = 0;
     while (index < count && !same_sampler(&bindless->samplers[index], &wanted)) index++;

@@ -243,6 +243,7 @@ struct gpu_sampler_params {
     bool mipmapped;
     VkSamplerAddressMode wrap_u, wrap_v;
     float anisotropy; /* 1: off; clamped to what the device has */
+    float bias;       /* added to the level of detail; clamped to what the device has */
     VkSamplerReductionMode reduction; /* MIN or MAX of the texels instead of their mean: where gpu_minmax_supported() */
 };
 uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *params);

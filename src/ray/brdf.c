@@ -230,50 +230,68 @@ dvec3 ray_microfacet_sample(const struct ray_surface *s, dvec3 to_view, const do
     return dvec3_combine(m.side, m.up, m.normal, visible_normal(m.alphas, mirror_view(&m, to_view), random[0], random[1]));
 }
 
-dvec3 ray_brdf_sample(const struct ray_surface *s, dvec3 to_view, const double random[3], dvec3 *to_light) {
+/* From which lobe a direction is taken, and with what chances. */
+struct lobes {
+    struct mirror base, coat;
+    double mirrors, coat_share, even_share; /* of those in front; even: fibres, directions all over the hemisphere; mirrors: of what is left then */
+    double behind_share;                    /* diffuse light from below is none of the others' */
+};
+
+static struct lobes lobes_of(const struct ray_surface *s, dvec3 to_view) {
+    struct lobes l = {.base = mirror_of(s), .mirrors = specular_share(s, fmax(dvec3_dot(s->normal, to_view), 1e-4))};
+    if (!s->layered) return l;
+    const struct ray_surface varnish = coat_of(s);
+    l.coat = mirror_of(&varnish);
+    l.coat_share = s->layers.clearcoat > 0 ? CLAMP(1 - s->layers.below_coat, 0.2, 0.8) : 0;
+    l.even_share = dvec3_max(s->layers.sheen_color) > 0 ? 0.3 * (1 - l.coat_share) : 0;
+    l.behind_share = s->layers.diffuse_transmission > 0 ? 0.4 : 0;
+    return l;
+}
+
+static double density_of(const struct ray_surface *s, const struct lobes *l, dvec3 v, dvec3 to_light) {
+    const double n_l = dvec3_dot(s->normal, to_light), rest = 1 - l->coat_share - l->even_share;
+    if (!(n_l > 0) && s->layered) return l->behind_share * -n_l / DPI; /* light from below has ways of its own */
+    double density = rest * ((1 - l->mirrors) * fmax(n_l, 0) / DPI + l->mirrors * mirror_density(&l->base, v, to_light));
+    if (l->coat_share > 0) density += l->coat_share * mirror_density(&l->coat, v, to_light);
+    if (n_l > 0) density += l->even_share / (2 * DPI);
+    return (1 - l->behind_share) * density;
+}
+
+/* f cos, of light that paths bring. */
+static dvec3 path_cos(const struct ray_surface *s, dvec3 v, dvec3 to_light) {
     const dvec3 none = {0, 0, 0};
-    const struct mirror base = mirror_of(s);
-    const double share = specular_share(s, fmax(dvec3_dot(s->normal, to_view), 1e-4));
-    struct mirror coat = base;
-    double coat_share = 0, even_share = 0; /* fibres: directions all over the hemisphere */
-    if (s->layered) {
-        const struct ray_surface varnish = coat_of(s);
-        coat = mirror_of(&varnish);
-        coat_share = s->layers.clearcoat > 0 ? CLAMP(1 - s->layers.below_coat, 0.2, 0.8) : 0;
-        even_share = dvec3_max(s->layers.sheen_color) > 0 ? 0.3 * (1 - coat_share) : 0;
-    }
-    const double rest = 1 - coat_share - even_share;
-    /* Diffuse light from below is none of the others'. */
-    const double behind_share = s->layered && s->layers.diffuse_transmission > 0 ? 0.4 : 0;
-    if (random[0] < behind_share) {
-        const double z = sqrt(fmax(1 - random[1], 0)), radius = sqrt(random[1]), angle = 2 * DPI * random[2];
-        dvec3 side, up;
-        dvec3_basis(s->normal, &side, &up);
-        *to_light = dvec3_combine(side, up, s->normal, dvec3_make(radius * cos(angle), radius * sin(angle), -z));
-        struct ray_surface paper = *s;
-        paper.layers.transmission = 0;
-        const double part = (1 - s->layers.transmission) * DPI / (behind_share * fmax(z, 1e-6));
-        return dvec3_scale(behind_cos(&paper, to_view, *to_light), part);
-    }
-    double chosen = (random[0] - behind_share) / (1 - behind_share);
-    if (chosen < coat_share) {
-        *to_light = mirror_sample(&coat, to_view, random[1], random[2]);
-    } else if (chosen - coat_share < share * rest) {
-        *to_light = mirror_sample(&base, to_view, random[1], random[2]);
+    const double n_l = dvec3_dot(s->normal, to_light);
+    if (n_l > 0) return dvec3_add_scaled(ray_brdf_cos(s, v, to_light), s->again, n_l / DPI);
+    if (!s->layered || !(s->layers.diffuse_transmission > 0)) return none;
+    struct ray_surface paper = *s;
+    paper.layers.transmission = 0;
+    return dvec3_scale(behind_cos(&paper, v, to_light), 1 - s->layers.transmission);
+}
+
+dvec3 ray_brdf_light(const struct ray_surface *s, dvec3 to_view, dvec3 to_light, double *density) {
+    const struct lobes lobes = lobes_of(s, to_view);
+    *density = density_of(s, &lobes, to_view, to_light);
+    return path_cos(s, to_view, to_light);
+}
+
+dvec3 ray_brdf_sample(const struct ray_surface *s, dvec3 to_view, const double random[3], dvec3 *to_light, double *density) {
+    const dvec3 none = {0, 0, 0};
+    const struct lobes lobes = lobes_of(s, to_view);
+    const bool behind = random[0] < lobes.behind_share;
+    const double chosen = (random[0] - lobes.behind_share) / (1 - lobes.behind_share), mirrors = lobes.mirrors * (1 - lobes.coat_share - lobes.even_share);
+    if (!behind && chosen < lobes.coat_share) {
+        *to_light = mirror_sample(&lobes.coat, to_view, random[1], random[2]);
+    } else if (!behind && chosen - lobes.coat_share < mirrors) {
+        *to_light = mirror_sample(&lobes.base, to_view, random[1], random[2]);
     } else {
-        const bool even = chosen - coat_share - share * rest < even_share;
-        const double z = even ? random[1] : sqrt(fmax(1 - random[1], 0)), radius = even ? sqrt(fmax(1 - z * z, 0)) : sqrt(random[1]), angle = 2 * DPI * random[2];
+        const bool even = !behind && chosen - lobes.coat_share - mirrors < lobes.even_share;
+        const double z = even ? random[1] : sqrt(fmax(1 - random[1], 1e-12)), radius = sqrt(fmax(1 - z * z, 0)), angle = 2 * DPI * random[2];
         dvec3 side, up;
         dvec3_basis(s->normal, &side, &up);
-        *to_light = dvec3_combine(side, up, s->normal, dvec3_make(radius * cos(angle), radius * sin(angle), z));
+        *to_light = dvec3_combine(side, up, s->normal, dvec3_make(radius * cos(angle), radius * sin(angle), behind ? -z : z));
     }
-    /* Any of them may have given it. */
-    const double n_l = dvec3_dot(s->normal, *to_light), up = fmax(n_l, 0);
-    double density = (1 - behind_share) * rest * ((1 - share) * up / DPI + share * mirror_density(&base, to_view, *to_light));
-    if (coat_share > 0) density += (1 - behind_share) * coat_share * mirror_density(&coat, to_view, *to_light);
-    if (n_l > 0) density += (1 - behind_share) * even_share / (2 * DPI);
-    if (!(n_l > 0) && s->layered) return none; /* light from below has ways of its own */
-    return density > 0 ? dvec3_scale(dvec3_add_scaled(ray_brdf_cos(s, to_view, *to_light), s->again, up / DPI), 1 / density) : none;
+    *density = density_of(s, &lobes, to_view, *to_light); /* any of them may have given it */
+    return *density > 0 ? dvec3_scale(path_cos(s, to_view, *to_light), 1 / *density) : none;
 }
 
 /* ---- albedos ---- */
@@ -287,7 +305,8 @@ static void specular_albedo(double roughness, double n_v, float out[2]) {
     for (int i = 0; i < SIDE * SIDE; i++) {
         const double random[3] = {0, (i % SIDE + 0.5) / SIDE, (i / SIDE + 0.5) / SIDE};
         dvec3 l;
-        const double all = ray_brdf_sample(&s, v, random, &l).x; /* Fresnel of a white metal is 1 */
+        double density;
+        const double all = ray_brdf_sample(&s, v, random, &l, &density).x; /* Fresnel of a white metal is 1 */
         const dvec3 h = dvec3_normalize(dvec3_add(v, l));
         const double grazing = pow(1 - fmin(fmax(dvec3_dot(h, v), 0), 1), 5);
         sum[0] += all * (1 - grazing);

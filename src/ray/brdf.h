@@ -80,7 +80,10 @@ dvec3 ray_microfacet_sample(const struct ray_surface *surface, dvec3 to_view, co
 /**
  * Chooses a direction from which light may come, by three numbers in [0, 1): returns f cos / density for it, 0 where there is none. The lobes are
  * chosen by their reflectance; normals of the specular one follow Heitz, "Sampling the GGX Distribution of Visible Normals", 2018.
+ * `density`: per steradian.
  */
-dvec3 ray_brdf_sample(const struct ray_surface *surface, dvec3 to_view, const double random[3], dvec3 *to_light);
+dvec3 ray_brdf_sample(const struct ray_surface *surface, dvec3 to_view, const double random[3], dvec3 *to_light, double *density);
+/** f cos of light from a direction, as ray_brdf_sample() counts it, and the density with which that would have chosen it. */
+dvec3 ray_brdf_light(const struct ray_surface *surface, dvec3 to_view, dvec3 to_light, double *density);
 
 #endif

@@ -49,7 +49,8 @@ static void test_samples_integrate_the_brdf(void **state) {
             for (int b = 0; b < SIDE; b++) {
                 double u[3] = {(double)random_float(&random), (a + (double)random_float(&random)) / SIDE,
                                (b + (double)random_float(&random)) / SIDE};
-                dvec3 l, weight = ray_brdf_sample(&s, v, u, &l);
+                double density;
+                dvec3 l, weight = ray_brdf_sample(&s, v, u, &l, &density);
                 assert_true(fabs(dvec3_length(l) - 1) < 1e-9);
                 sum = dvec3_add_scaled(sum, weight, 1.0 / (SIDE * SIDE));
             }
@@ -84,7 +85,8 @@ static void test_layers_are_sampled_and_keep_energy_MA_2(void **state) {
         for (int k = 0; k < COUNT; k++) {
             const double u[3] = {(double)random_float(&random), (double)random_float(&random), (double)random_float(&random)};
             dvec3 l;
-            sum = dvec3_add_scaled(sum, ray_brdf_sample(&s, v, u, &l), 1.0 / COUNT);
+            double density;
+            sum = dvec3_add_scaled(sum, ray_brdf_sample(&s, v, u, &l, &density), 1.0 / COUNT);
         }
         if (fabs(sum.x / wanted.x - 1) > 0.02 || fabs(sum.z / wanted.z - 1) > 0.03 || !(wanted.x < 1.05))
             fail_msg("case %d: the samples' mean is %g, %g, the integral %g, %g", i, sum.x, sum.z, wanted.x, wanted.z);
@@ -134,7 +136,8 @@ static void test_matt_samples_are_exact(void **state) {
     struct random_state random = {7};
     for (int i = 0; i < 1000; i++) {
         const double u[3] = {(double)random_float(&random), (double)random_float(&random), (double)random_float(&random)};
-        dvec3 l, weight = ray_brdf_sample(&s, dvec3_normalize(dvec3_make(0.3, -0.5, 0.4)), u, &l);
+        double density;
+        dvec3 l, weight = ray_brdf_sample(&s, dvec3_normalize(dvec3_make(0.3, -0.5, 0.4)), u, &l, &density);
         assert_true(fabs(weight.x - 1) < 1e-12 && l.z > 0);
     }
 }

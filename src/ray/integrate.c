@@ -8,7 +8,7 @@
 struct context {
     const struct ray_scene *scene;
     const fnl_trace_params *params;
-    struct random_state *random;
+    struct ray_samples *samples;
     struct ray_walk *walk;
     dvec3 sky, ground, background;
     const struct ray_environment *environment;
@@ -19,7 +19,11 @@ static dvec3 surroundings(const struct context *c, dvec3 direction) {
     return ray_environment_is(c->environment) ? ray_environment_from(c->environment, direction) : ray_sky(direction, c->sky, c->ground);
 }
 
-static double chance(const struct context *c) { return (double)(random_bits(c->random) >> 11) * 0x1p-53; }
+static double chance(const struct context *c) {
+    double out;
+    ray_samples_draw(c->samples, 1, &out);
+    return out;
+}
 
 /* The environment about a direction, as wide as the blur says: from a lobe of GGX, each direction weighed by its cosine. */
 static dvec3 blurred(const struct context *c, dvec3 direction) {
@@ -29,7 +33,9 @@ static dvec3 blurred(const struct context *c, dvec3 direction) {
     double weights = 0;
     dvec3_basis(direction, &side, &up);
     for (int i = 0; i < SAMPLES; i++) {
-        const double u = (i + chance(c)) / SAMPLES, cosine = 2 * (1 - u) / (1 + (alpha2 - 1) * u) - 1, sine = sqrt(fmax(1 - cosine * cosine, 0)), angle = 2 * DPI * chance(c);
+        double random[2];
+        ray_samples_draw(c->samples, 2, random);
+        const double u = (i + random[0]) / SAMPLES, cosine = 2 * (1 - u) / (1 + (alpha2 - 1) * u) - 1, sine = sqrt(fmax(1 - cosine * cosine, 0)), angle = 2 * DPI * random[1];
         if (!(cosine > 0)) continue;
         const dvec3 none = {0, 0, 0};
         const dvec3 to = dvec3_combine(side, up, none, dvec3_make(sine * cos(angle), sine * sin(angle), 1));
@@ -64,7 +70,9 @@ static dvec3 source_point(const struct context *c, const struct ray_light *light
     const double given = (double)(parallel ? c->params->sun_angle : c->params->light_radius), size = isinf(given) ? light->source : given;
     dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
     if (!(size > 0) || light->kind == FNL_LIGHT_RECTANGLE) return point; /* that is one of its points */
-    double radius = sqrt(chance(c)), angle = 2 * DPI * chance(c);
+    double random[2];
+    ray_samples_draw(c->samples, 2, random);
+    double radius = sqrt(random[0]), angle = 2 * DPI * random[1];
     radius *= parallel ? distance * tan(size) : size;
     if (light->kind == FNL_LIGHT_CAPSULE)
         point = dvec3_add_scaled(light->position, light->along, (2 * chance(c) - 1) * light->half_length);
@@ -86,7 +94,7 @@ static double light_visibility(const struct context *c, const struct ray_surface
     double length = dvec3_length(ray),
            high = infinite ? (double)INFINITY : length - fmax(s->offset, ray_rounding(dvec3_reach(to)));
     if (!(high > 0)) return 1; /* the light lies on the surface */
-    return ray_visibility(c->scene, origin, dvec3_scale(ray, 1 / length), high, c->walk);
+    return ray_visibility(c->scene, RAY_LAMP, origin, dvec3_scale(ray, 1 / length), high, c->walk);
 }
 
 /* What the lights add; where `sum` is given, also what they would add without shadows. */
@@ -98,8 +106,9 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
         dvec3 to_light;
         double distance, strength;
         if (l->kind == FNL_LIGHT_RECTANGLE) {
-            const double u = chance(c), v = chance(c);
-            strength = ray_light_sample(l, s->position, u, v, &to_light, &distance);
+            double random[2];
+            ray_samples_draw(c->samples, 2, random);
+            strength = ray_light_sample(l, s->position, random[0], random[1], &to_light, &distance);
         } else {
             strength = ray_light_strength(l, s->position, &to_light, &distance);
         }
@@ -129,6 +138,8 @@ struct path {
     dvec3 absorption; /* within a volume */
     bool within;
     int channel; /* the one of three that dispersion has left over; -1: all */
+    bool bent;   /* on the way from the last surface that reflected it */
+    struct ray_hit hit; /* of follow() */
 };
 
 static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, const struct path *seen_by, struct ray_sum *sum, uint32_t depth);
@@ -146,7 +157,8 @@ static dvec3 attenuated(dvec3 absorption, double way) {
 }
 
 static dvec3 microfacet(const struct context *c, const struct ray_surface *s, dvec3 to_view) {
-    const double random[2] = {chance(c), chance(c)};
+    double random[2];
+    ray_samples_draw(c->samples, 2, random);
     return ray_microfacet_sample(s, to_view, random);
 }
 
@@ -165,6 +177,7 @@ static double ior_of(const struct context *c, const struct ray_layers *layers, s
 /* Through the front of a surface: a sheet turns light as a mirror does, and to the other side; a volume refracts it. False: nothing comes. */
 static bool pass(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct path *p) {
     const dvec3 view = dvec3_scale(to_view, -1);
+    p->bent = true;
     p->origin = dvec3_add_scaled(s->position, s->geometric, -s->offset);
     if (is_volume(s)) {
         p->within = true;
@@ -196,16 +209,18 @@ static bool pass(const struct context *c, const struct ray_surface *s, dvec3 to_
 static bool follow(const struct context *c, struct path *p, enum ray_kind kind, struct ray_surface *s) {
     for (uint32_t i = 0; i < WITHIN; i++) {
         struct ray_hit hit;
-        c->walk->key = random_bits(c->random);
+        c->walk->key = random_bits(&c->samples->random);
         if (!ray_find(c->scene, p->within ? RAY_PATH : kind, p->origin, p->direction, 0, (double)INFINITY, NULL, c->walk, &hit)) {
             if (p->within) p->carried = dvec3_mul(p->carried, attenuated(p->absorption, (double)FLT_MAX));
             return false;
         }
         *s = ray_surface_at(c->scene, &hit, p->origin, p->direction, NULL);
+        p->hit = hit;
         const bool leaves = !hit.front && (p->within || is_volume(s));
         if (leaves && is_volume(s)) p->absorption = s->layers.absorption;
         if (p->within || leaves) p->carried = dvec3_mul(p->carried, attenuated(p->absorption, hit.distance));
         if (!leaves) return true;
+        p->bent = true;
         const double eta = s->layered ? ior_of(c, &s->layers, p) : 1;
         dvec3 out;
         bool found = false;
@@ -243,6 +258,64 @@ static double chance_to_pass(const struct ray_surface *s, dvec3 to_view) {
 
 /* ---- paths ---- */
 
+/* Where rays in a direction start; false: the surface itself is in the way. */
+static bool start_of(const struct ray_surface *s, dvec3 direction, dvec3 *out) {
+    const bool turned = ray_lets_through(s) && dvec3_dot(s->normal, direction) < 0;
+    const dvec3 geometric = turned ? dvec3_scale(s->geometric, -1) : s->geometric;
+    *out = dvec3_add_scaled(s->position, geometric, s->offset);
+    return dvec3_dot(geometric, direction) > 0;
+}
+
+/* The two ways in which light is found, by chance of the surface or of what shines, share it by their densities (the balance heuristic, Veach 1997). */
+static double share_of(double own, double other) { return own > 0 ? own / (own + other) : 0; }
+
+/* Light that comes straight from bright parts of the environment: its share that is not left to the surface's own samples. */
+static dvec3 aimed_at_environment(const struct context *c, const struct ray_surface *s, dvec3 to_view) {
+    const dvec3 none = {0, 0, 0};
+    double random[2], by_surface;
+    dvec3 direction, start;
+    ray_samples_draw(c->samples, 2, random);
+    const double density = ray_environment_sample(c->environment, random, &direction);
+    if (!(density > 0) || !start_of(s, direction, &start)) return none;
+    const dvec3 reflected = dvec3_mul(ray_brdf_light(s, to_view, direction, &by_surface), ray_environment_from(c->environment, direction));
+    if (!(dvec3_max(reflected) > 0)) return none;
+    const double seen = ray_visibility(c->scene, RAY_PATH, start, direction, (double)INFINITY, c->walk);
+    return dvec3_scale(reflected, seen * share_of(density, by_surface) / density);
+}
+
+/* The density per steradian with which a point of a glowing surface is chosen. */
+static double emitter_density(double per_area, dvec3 geometric, dvec3 direction, double distance) {
+    const double cosine = fabs(dvec3_dot(geometric, direction));
+    return cosine > 0 ? per_area * distance * distance / cosine : 0;
+}
+
+/* The same of surfaces that glow. */
+static dvec3 aimed_at_emitters(const struct context *c, const struct ray_surface *s, dvec3 to_view) {
+    const dvec3 none = {0, 0, 0};
+    double random[3], by_surface;
+    struct ray_emitter_point at;
+    ray_samples_draw(c->samples, 3, random);
+    if (!ray_emitters_sample(c->scene, random, &at)) return none;
+    dvec3 start;
+    if (!start_of(s, dvec3_sub(at.position, s->position), &start)) return none;
+    const dvec3 way = dvec3_sub(at.position, start);
+    const double distance = dvec3_length(way);
+    const dvec3 direction = dvec3_normalize(way);
+    const double density = emitter_density(at.density, at.geometric, direction, distance);
+    if (!(density > 0)) return none;
+    /* Not to the triangle itself, which floats put nearer where it is seen from the side. */
+    const double high = distance - fmax(s->offset, ray_rounding(dvec3_reach(at.position))) / fabs(dvec3_dot(at.geometric, direction));
+    if (!(high > 0)) return none;
+    const dvec3 reflected = ray_brdf_light(s, to_view, direction, &by_surface);
+    if (!(dvec3_max(reflected) > 0)) return none;
+    const double seen = ray_visibility(c->scene, RAY_PATH, start, direction, high, c->walk) * ray_scene_coverage(c->scene, &at.hit);
+    if (!(seen > 0)) return none;
+    at.hit.distance = distance;
+    at.hit.front = dvec3_dot(at.geometric, direction) < 0;
+    const dvec3 emissive = ray_surface_at(c->scene, &at.hit, start, direction, NULL).emissive;
+    return dvec3_scale(dvec3_mul(reflected, emissive), seen * share_of(density, by_surface) / density);
+}
+
 /* Without bounces: of light from all around alone, what no surface stops. Going through a surface is no bounce. */
 static dvec3 indirect_light(const struct context *c, const struct ray_surface *from, dvec3 to_view, const struct path *seen_by) {
     struct ray_surface s = *from;
@@ -251,10 +324,14 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
     uint32_t passed = 0;
     if (seen_by) p.within = seen_by->within, p.absorption = seen_by->absorption;
     for (uint32_t bounce = 0;; bounce++) {
-        double random[3];
+        double random[3], density;
+        ray_samples_next(c->samples);
         ray_environment_again(c->environment, &s, to_view);
-        for (int i = 0; i < 3; i++) random[i] = chance(c);
-        p.carried = dvec3_mul(p.carried, ray_brdf_sample(&s, to_view, random, &p.direction));
+        const bool aims = c->params->light_sampling && !p.within; /* what lies within glass is lit through it */
+        if (aims && ray_environment_is(c->environment)) out = dvec3_add(out, dvec3_mul(p.carried, aimed_at_environment(c, &s, to_view)));
+        if (aims && c->params->bounces > 0) out = dvec3_add(out, dvec3_mul(p.carried, aimed_at_emitters(c, &s, to_view)));
+        ray_samples_draw(c->samples, 3, random);
+        p.carried = dvec3_mul(p.carried, ray_brdf_sample(&s, to_view, random, &p.direction, &density));
         if (!(dvec3_max(p.carried) > 0)) return out;
         if (ray_lets_through(&s) && dvec3_dot(s.normal, p.direction) < 0) s.geometric = dvec3_scale(s.geometric, -1);
         if (!(dvec3_dot(s.geometric, p.direction) > 0)) return out;
@@ -264,11 +341,20 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
             p.carried = dvec3_scale(p.carried, 1 / stays);
         }
         p.origin = dvec3_add_scaled(s.position, s.geometric, s.offset);
+        p.bent = false;
         for (bool passes = true; passes;) {
-            if (!follow(c, &p, RAY_PATH, &s)) return dvec3_max(p.carried) > 0 ? dvec3_add(out, dvec3_mul(p.carried, surroundings(c, p.direction))) : out;
+            if (!follow(c, &p, RAY_PATH, &s)) {
+                if (!(dvec3_max(p.carried) > 0)) return out;
+                const double share = aims && !p.bent ? share_of(density, ray_environment_density(c->environment, p.direction)) : 1;
+                return dvec3_add(out, dvec3_mul(p.carried, dvec3_scale(surroundings(c, p.direction), share)));
+            }
             to_view = dvec3_scale(p.direction, -1);
             s.lamps_shine_through = true;
-            if (c->params->bounces > 0) out = dvec3_add(out, dvec3_mul(p.carried, s.emissive));
+            if (c->params->bounces > 0 && dvec3_max(s.emissive) > 0) {
+                const double other = aims && !p.bent ? emitter_density(ray_emitters_density(c->scene, &p.hit), s.geometric, p.direction, p.hit.distance) : 0;
+                out = dvec3_add(out, dvec3_mul(p.carried, dvec3_scale(s.emissive, share_of(density, other))));
+            }
+            ray_samples_next(c->samples);
             if (bounce < c->params->bounces) /* sources are seen from the last surface too, but not what others reflect */
                 out = dvec3_add(out, dvec3_mul(p.carried, direct_light(c, &s, to_view, NULL)));
             const double passing = passed < SEEN_THROUGH ? chance_to_pass(&s, to_view) : 0;
@@ -283,6 +369,7 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
 
 /* `seen_by`: the path from which it is seen, or NULL; `depth`: surfaces that it is seen through. */
 static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, const struct path *seen_by, struct ray_sum *sum, uint32_t depth) {
+    ray_samples_next(c->samples);
     dvec3 out = dvec3_add(s->emissive, direct_light(c, s, to_view, sum));
     if (s->layered && s->layers.transmission > 0) out = dvec3_add(out, seen_through(c, s, to_view, depth));
     if (c->params->bounces || ray_environment_is(c->environment)) return dvec3_add(out, indirect_light(c, s, to_view, seen_by));
@@ -291,8 +378,8 @@ static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec
 }
 
 void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x,
-                   double y, struct random_state *random, struct ray_walk *walk, struct ray_sum *sum) {
-    struct context c = {.scene = scene, .params = params, .random = random, .walk = walk};
+                   double y, struct ray_samples *samples, struct ray_walk *walk, struct ray_sum *sum) {
+    struct context c = {.scene = scene, .params = params, .samples = samples, .walk = walk};
     dvec3 origin, direction, radiance = {0, 0, 0};
     double low, high, unused, rest = 1;
     struct ray_neighbours neighbours;
@@ -300,8 +387,9 @@ void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params
     ray_scene_surroundings(scene, &c.sky, &c.ground, &c.background);
     c.environment = ray_scene_environment(scene);
     ray_camera_ray(camera, x, y, &origin, &direction, &low, &high);
-    ray_camera_ray(camera, x + 1, y, &neighbours.origin[0], &neighbours.direction[0], &unused, &unused);
-    ray_camera_ray(camera, x, y + 1, &neighbours.origin[1], &neighbours.direction[1], &unused, &unused);
+    const double step = 1 / sqrt(params->samples); /* each sample has its part of the pixel's textures, so that the mean is as sharp as a larger picture's */
+    ray_camera_ray(camera, x + step, y, &neighbours.origin[0], &neighbours.direction[0], &unused, &unused);
+    ray_camera_ray(camera, x, y + step, &neighbours.origin[1], &neighbours.direction[1], &unused, &unused);
     const bool found = ray_find(scene, RAY_CAMERA, origin, direction, low, high, &neighbours, walk, &hit);
     const dvec3 to_view = dvec3_scale(direction, -1);
     const uint32_t layer_count = walk->layers.count; /* the rays that follow do not touch them: they belong to paths */

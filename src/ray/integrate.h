@@ -6,6 +6,7 @@
 #include "fanal/trace.h"
 #include "ray/camera.h"
 #include "ray/ray_scene.h"
+#include "ray/samples.h"
 
 struct ray_sum {
     dvec3 radiance;
@@ -15,6 +16,6 @@ struct ray_sum {
 
 /** Adds a sample of a pixel, through a point in pixels. `camera` is that of the parameters. */
 void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x,
-                   double y, struct random_state *random, struct ray_walk *walk, struct ray_sum *sum);
+                   double y, struct ray_samples *samples, struct ray_walk *walk, struct ray_sum *sum);
 
 #endif

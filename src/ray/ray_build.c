@@ -146,7 +146,7 @@ static fnl_result add_mesh(struct ray_scene *s, const struct scene_node *node, c
 }
 
 static struct ray_instance instance_make(uint32_t mesh, const mat4 *m) {
-    struct ray_instance in = {.mesh = mesh, .matrix = *m};
+    struct ray_instance in = {.mesh = mesh, .matrix = *m, .first_glow = SCENE_NONE};
     for (int c = 0; c < 3; c++)
         in.axes[c] = dvec3_make((double)m->m[4 * c], (double)m->m[4 * c + 1], (double)m->m[4 * c + 2]);
     in.origin = dvec3_make((double)m->m[12], (double)m->m[13], (double)m->m[14]);

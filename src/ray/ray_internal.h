@@ -30,6 +30,14 @@ struct ray_instance {
     dvec3 axes[3], origin; /* columns of the matrix */
     dvec3 cofactors[3];    /* columns that carry normals */
     double mirror;         /* -1 where it mirrors */
+    uint32_t first_glow;   /* into ray_scene.glows, one for each part of the mesh; SCENE_NONE: nothing of it glows */
+};
+
+/* A triangle of a surface that glows. */
+struct ray_emitter {
+    uint32_t instance, part, triangle;
+    double end;     /* chances, added up */
+    double density; /* chance per square metre */
 };
 
 struct ray_scene {
@@ -46,6 +54,8 @@ struct ray_scene {
     uint32_t unseen;
     ARRAY(struct ray_light) lights; /* directional ones first */
     uint32_t sun_count;
+    ARRAY(struct ray_emitter) emitters;
+    ARRAY(uint32_t) glows; /* the first emitter of a part of an instance: one for each triangle; SCENE_NONE: none */
     RTCScene light_tree; /* boxes of the others; NULL where they are few */
 };
 
@@ -61,6 +71,13 @@ fnl_result ray_scene_check(const struct ray_scene *scene);
 /** The lights, and the tree over them (ray_lights.c). */
 fnl_result ray_lights_create(struct ray_scene *scene);
 void ray_lights_destroy(struct ray_scene *scene);
+
+/** The surfaces that glow (ray_emitters.c). */
+fnl_result ray_emitters_create(struct ray_scene *scene);
+void ray_emitters_destroy(struct ray_scene *scene);
+/** Corners in the world, and about what luminance the triangle sends (ray_surface.c). */
+void ray_corners(const struct ray_part *part, const struct ray_instance *instance, uint32_t triangle, dvec3 out[3]);
+double ray_glow(const struct ray_part *part, uint32_t triangle);
 
 /**
  * What of a triangle covers the point: 0 in the holes of cutouts, less than 1 where it blends (ray_surface.c). `neighbours` as in ray_find; without

@@ -70,14 +70,14 @@ void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
 void ray_filter_shadow(const struct RTCFilterFunctionNArguments *arguments) {
     const struct ray_part *part = arguments->geometryUserPtr;
     struct query *query = (struct query *)(void *)arguments->context;
-    if (!part->material->casts_shadows) {
+    if (query->kind == RAY_LAMP && !part->material->casts_shadows) {
         arguments->valid[0] = 0;
         return;
     }
     const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments));
     struct ray_walk *walk = query->walk;
     double cover = ray_coverage(part, NULL, hit.triangle, hit.u, hit.v, NULL);
-    cover *= 1 - ray_transmission(part, hit.triangle, hit.u, hit.v);
+    if (query->kind == RAY_LAMP) cover *= 1 - ray_transmission(part, hit.triangle, hit.u, hit.v);
     for (uint32_t i = 0; i < walk->crossed.count && cover < 1; i++)
         if (is_same_crossing(&hit, &walk->crossed.data[i])) cover = 0;
     query->visibility *= 1 - cover;
@@ -93,13 +93,13 @@ fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ra
     if (!s) return FNL_ERROR_MEMORY;
     s->scene = scene;
     s->standard = scene_material_default();
-    s->environment = (struct ray_environment){&scene->environment, &s->albedos, 0};
-    if (ray_environment_is(&s->environment)) s->environment.mean = ray_environment_mean(&s->environment);
+    fnl_result result = ray_environment_create(&scene->host, &scene->environment, &s->albedos, &s->environment);
     bool wants_albedos = ray_environment_is(&s->environment);
     for (uint32_t i = 0; i < scene->materials.count; i++) wants_albedos |= scene_material_layered(&scene->materials.data[i]);
     if (wants_albedos) ray_albedos_fill(&s->albedos);
-    fnl_result result = ray_scene_build(s, jobs);
+    if (result == FNL_OK) result = ray_scene_build(s, jobs);
     if (result == FNL_OK) result = ray_lights_create(s);
+    if (result == FNL_OK) result = ray_emitters_create(s);
     if (result != FNL_OK) ray_scene_destroy(out);
     return result;
 }
@@ -108,7 +108,9 @@ void ray_scene_destroy(struct ray_scene **handle) {
     struct ray_scene *s = *handle;
     if (!s) return;
     const fnl_host *host = &s->scene->host;
+    ray_emitters_destroy(s);
     ray_lights_destroy(s);
+    ray_environment_destroy(host, &s->environment);
     if (s->handle) rtcReleaseScene(s->handle);
     for (uint32_t i = 0; i < s->meshes.count; i++) rtcReleaseScene(s->meshes.data[i].handle);
     if (s->device) rtcReleaseDevice(s->device);
@@ -189,8 +191,8 @@ bool ray_find(const struct ray_scene *s, enum ray_kind kind, dvec3 origin, dvec3
     return found;
 }
 
-double ray_visibility(const struct ray_scene *s, dvec3 origin, dvec3 direction, double distance, struct ray_walk *walk) {
-    struct query query = {.visibility = 1, .walk = walk};
+double ray_visibility(const struct ray_scene *s, enum ray_kind kind, dvec3 origin, dvec3 direction, double distance, struct ray_walk *walk) {
+    struct query query = {.kind = kind, .visibility = 1, .walk = walk};
     struct RTCRay ray = embree_ray(origin, direction, 0, distance);
     embree_query_init(&query.embree);
     walk->crossed.count = 0;

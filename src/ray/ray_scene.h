@@ -34,6 +34,7 @@ enum ray_kind {
     RAY_CAMERA, /* not the backs of single-sided materials; blended surfaces on the way are listed */
     RAY_PATH,   /* both sides; a blended surface stops it by the chance of its coverage */
     RAY_THROUGH, /* of what is seen through a surface: sides as for the camera, blended surfaces as for paths */
+    RAY_LAMP,    /* to a lamp: both sides; goes straight through what is transmissive, and through what casts no shadows */
 };
 
 /** Working memory of one thread. */
@@ -60,8 +61,21 @@ const struct ray_light *ray_scene_light(const struct ray_scene *scene, uint32_t 
 bool ray_find(const struct ray_scene *scene, enum ray_kind kind, dvec3 origin, dvec3 direction, double low, double high,
               const struct ray_neighbours *neighbours, struct ray_walk *walk, struct ray_hit *hit);
 /** The part of light that gets from the origin along a unit direction to `distance`: cutouts let through what is cut, blended surfaces what they do
-    not cover. Every surface has two sides. */
-double ray_visibility(const struct ray_scene *scene, dvec3 origin, dvec3 direction, double distance, struct ray_walk *walk);
+    not cover. Every surface has two sides. `kind`: RAY_LAMP, or RAY_PATH for the chance that a path gets there straight. */
+double ray_visibility(const struct ray_scene *scene, enum ray_kind kind, dvec3 origin, dvec3 direction, double distance, struct ray_walk *walk);
+
+/** A point of a surface that glows, for paths to be sent to. */
+struct ray_emitter_point {
+    struct ray_hit hit; /* distance and front: not yet */
+    dvec3 position, geometric; /* the triangle's unit normal, on either side */
+    double density;            /* per square metre */
+};
+/** Chooses one by three numbers in [0, 1), by the light that triangles send; false: there is none. */
+bool ray_emitters_sample(const struct ray_scene *scene, const double random[3], struct ray_emitter_point *out);
+/** The density per square metre with which it chooses the points of a triangle; 0: it is never chosen. */
+double ray_emitters_density(const struct ray_scene *scene, const struct ray_hit *hit);
+/** What the surface covers of what is behind it, 0 .. 1. */
+double ray_scene_coverage(const struct ray_scene *scene, const struct ray_hit *hit);
 
 /** The surface at a hit. `neighbours` as in ray_find. */
 struct ray_surface ray_surface_at(const struct ray_scene *scene, const struct ray_hit *hit, dvec3 origin, dvec3 direction,

@@ -27,7 +27,7 @@ static bool meet(const dvec3 p[3], dvec3 origin, dvec3 direction, double *u, dou
     return isfinite(*u) && isfinite(*v);
 }
 
-static void find_corners(const struct ray_part *part, const struct ray_instance *in, uint32_t triangle, dvec3 out[3]) {
+void ray_corners(const struct ray_part *part, const struct ray_instance *in, uint32_t triangle, dvec3 out[3]) {
     const uint32_t *corners = part->primitive->indices + 3 * (size_t)triangle;
     for (int k = 0; k < 3; k++) out[k] = dvec3_add(carry(in->axes, dvec3_from(part->positions[corners[k]])), in->origin);
 }
@@ -66,7 +66,7 @@ double ray_coverage(const struct ray_part *part, const struct ray_instance *in, 
     interpolate_uv(part, triangle, u, v, uv.at);
     if (neighbours) {
         dvec3 corners[3];
-        find_corners(part, in, triangle, corners);
+        ray_corners(part, in, triangle, corners);
         find_footprint(part, triangle, corners, neighbours, &uv);
     }
     ray_texture_sample(part->scene->scene, part->scene->images, m, SCENE_TEXTURE_BASE_COLOR, &uv, texel);
@@ -84,6 +84,30 @@ double ray_transmission(const struct ray_part *part, uint32_t triangle, double u
     ray_texture_sample(part->scene->scene, part->scene->images, m, SCENE_TEXTURE_TRANSMISSION, &uv, strength);
     ray_texture_sample(part->scene->scene, part->scene->images, m, SCENE_TEXTURE_METALLIC_ROUGHNESS, &uv, metal);
     return (double)m->transmission.strength * strength[0] * (1 - clamp01((double)m->metallic * metal[2]));
+}
+
+double ray_scene_coverage(const struct ray_scene *s, const struct ray_hit *hit) {
+    return ray_coverage(&s->parts.data[hit->part], NULL, hit->triangle, hit->u, hit->v, NULL);
+}
+
+double ray_glow(const struct ray_part *part, uint32_t triangle) {
+    const struct scene_material *m = part->material;
+    const double corners[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    struct ray_uv uv = {0};
+    double at[3][2][2], color[4], texel[4];
+    if (dvec3_max(dvec3_from(m->emissive)) <= 0 && !m->unlit) return 0;
+    for (int k = 0; k < 3; k++) interpolate_uv(part, triangle, corners[k][0], corners[k][1], at[k]);
+    for (int i = 0; i < 4; i++) { /* the texture's mean over about as much as the triangle has of it */
+        const int set = i / 2, axis = i % 2;
+        uv.at[set][axis] = (at[0][set][axis] + at[1][set][axis] + at[2][set][axis]) / 3;
+        uv.along[set][axis] = at[1][set][axis] - at[0][set][axis];
+        uv.across[set][axis] = at[2][set][axis] - at[0][set][axis];
+    }
+    ray_texture_sample(part->scene->scene, part->scene->images, m, m->unlit ? SCENE_TEXTURE_BASE_COLOR : SCENE_TEXTURE_EMISSIVE, &uv, texel);
+    if (!m->unlit) return dvec3_luminance(dvec3_mul(dvec3_from(m->emissive), dvec3_make(texel[0], texel[1], texel[2])));
+    vertex_color(part, triangle, 1.0 / 3, 1.0 / 3, color);
+    return dvec3_luminance(dvec3_make((double)m->base_color.x * color[0] * texel[0], (double)m->base_color.y * color[1] * texel[1],
+                                      (double)m->base_color.z * color[2] * texel[2]));
 }
 
 /* The means of the corners' unit vectors in the world, as vertices have them. */
@@ -219,7 +243,7 @@ struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hi
     struct ray_uv uv = {0};
     dvec3 p[3];
     double u = hit->u, v = hit->v, color[4], texel[4];
-    find_corners(part, in, hit->triangle, p);
+    ray_corners(part, in, hit->triangle, p);
     if (!meet(p, origin, direction, &u, &v)) u = hit->u, v = hit->v;
     const double weights[3] = {1 - u - v, u, v};
     for (int k = 0; k < 3; k++) out.position = dvec3_add_scaled(out.position, p[k], weights[k]);

@@ -40,15 +40,6 @@ static fnl_result check(const struct call *call, const fnl_trace_params *p) {
     return check_range(call, "ev", (double)p->ev, -64, 64, " EV100");
 }
 
-/* Every sample of every pixel has numbers of its own, whoever traces it. */
-static struct random_state random_of(const fnl_trace_params *p, uint32_t x, uint32_t y, uint32_t sample) {
-    struct random_state random = {p->seed};
-    random.state = random_bits(&random) ^ ((uint64_t)y << 32 | x);
-    random.state = random_bits(&random) ^ sample;
-    random.state = random_bits(&random);
-    return random;
-}
-
 static void trace_tile(void *context, uint32_t index) {
     struct trace *t = context;
     const fnl_trace_params *p = t->params;
@@ -58,8 +49,8 @@ static void trace_tile(void *context, uint32_t index) {
     struct ray_walk walk = {0};
     for (uint32_t y = top; y < MIN(top + TILE, p->height); y++)
         for (uint32_t x = left; x < MIN(left + TILE, p->width) && !walk.failed; x++) {
-            struct random_state random = random_of(p, x, y, sample);
-            ray_integrate(t->scene, p, &t->camera, x + 0.5 + (double)jitter.x, y + 0.5 + (double)jitter.y, &random, &walk,
+            struct ray_samples samples = ray_samples_make(p->seed, x, y, sample); /* its own, whoever traces it */
+            ray_integrate(t->scene, p, &t->camera, x + 0.5 + (double)jitter.x, y + 0.5 + (double)jitter.y, &samples, &walk,
                           &t->sums[(size_t)y * p->width + x]);
         }
     atomic_fetch_add(&t->ray_count, walk.ray_count);

@@ -125,7 +125,7 @@ static void test_glass_in_a_white_furnace(void **state) {
             if (!(fabs(all - 1) < (rough ? 0.02 : 0.01))) fail_msg("kind %d, roughness %g: %g, must be 1", kind, 0.3 * rough, all);
             fnl_trace_free(NULL, &trace);
             /* Without bounces the light that glass reflects is missing, and no more: a ball behind a face is not black. */
-            trace = trace_glass((enum glass_kind)kind, 0.3f * (float)rough, dispersion, 0, 40);
+            trace = trace_glass((enum glass_kind)kind, 0.3f * (float)rough, dispersion, 0, 128);
             const double direct = mean_of(&trace.radiance, 1);
             if (!(direct > 0.85 && direct < 1.02)) fail_msg("kind %d, roughness %g: %g without bounces", kind, 0.3 * rough, direct);
             fnl_trace_free(NULL, &trace);
@@ -164,6 +164,7 @@ static void test_energy_in_a_closed_box(void **state) {
     fnl_trace_params p = trace_plain();
     p.width = p.height = 16;
     p.camera.position = (vec3){0.3f, 0.2f, 0.9f};
+    p.light_sampling = false; /* then every path carries the same light */
     for (p.bounces = 1; p.bounces < 6; p.bounces++) {
         double wanted = 2 * (1 - pow(0.5, p.bounces + 2)) / 0.5;
         fnl_trace trace = trace_scene(scene, &p);
@@ -175,13 +176,13 @@ static void test_energy_in_a_closed_box(void **state) {
         fnl_trace_free(NULL, &trace);
     }
     /* Ending paths by chance keeps the mean. */
-    p.bounces = 60, p.samples = 400, p.russian_roulette = true;
+    p.bounces = 60, p.samples = 400, p.russian_roulette = p.light_sampling = true;
     p.width = p.height = 8;
     fnl_trace trace = trace_scene(scene, &p);
     assert_float_equal(mean_of(&trace.radiance, 1), 4, 0.03);
     uint64_t rays = trace.ray_count;
     fnl_trace_free(NULL, &trace);
-    assert_true(rays < 8ull * 8 * 400 * 12); /* instead of 62 each */
+    assert_true(rays < 8ull * 8 * 400 * 24); /* instead of 123 each */
     fnl_scene_destroy(&scene);
 }
 
@@ -209,11 +210,13 @@ static void test_area_light_has_its_form_factor(void **state) {
         double factor = corner_factor(1 - x, 1 - z) + corner_factor(1 - x, 1 + z) + corner_factor(1 + x, 1 - z) +
                         corner_factor(1 + x, 1 + z);
         fnl_trace_params p = look_down(vec3_make(places[i].x, 0, places[i].z), 0.01f, 0.5f, 8);
-        p.samples = 1600, p.bounces = 1;
-        fnl_trace trace = trace_scene(scene, &p);
-        double wanted = 0.6 * 10 * factor, got = mean_of(&trace.radiance, 0);
-        if (fabs(got / wanted - 1) > 0.02) fail_msg("at %g, %g: %g, must be %g", x, z, got, wanted);
-        fnl_trace_free(NULL, &trace);
+        for (int sampled = 0; sampled < 2; sampled++) {
+            p.samples = sampled ? 64 : 1600, p.bounces = 1, p.light_sampling = sampled;
+            fnl_trace trace = trace_scene(scene, &p);
+            double wanted = 0.6 * 10 * factor, got = mean_of(&trace.radiance, 0);
+            if (fabs(got / wanted - 1) > (sampled ? 0.01 : 0.02)) fail_msg("at %g, %g: %g, must be %g", x, z, got, wanted);
+            fnl_trace_free(NULL, &trace);
+        }
     }
     fnl_scene_destroy(&scene);
 }
@@ -253,7 +256,177 @@ static void test_one_bounce_off_a_red_wall(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- rays that are sent to lights ---- */
+
+enum { AROUND_WIDTH = 64, AROUND_HEIGHT = 32 };
+
+/* A dim panorama with a square of bright texels, turned by `rotation`. */
+static void surround_by_lamp(fnl_scene *scene, uint32_t column, uint32_t row, uint32_t side, float bright, float dim, float rotation) {
+    static float pixels[4 * AROUND_WIDTH * AROUND_HEIGHT];
+    for (uint32_t i = 0; i < AROUND_WIDTH * AROUND_HEIGHT; i++) {
+        const uint32_t x = i % AROUND_WIDTH - column, y = i / AROUND_WIDTH - row;
+        for (uint32_t c = 0; c < 4; c++) pixels[4 * i + c] = x < side && y < side ? bright : dim;
+    }
+    const fnl_image image = {AROUND_WIDTH, AROUND_HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, pixels};
+    fnl_environment_params params = fnl_environment_params_default();
+    params.image = &image;
+    params.lights = false;
+    params.rotation = rotation;
+    assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+}
+
+/* The same light from everywhere needs no rays to lights, and every path carries all of it. */
+static void test_white_furnace_in_an_environment(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params white = matt(1);
+    add_box(scene, &white, false);
+    add_square(scene, &white, vec3_make(2, 1, 2), vec3_make(0, -1, 0));
+    surround(scene, 3);
+    fnl_trace_params p = trace_plain();
+    p.width = 32, p.height = 24, p.bounces = 60;
+    p.camera.position = (vec3){2, 2.2f, 2.6f};
+    fnl_trace trace = trace_scene(scene, &p);
+    for (uint32_t y = 0; y < p.height; y++)
+        for (uint32_t x = 0; x < p.width; x++)
+            for (int c = 0; c < 3; c++) assert_float_equal(pixel_at(&trace.radiance, x, y)[c], 3, 1e-5);
+    fnl_trace_free(NULL, &trace);
+    fnl_scene_destroy(&scene);
+}
+
+/* Light that grows evenly from below to above: a matt floor gets its mean, weighed by the cosine. */
+static void test_sky_and_ground_light_a_floor(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params floor = matt(0.5f);
+    add_square(scene, &floor, vec3_make(5, 1, 5), vec3_make(0, 0, 0));
+    assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){6, 6, 6}, (fnl_vec3){1, 1, 1}), FNL_OK);
+    fnl_trace_params p = look_down((vec3){0, 0, 0}, 0.01f, 0.5f, 4);
+    p.samples = 256, p.bounces = 1;
+    fnl_trace trace = trace_scene(scene, &p);
+    for (uint32_t i = 0; i < 16; i++) assert_float_equal(pixel_at(&trace.radiance, i % 4, i / 4)[1], 0.5 * (1 + 5 * 5 / 6.0), 0.002);
+    fnl_trace_free(NULL, &trace);
+    fnl_scene_destroy(&scene);
+}
+
+/* One bright texel of 2048: what a floor gets of it, by the integral over the four cells into which it is interpolated. Few paths would ever meet it. */
+static void test_one_bright_texel_needs_few_samples(void **state) {
+    UNUSED(state);
+    enum { STEPS = 400, COLUMN = 11, ROW = 6 };
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params floor = matt(0.5f);
+    add_square(scene, &floor, vec3_make(5, 1, 5), vec3_make(0, 0, 0));
+    surround_by_lamp(scene, COLUMN, ROW, 1, 5000, 0, 0.4f);
+    double wanted = 0;
+    for (int i = 0; i < STEPS; i++) { /* rows: the turn about the axis changes nothing */
+        const double off = 2 * (i + 0.5) / STEPS - 1, latitude = DPI * (ROW + 0.5 + off) / AROUND_HEIGHT;
+        wanted += 0.5 / DPI * 5000 * (1 - fabs(off)) * (2 * DPI / AROUND_WIDTH) * cos(latitude) * sin(latitude) * (2.0 / STEPS) * (DPI / AROUND_HEIGHT);
+    }
+    fnl_trace_params p = look_down((vec3){0, 0, 0}, 0.01f, 0.5f, 4);
+    p.samples = 64;
+    fnl_trace trace = trace_scene(scene, &p);
+    for (uint32_t i = 0; i < 16; i++) {
+        const double got = (double)pixel_at(&trace.radiance, i % 4, i / 4)[0];
+        if (!(fabs(got / wanted - 1) < 0.05)) fail_msg("pixel %u: %g, must be %g", i, got, wanted);
+    }
+    if (!(fabs(mean_of(&trace.radiance, 0) / wanted - 1) < 0.01)) fail_msg("%g, must be %g", mean_of(&trace.radiance, 0), wanted);
+    fnl_trace_free(NULL, &trace);
+    fnl_scene_destroy(&scene);
+}
+
+/* What stands between a floor and its light. */
+enum between { BETWEEN_NOTHING, BETWEEN_HALF, BETWEEN_BLENDED, BETWEEN_CUTOUT, BETWEEN_SHEET, BETWEEN_GLASS, BETWEEN_UNSHADOWED, BETWEEN_KINDS };
+
+static void add_between(fnl_scene *scene, enum between kind) {
+    fnl_material_params m = matt(0.3f);
+    const bool sheet = kind == BETWEEN_SHEET;
+    if (kind == BETWEEN_NOTHING) return;
+    if (sheet || kind == BETWEEN_GLASS) m = glass(0.2f, sheet ? 0 : 0.05f, 0);
+    if (kind == BETWEEN_BLENDED) m.alpha_mode = FNL_ALPHA_BLEND, m.base_color[3] = 0.4f;
+    if (kind == BETWEEN_UNSHADOWED) m.casts_shadows = false;
+    if (kind == BETWEEN_CUTOUT) {
+        static uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 0, 255, 255, 255, 255};
+        const fnl_image picture = {2, 2, FNL_PIXEL_FORMAT_RGBA8, texels};
+        m.alpha_mode = FNL_ALPHA_MASK;
+        assert_int_equal(fnl_scene_add_image(scene, &picture, true, &m.base_color_image), FNL_OK);
+    }
+    if (kind == BETWEEN_GLASS) {
+        add_instance(scene, add_sphere_mesh(scene, &m, 0.3f, false), mat4_translation(vec3_make(0.3f, 0.6f, 0)));
+        return;
+    }
+    m.double_sided = true;
+    add_square(scene, &m, vec3_make(0.4f, 1, 0.4f), vec3_make(kind == BETWEEN_HALF || kind == BETWEEN_UNSHADOWED ? 0.5f : 0, 0.6f, 0));
+}
+
+/* A lamp of triangles, or bright texels: light that rays are sent to and light that paths meet are the same, and none counts twice. */
+static void test_light_sampling_keeps_the_mean(void **state) {
+    UNUSED(state);
+    for (int lamp = 0; lamp < 2; lamp++)
+        for (int kind = 0; kind < BETWEEN_KINDS; kind++)
+            for (int surface = 0; surface < (kind == BETWEEN_NOTHING ? 4 : 1); surface++) { /* matt, gloss, mirror, paper */
+                fnl_scene *scene = world_create(NULL);
+                fnl_material_params floor = matt(0.6f), lit = matt(0);
+                for (int i = 0; i < 3; i++) lit.emissive[i] = 40;
+                lit.emissive[1] = 5;
+                if (surface == 1) floor = fnl_material_params_default(), floor.metallic = 0, floor.roughness = 0.4f, floor.base_color[0] = 0.4f;
+                if (surface == 2) floor = fnl_material_params_default(), floor.metallic = 1, floor.roughness = 0.15f;
+                if (surface == 3) floor.diffuse_transmission = (fnl_diffuse_transmission_params){.strength = 0.7f, .color = {1, 0.9f, 0.8f}};
+                add_square(scene, &floor, vec3_make(2, 1, 2), vec3_make(0, 0, 0));
+                add_between(scene, (enum between)kind);
+                if (lamp) add_instance(scene, add_square_mesh(scene, add_material(scene, &lit)), mat4_from_trs(vec3_make(0.2f, surface == 3 ? -1.2f : 1.2f, 0.1f), quat_axis_angle(vec3_make(1, 0, 0), 0.3f), vec3_make(0.3f, 1, 0.2f)));
+                else surround_by_lamp(scene, 20, surface == 3 ? 26 : 1, 5, 30, 0.3f, 0.8f);
+                fnl_trace_params p = look_down((vec3){0, 0, 0}, 0.4f, 0.5f, 8);
+                p.bounces = lamp;
+                p.samples = 1024, p.light_sampling = false;
+                const double most = kind == BETWEEN_SHEET || kind == BETWEEN_GLASS ? 0.09 : 0.03; /* only paths go through glass */
+                fnl_trace met = trace_scene(scene, &p);
+                p.samples = 256, p.light_sampling = true;
+                fnl_trace sent = trace_scene(scene, &p);
+                for (int c = 0; c < 2; c++) {
+                    const double a = mean_of(&met.radiance, c), b = mean_of(&sent.radiance, c);
+                    if (!(a > 0 && fabs(b / a - 1) < most)) fail_msg("lamp %d, between %d, surface %d: %g with rays to lights, %g without", lamp, kind, surface, b, a);
+                }
+                fnl_trace_free(NULL, &met);
+                fnl_trace_free(NULL, &sent);
+                fnl_scene_destroy(&scene);
+            }
+}
+
 /* ---- pictures ---- */
+
+/* A floor of squares seen from the side: samples of a pixel have its parts of the texture, so they see what the pixels of a larger picture see. */
+static void test_samples_are_as_sharp_as_a_larger_picture(void **state) {
+    UNUSED(state);
+    enum { SIDE = 256, WIDTH = 40, HEIGHT = 20, FINER = 8 };
+    static uint8_t texels[SIDE * SIDE * 4];
+    for (int i = 0; i < SIDE * SIDE * 4; i++) texels[i] = i % 4 == 3 || (i / 4 % SIDE / 8 + i / 4 / SIDE / 8) % 2 ? 255 : 0;
+    const fnl_image squares = {SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, texels};
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params floor = matt(1);
+    assert_int_equal(fnl_scene_add_image(scene, &squares, true, &floor.base_color_image), FNL_OK);
+    add_square(scene, &floor, vec3_make(1, 1, 1), vec3_make(0, 0, 0));
+    assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){1, 1, 1}, (fnl_vec3){1, 1, 1}), FNL_OK);
+    fnl_trace_params p = trace_plain();
+    p.width = WIDTH, p.height = HEIGHT, p.samples = FINER * FINER;
+    p.camera.position = (vec3){0, 0.3f, 0.9f};
+    p.camera.target = (vec3){0, 0, 0.1f};
+    p.camera.vertical_fov = 0.35f;
+    fnl_trace small = trace_scene(scene, &p);
+    p.width *= FINER, p.height *= FINER, p.samples = 1;
+    fnl_trace large = trace_scene(scene, &p);
+    double error = 0, contrast = 0;
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++) {
+            double mean = 0;
+            for (uint32_t k = 0; k < FINER * FINER; k++) mean += (double)pixel_at(&large.radiance, FINER * x + k % FINER, FINER * y + k / FINER)[0] / (FINER * FINER);
+            error += pow((double)pixel_at(&small.radiance, x, y)[0] - mean, 2) / (WIDTH * HEIGHT);
+            contrast += pow(mean - 0.5, 2) / (WIDTH * HEIGHT);
+        }
+    if (!(error < 0.004 * contrast)) fail_msg("samples differ from the larger picture by %g of its contrast", error / contrast);
+    fnl_trace_free(NULL, &small);
+    fnl_trace_free(NULL, &large);
+    fnl_scene_destroy(&scene);
+}
 
 static fnl_trace trace_hall(uint32_t threads, uint64_t seed) {
     fnl_host host = fnl_host_default();
@@ -436,6 +609,11 @@ int main(void) {
         cmocka_unit_test(test_glass_absorbs_along_the_way),
         cmocka_unit_test(test_energy_in_a_closed_box),
         cmocka_unit_test(test_area_light_has_its_form_factor),
+        cmocka_unit_test(test_white_furnace_in_an_environment),
+        cmocka_unit_test(test_sky_and_ground_light_a_floor),
+        cmocka_unit_test(test_one_bright_texel_needs_few_samples),
+        cmocka_unit_test(test_light_sampling_keeps_the_mean),
+        cmocka_unit_test(test_samples_are_as_sharp_as_a_larger_picture),
         cmocka_unit_test(test_threads_do_not_change_a_byte),
         cmocka_unit_test(test_ended_early),
         cmocka_unit_test(test_memory_that_runs_out),

@@ -408,6 +408,7 @@ struct fnl_scene {
     struct scene_environment environment;
     struct scene_stage stage;
     float anisotropy;                           /* of mipmapped textures, 1 .. 16 */
+    float texture_bias;                         /* levels of detail added to theirs, -16 .. 16 */
     float cutoff_roughness, cutoff_illuminance; /* of lights without a range */
     uint32_t next_generation;
     uint32_t hull_plane_count; /* of all lights */

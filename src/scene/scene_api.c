@@ -336,6 +336,16 @@ fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy) {
     return FNL_OK;
 }
 
+fnl_result fnl_scene_set_texture_bias(fnl_scene *scene, float levels) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_range(CALL(&scene->host), "levels", (double)levels, -16, 16, " levels of detail"));
+    if (scene->texture_bias == levels) return FNL_OK;
+    scene->texture_bias = levels;
+    scene->decal_version++;
+    scene_materials_changed(scene);
+    return FNL_OK;
+}
+
 /* ---- what is in it ---- */
 
 static uint64_t mesh_triangles(const fnl_scene *scene, const struct scene_mesh *mesh) {

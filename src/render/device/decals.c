@@ -437,7 +437,8 @@ fnl_result device_decals_prepare(struct device_scene *d) {
                                          .mipmapped = true,
                                          .wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                          .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                         .anisotropy = 8};
+                                         .anisotropy = 8,
+                                         .bias = scene->texture_bias};
     all->sampler = gpu_sampler_index(d->device, &sampler);
     TRY(grow_buffer(d, "decals", &all->decals, all->order.count * sizeof(struct gpu_decal)));
     TRY(grow_buffer(d, "decal bounds", &all->bounds, all->count * sizeof(struct gpu_entity_bounds)));

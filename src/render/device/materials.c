@@ -19,7 +19,8 @@ static uint32_t sampler_index(struct device_scene *d, uint32_t index) {
         .mipmapped = s->mipmapped,
         .wrap_u = address_mode(s->wrap_u),
         .wrap_v = address_mode(s->wrap_v),
-        .anisotropy = is_anisotropic(s) ? d->scene->anisotropy : 1};
+        .anisotropy = is_anisotropic(s) ? d->scene->anisotropy : 1,
+        .bias = s->mipmapped ? d->scene->texture_bias : 0};
     return gpu_sampler_index(d->device, &params);
 }
 
