@@ -335,13 +335,13 @@ static bool warm_up(fnl_renderer *renderer, const fnl_frame *frame) {
 
 bool render_shows_nothing(const struct render_options *o) { return o->output_count == 0 && !o->stats && !o->plan && !o->traffic && !o->trace_file && !o->frame.pixel.asked; }
 
-/* Without a device, where nothing is rendered. */
 /* Each of several frames has its part of a pixel's textures. Pages of virtual ones are filled at levels of their own. */
 static bool sharpen(const struct render_options *o, fnl_scene *scene) {
     const bool pages = o->frame.shading == FNL_SHADING_VIRTUAL_TEXTURING;
     return o->supersample <= 1 || pages || fnl_scene_set_texture_bias(scene, -0.5f * log2f((float)o->supersample)) == FNL_OK;
 }
 
+/* Without a device, where nothing is rendered. */
 static bool load_and_save(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     return world_load(&o->world, host, o->frame.width, o->frame.height, o->quiet, scene, camera) &&
            (!o->save_scene || fnl_scene_save(*scene, o->save_scene, NULL) == FNL_OK);
