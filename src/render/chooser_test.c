@@ -569,6 +569,55 @@ static void hand_on(struct chooser *from, struct chooser *to, const char *more) 
     free(text);
 }
 
+/* Decides with these times of two candidates, all others take 15 ms; of each the first `told` times become known. */
+static void decide_by(struct chooser *c, fnl_light_lists one, const double *times_of_one, fnl_light_lists other, const double *times_of_other, uint32_t told) {
+    const struct choice_case at = some_case(1000);
+    *c = (struct chooser){0};
+    for (uint64_t frame = 1; frame <= MOST_FRAMES; frame++) {
+        struct choice asked;
+        const struct choice choice = chooser_pick(c, &at, true, (struct chooser_background){0});
+        if (c->state == CHOOSER_DECIDED) return;
+        while (chooser_asks(c, &asked)) chooser_asked(c, 0);
+        assert_true(c->last < CHOOSER_CANDIDATES);
+        const uint32_t turn = c->candidates[c->last].given; /* the first is not counted */
+        const double time = turn == 0 ? 15 : choice.lists == one ? times_of_one[turn - 1] : choice.lists == other ? times_of_other[turn - 1] : 15;
+        chooser_note(c, frame, 0);
+        chooser_feed(c, turn > told ? -1 : time, 0);
+    }
+    fail_msg("undecided after %d frames", MOST_FRAMES);
+}
+
+/* The least median wins: one frame that took unusually long or short changes no decision, whichever of the frames it was. */
+static void test_the_median_of_the_times_decides(void **state) {
+    UNUSED(state);
+    static struct chooser c;
+    static const struct {
+        double fast[CHOOSER_TIMES], rival[CHOOSER_TIMES]; /* turned round below */
+        uint32_t told;
+        double median;
+    } cases[] = {{{18, 10, 10.5}, {11, 11, 11}, 3, 10.5}, /* means: 12.8 and 11 */
+                 {{10, 10, 10}, {5.5, 12, 12}, 3, 10},    /* means: 10 and 9.8 */
+                 {{10.5, 18, 3}, {11, 11, 10.8}, 3, 10.5},
+                 {{8, 14}, {12, 12}, 2, 11},
+                 {{12, 12}, {9, 17}, 2, 12},
+                 {{14}, {15}, 1, 14}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++)
+        for (uint32_t turn = 0; turn < 2 * cases[i].told; turn++) {
+            double fast[CHOOSER_TIMES], rival[CHOOSER_TIMES];
+            for (uint32_t k = 0; k < cases[i].told; k++) {
+                const uint32_t from = (k + turn) % cases[i].told;
+                fast[k] = cases[i].fast[from], rival[k] = cases[i].rival[from];
+            }
+            const fnl_light_lists first = turn < cases[i].told ? FNL_LISTS_TILED : FNL_LISTS_ZBIN;
+            const fnl_light_lists second = first == FNL_LISTS_TILED ? FNL_LISTS_ZBIN : FNL_LISTS_TILED;
+            decide_by(&c, first, fast, second, rival, cases[i].told);
+            if (c.choice.lists != first) fail_msg("case %u, turned by %u: %s", i, turn, c.reason);
+            if (fabs(c.milliseconds - cases[i].median) > 1e-9) fail_msg("case %u, turned by %u: %g ms", i, turn, c.milliseconds);
+            for (uint32_t k = 0; k < c.candidate_count; k++)
+                if (c.candidates[k].choice.lists == first) assert_int_equal(c.candidates[k].got, cases[i].told);
+        }
+}
+
 /* Runs of a few frames each come to a decision together. */
 static void test_measurements_are_kept_from_run_to_run(void **state) {
     UNUSED(state);
@@ -653,6 +702,7 @@ int main(void) {
         cmocka_unit_test(test_brute_force_is_tried_with_few_lights_only),
         cmocka_unit_test(test_likely_pairs_are_those_that_are_tried),
         cmocka_unit_test(test_slow_candidates_get_fewer_turns),
+        cmocka_unit_test(test_the_median_of_the_times_decides),
         cmocka_unit_test(test_order_and_lists_together),
         cmocka_unit_test(test_candidates_are_told),
         cmocka_unit_test(test_close_paths_where_they_are_allowed),

@@ -371,6 +371,57 @@ static void test_alpha_that_equals_the_cutoff_stays(void **state) {
         }
 }
 
+/* A pane with holes before a sheet. Texture coordinates 2 are straight, 4 are turned: `sets` names those of the pane, `set` the one that cuts. */
+static struct stage cut_pane(const char *sets, int set) {
+    static vec2 turned[POINTS];
+    uint8_t texels[64];
+    char text[2048];
+    memset(texels, 255, sizeof texels);
+    for (uint32_t i = 0; i < 16; i++) texels[4 * i + 3] = i % 4 == 0 || i / 4 == 1 ? 0 : 255; /* the left, and a bar: alike from no other side */
+    for (uint32_t i = 0; i < POINTS; i++) turned[i] = vec2_make((float)(i / SIDE) / (SIDE - 1), 1 - (float)(i % SIDE) / (SIDE - 1));
+    begin();
+    add_accessor(turned, sizeof turned, 5126, "VEC2", POINTS);
+    add_picture(texels);
+    snprintf(text, sizeof text, TEXTURE(5) "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0}},{\"alphaMode\":\"MASK\",\"doubleSided\":true,"
+             "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[0.8,0.2,0.1,1],\"baseColorTexture\":{\"index\":0,\"texCoord\":%d}}}],"
+             "\"meshes\":[{\"primitives\":[{" PLAIN ",\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,%s},\"indices\":3,\"material\":1}]}],"
+             "\"nodes\":[{\"mesh\":0},{\"mesh\":1,\"scale\":[0.4,0.4,0.4],\"translation\":[0.3,0.4,0.8]}]", set, sets);
+    return open_stage(finish(text));
+}
+
+/* What is seen through the holes, and the light that falls through them. */
+static void test_cutouts_by_the_second_texture_coordinates(void **state) {
+    UNUSED(state);
+    static const struct {
+        fnl_shading shading;
+        fnl_shadows shadows;
+    } ways[] = {{FNL_SHADING_FORWARD, FNL_SHADOWS_OFF},  {FNL_SHADING_FORWARD, FNL_SHADOWS_RAYS},   {FNL_SHADING_FORWARD, FNL_SHADOWS_MAPS},
+                {FNL_SHADING_DEFERRED, FNL_SHADOWS_OFF}, {FNL_SHADING_VISIBILITY, FNL_SHADOWS_OFF}};
+    struct stage first = cut_pane("\"TEXCOORD_0\":2", 0), second = cut_pane("\"TEXCOORD_0\":4,\"TEXCOORD_1\":2", 1), other = cut_pane("\"TEXCOORD_0\":4", 0);
+    struct stage *const stages[] = {&first, &second, &other};
+    for (uint32_t i = 0; i < 2 + COUNT_OF(ways); i++) { /* the first two are traced */
+        struct shot shots[3] = {0};
+        fnl_image pictures[3];
+        for (uint32_t k = 0; k < 3; k++) {
+            if (i < 2) {
+                pictures[k] = traced(stages[k], i == 1);
+                continue;
+            }
+            stages[k]->frame.shading = ways[i - 2].shading, stages[k]->frame.shadows = ways[i - 2].shadows;
+            shots[k] = stage_shoot(stages[k], &stages[k]->frame);
+            pictures[k] = shots[k].radiance;
+        }
+        const uint32_t off = count_off(&pictures[1], &pictures[0], 2e-3), turned = count_off(&pictures[2], &pictures[0], 0.02);
+        if (off) fail_msg("way %u: the second texture coordinates change %u pixels", i, off);
+        if (turned < 60) fail_msg("way %u: other texture coordinates change %u pixels only", i, turned);
+        for (uint32_t k = 0; k < 3; k++) {
+            if (i < 2) fnl_image_free(NULL, &pictures[k]);
+            else shot_free(&shots[k]);
+        }
+    }
+    for (uint32_t k = 0; k < 3; k++) stage_close(stages[k]);
+}
+
 /* ---- transmission ---- */
 
 /* The light on the middle of a wall behind a pane, and on it alone. */
@@ -491,6 +542,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_tangents_follow_texture_transforms, harness_check),
         cmocka_unit_test_teardown(test_scales_of_any_size, harness_check),
         cmocka_unit_test_teardown(test_alpha_that_equals_the_cutoff_stays, harness_check),
+        cmocka_unit_test_teardown(test_cutouts_by_the_second_texture_coordinates, harness_check),
         cmocka_unit_test_teardown(test_opaque_parts_of_transmissive_materials_cast_shadows, harness_check),
         cmocka_unit_test_teardown(test_nearest_texels_are_not_blended, harness_check),
         cmocka_unit_test_teardown(test_orthographic_planes_far_apart, harness_check),

@@ -442,6 +442,45 @@ static void test_captures_are_counted_EN_24(void **state) {
     stage_close(&s);
 }
 
+/* One capture a frame goes round: what changes in all rooms is seen in the mirror of the one whose turn it is, and no other. */
+static void test_refreshed_probes_take_turns_EN_24(void **state) {
+    UNUSED(state);
+    enum { ROOMS = 3 };
+    fnl_scene *scene = coarse_scene();
+    fnl_material_params walls = bare();
+    const fnl_material_id wall = add_material(scene, walls), floor = add_material(scene, mirror());
+    for (uint32_t i = 0; i < ROOMS; i++) { /* a wall behind a mirror on the floor */
+        const mat4 here = mat4_translation(vec3_make(10 * (float)i, 0, 0));
+        const float positions[12] = {-2, -1.5f, -3, 2, -1.5f, -3, 2, 1.5f, -3, -2, 1.5f, -3};
+        fnl_probe_params params = probe_of_room();
+        params.centre = vec3_make(10 * (float)i, 0, 0);
+        params.face_size = 16;
+        add_quad(scene, wall, positions, NULL, &here);
+        add_floor(scene, floor, &here);
+        add_probe(scene, &params);
+    }
+    struct stage s = look(scene, vec3_make(0, 0.5f, 2), vec3_make(0, -1.5f, -1));
+    float value = 1, shown[ROOMS] = {1, 1, 1}; /* by the last capture of each room */
+    for (uint32_t frame = 0; frame <= 2 * ROOMS; frame++) { /* the first captures all */
+        if (frame > 0) {
+            value *= 0.75f;
+            for (int c = 0; c < 3; c++) walls.base_color[c] = value;
+            assert_int_equal(fnl_scene_set_material(scene, wall, &walls), FNL_OK);
+            shown[(frame - 1) % ROOMS] = value;
+        }
+        for (uint32_t i = 0; i < ROOMS; i++) {
+            s.frame.reflections.refresh = frame > 0 && i == 0; /* then the others are looked at */
+            s.frame.camera.position.x = s.frame.camera.target.x = 10 * (float)i;
+            struct shot shot = stage_shoot(&s, &s.frame);
+            assert_int_equal(counter(&shot.stats, "reflections.captures"), i > 0 ? 0 : frame == 0 ? ROOMS : 1);
+            const float seen = at(&shot.radiance, 24 * 64 + 32)[0];
+            if (fabsf(seen - shown[i]) > 0.01f * shown[i]) fail_msg("frame %u, room %u: %g in the mirror, should be %g", frame, i, (double)seen, (double)shown[i]);
+            shot_free(&shot);
+        }
+    }
+    stage_close(&s);
+}
+
 /* A mirror that is captured shows black in the first capture, and in the second what it mirrors. */
 static void test_bounces_show_mirrors_in_mirrors_EN_25(void **state) {
     UNUSED(state);
@@ -623,6 +662,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_views_look_up_their_own_lists_EN_22, harness_check),
         cmocka_unit_test_teardown(test_every_order_has_the_same_reflections_EN_23, harness_check),
         cmocka_unit_test_teardown(test_captures_are_counted_EN_24, harness_check),
+        cmocka_unit_test_teardown(test_refreshed_probes_take_turns_EN_24, harness_check),
         cmocka_unit_test_teardown(test_bounces_show_mirrors_in_mirrors_EN_25, harness_check),
         cmocka_unit_test_teardown(test_diffuse_light_stays_with_its_probe_EN_25, harness_check),
         cmocka_unit_test_teardown(test_eyes_that_share_lights_have_their_own_probes_EN_22, harness_check),

@@ -63,6 +63,37 @@ static void test_round_profile_MA_11(void **state) {
     fnl_scene_destroy(&l.scene);
 }
 
+/* Where the vertical angles end the light does: the last value stands at the last angle, and nothing beyond it. At 180 degrees there is no beyond. */
+static void test_the_last_vertical_angle_MA_11(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *verticals; /* with values 10, 20 … from the first to the last */
+        uint32_t count;
+        double first, last;
+    } cases[] = {{"0 90", 2, 0, 90},         {"0 45 90", 3, 0, 90},    {"0 10 20 50 90", 5, 0, 90}, {"0 120", 2, 0, 120},
+                 {"0 30 60 90 179", 5, 0, 179}, {"0 0.5", 2, 0, 0.5}, {"0 90 180", 3, 0, 180},     {"90 135 180", 3, 90, 180},
+                 {"90 120 150", 3, 90, 150}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++)
+        for (uint32_t columns = 1; columns <= 2; columns++) {
+            char text[400], values[100];
+            size_t used = 0;
+            for (uint32_t k = 1; k <= cases[i].count; k++) used += (size_t)snprintf(values + used, sizeof values - used, "%u ", 10 * k);
+            snprintf(text, sizeof text, "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 %u %u 1 2 0 0 0\n1 1 0\n%s\n%s\n%s%s\n", cases[i].count, columns,
+                     cases[i].verticals, columns == 2 ? "0 180" : "0", values, columns == 2 ? values : "");
+            struct loaded l = load(text);
+            if (l.result != FNL_OK) fail_msg("%s", file_log.text);
+            const float brightest = 10 * (float)cases[i].count;
+            assert_true(l.candela == brightest);
+            for (int h = 0; h < 360; h += 60) {
+                expect_candela(&l, cases[i].first, h, 10);
+                expect_candela(&l, cases[i].last, h, brightest);
+                for (double v = cases[i].last + 0.5; v <= 180; v += 0.5) expect_candela(&l, v, h, 0);
+                for (double v = cases[i].first - 0.5; v >= 0; v -= 0.5) expect_candela(&l, v, h, 0);
+            }
+            fnl_scene_destroy(&l.scene);
+        }
+}
+
 /* The four symmetries of type C and the one of 1995, each with a value of its own every 45 degrees round, and what lies between. */
 static void test_horizontal_symmetries_MA_11(void **state) {
     UNUSED(state);
@@ -323,7 +354,7 @@ static void test_a_lack_of_memory_is_told(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_profile_MA_11),
+        cmocka_unit_test(test_round_profile_MA_11),      cmocka_unit_test(test_the_last_vertical_angle_MA_11),
         cmocka_unit_test(test_a_lack_of_memory_is_told),
         cmocka_unit_test(test_horizontal_symmetries_MA_11),
         cmocka_unit_test(test_profile_directions_MA_11), cmocka_unit_test(test_odd_files_MA_11),

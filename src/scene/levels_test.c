@@ -62,6 +62,35 @@ static void test_levels_by_size_MA_12(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A node that is scaled unevenly has the size of its longest axis, whichever it is and whatever turns it. */
+static void test_levels_of_uneven_scales_MA_12(void **state) {
+    UNUSED(state);
+    static const char *const nodes[] = {
+        "\"scale\":[3,0.5,0.5]}", "\"scale\":[0.5,3,0.5]}", "\"scale\":[0.5,0.25,3]}", "\"scale\":[-3,1,1]}", "\"scale\":[1,-3,2]}",
+        "\"scale\":[1.5,1,0.5]},{\"scale\":[2,1,1],\"children\":[0]}", "\"rotation\":[0,0.6,0,0.8],\"scale\":[0.5,1,3]}"};
+    for (uint32_t i = 0; i < COUNT_OF(nodes); i++) {
+        char json[4096], *at;
+        static const char mark[] = "\"scale\":0}";
+        const char *whole = LEVELS_FILE("", "", "{\"mesh\":0," LEVELS_IDS("1,2") "," LEVELS_COVERAGE("0.5,0.2,0.01") ",\"scale\":0},{\"mesh\":1},{\"mesh\":2}");
+        assert_non_null(at = strstr(whole, mark));
+        const char *more = strchr(nodes[i], '}') + 1; /* a node above it */
+        snprintf(json, sizeof json, "%.*s%.*s,{\"mesh\":1},{\"mesh\":2}%s]}", (int)(at - whole), whole, (int)(more - nodes[i]), nodes[i], more);
+        if (*more) memcpy(strstr(json, "\"scenes\":[{\"nodes\":[0]}]"), "\"scenes\":[{\"nodes\":[3]}]", 24);
+        fnl_scene *scene = load_clean(json);
+        static const struct {
+            float coverage;
+            uint32_t drawn;
+        } steps[] = {{0.51f, 1}, {0.49f, 2}, {0.21f, 2}, {0.19f, 4}, {0.0105f, 4}, {0.0095f, 0}};
+        for (uint32_t k = 0; k < COUNT_OF(steps); k++)
+            if (drawn(scene, 3 * distance_of(steps[k].coverage)) != steps[k].drawn) fail_msg("%s, coverage %g: other levels", nodes[i], (double)steps[k].coverage);
+        fnl_camera parallel = levels_camera(5);
+        parallel.orthographic = true;
+        parallel.vertical_extent = 12 * sqrtf(2);
+        assert_float_equal(scene_levels_coverage(scene, &scene->levels.data[0], &parallel), 0.5f, 1e-4f);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /* Larger and moved by the nodes above; trees below levels come and go; what is hidden stays hidden. */
 static void test_levels_in_trees_MA_12(void **state) {
     UNUSED(state);
@@ -132,6 +161,7 @@ static void test_broken_levels_MA_12(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_levels_by_size_MA_12),
+        cmocka_unit_test(test_levels_of_uneven_scales_MA_12),
         cmocka_unit_test(test_levels_in_trees_MA_12),
         cmocka_unit_test(test_levels_of_materials_MA_12),
         cmocka_unit_test(test_broken_levels_MA_12),

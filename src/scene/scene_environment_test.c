@@ -215,6 +215,105 @@ static void test_suns_keep_their_light(void **state) {
     }
 }
 
+/* ---- which sources are taken out ---- */
+
+#define EVEN 3000.0f
+
+static double angle_of(uint32_t row) { /* of a texel: steradian */
+    const double step = (double)PI / HEIGHT;
+    return 2 * (double)PI / WIDTH * (cos(step * row) - cos(step * (row + 1)));
+}
+
+/* A gray picture with its own value in each texel, whose sources are taken out. */
+static fnl_scene *show_texels(const float *luminances) {
+    static float pixels[WIDTH * HEIGHT * 4];
+    fnl_scene *scene = empty();
+    for (uint32_t i = 0; i < WIDTH * HEIGHT * 4; i++) pixels[i] = luminances[i / 4];
+    const fnl_image image = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, pixels};
+    fnl_environment_params params = fnl_environment_params_default();
+    params.image = &image;
+    params.lights = true;
+    assert_int_equal(fnl_scene_set_environment(scene, &params), FNL_OK);
+    return scene;
+}
+
+static float *even_texels(void) {
+    static float texels[WIDTH * HEIGHT];
+    for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) texels[i] = EVEN;
+    return texels;
+}
+
+static void expect_unchanged(const fnl_scene *scene, const float *luminances) {
+    assert_int_equal(scene->suns.count, 0);
+    for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++) assert_true(scene->environment.panorama.texels[i] == luminances[i / 3]);
+}
+
+/* What is left in the picture where a source of this size was taken out: twelve times the mean of the picture as it is then. */
+static double left_of(double angle) {
+    const double part = angle / (4 * (double)PI);
+    return 12 * (double)EVEN * (1 - part) / (1 - 12 * part);
+}
+
+/* A source is taken out when what it has above its surroundings is 2 % of all light: the rest stays in the picture, and nothing gets lost. */
+static void test_sources_of_two_percent_are_taken_out(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t row, column, count;
+    } cases[] = {{16, 20, 1}, {10, 63, 1}, {9, 30, 2}, {14, 63, 2}, {6, 62, 4}}; /* the last two lie across the edge of the picture */
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++)
+        for (int above = 0; above < 2; above++) {
+            const double angle = cases[i].count * angle_of(cases[i].row), left = left_of(angle);
+            const double others = (double)EVEN * (4 * (double)PI - angle);
+            const float bright = (float)((0.02 * others + left * angle) / (0.98 * angle) * (above ? 1.005 : 0.995));
+            float *texels = even_texels();
+            for (uint32_t k = 0; k < cases[i].count; k++) texels[cases[i].row * WIDTH + (cases[i].column + k) % WIDTH] = bright;
+            fnl_scene *scene = show_texels(texels);
+            if (!above) {
+                expect_unchanged(scene, texels);
+                fnl_scene_destroy(&scene);
+                continue;
+            }
+            if (scene->suns.count != 1) fail_msg("case %u: %u suns", i, scene->suns.count);
+            const fnl_light_params *sun = &scene->lights.data[0].params;
+            const double lux = (double)(sun->intensity * luminance(sun->color));
+            assert_true(fabs(lux / (((double)bright - left) * angle) - 1) < 2e-3);
+            assert_true(fabs((double)sun->source_angle / acos(1 - angle / (2 * (double)PI)) - 1) < 1e-3);
+            const struct panorama *p = &scene->environment.panorama;
+            const vec3 toward = panorama_direction(p, (float)cases[i].column + 0.5f * (float)(cases[i].count - 1), (float)cases[i].row);
+            assert_true(vec3_dot(toward, sun->direction) < -0.9995f);
+            for (uint32_t t = 0; t < WIDTH * HEIGHT; t++)
+                if (fabs((double)p->texels[3 * t] / (texels[t] == bright ? left : (double)EVEN) - 1) > 1e-3) fail_msg("case %u: %g in texel %u", i, (double)p->texels[3 * t], t);
+            fnl_scene_destroy(&scene);
+        }
+}
+
+/* What is wider than ten degrees is no sun, however bright; nor are lamps of which none gives much. Of more than eight the eight brightest go. */
+static void test_windows_and_many_lamps_stay(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t row, columns, rows, suns;
+    } windows[] = {{6, 4, 1, 1}, {5, 5, 1, 0}, {15, 3, 1, 0}, {12, 12, 8, 0}}; /* half angles: 4.9, 5.09, 5.5 degrees, large */
+    for (uint32_t i = 0; i < COUNT_OF(windows); i++) {
+        float *texels = even_texels();
+        for (uint32_t y = 0; y < windows[i].rows; y++)
+            for (uint32_t x = 0; x < windows[i].columns; x++) texels[(windows[i].row + y) * WIDTH + 20 + x] = 1e6f;
+        fnl_scene *scene = show_texels(texels);
+        assert_int_equal(scene->suns.count, windows[i].suns);
+        if (windows[i].suns == 0) expect_unchanged(scene, texels);
+        fnl_scene_destroy(&scene);
+    }
+    for (uint32_t lamps = 1; lamps <= 60; lamps += lamps == 1 ? 9 : 50) { /* 1, 10, 60 */
+        float *texels = even_texels();
+        for (uint32_t k = 0; k < lamps; k++) texels[(11 + 2 * (k / 20)) * WIDTH + 3 * (k % 20)] = 1e6f * (1 + 0.01f * (float)(k * 7 % 10));
+        fnl_scene *scene = show_texels(texels);
+        if (lamps == 60) expect_unchanged(scene, texels);
+        assert_int_equal(scene->suns.count, lamps == 60 ? 0 : MIN(lamps, ENVIRONMENT_LIGHTS_MAX));
+        for (uint32_t k = 0; k < lamps && lamps <= 10; k++) /* 0 and 3 are the dimmest of ten */
+            assert_int_equal(scene->environment.panorama.texels[3 * (11 * WIDTH + 3 * k)] > 9e5f, lamps == 10 && (k == 0 || k == 3));
+        fnl_scene_destroy(&scene);
+    }
+}
+
 static void test_pictures_keep_their_values(void **state) {
     UNUSED(state);
     static const float values[] = {1e-38f, 3e-7f, 0.9999f, 1, 65504, 65530, 2e6f, 1e19f};
@@ -294,7 +393,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_skies_are_in_physical_units),     cmocka_unit_test(test_wrong_environments_are_explained),
         cmocka_unit_test(test_a_sky_beside_a_sun),              cmocka_unit_test(test_the_studio_has_a_key_light),
-        cmocka_unit_test(test_pictures_keep_their_values),
+        cmocka_unit_test(test_pictures_keep_their_values),      cmocka_unit_test(test_sources_of_two_percent_are_taken_out),
+        cmocka_unit_test(test_windows_and_many_lamps_stay),
         cmocka_unit_test(test_suns_keep_their_light),           cmocka_unit_test(test_relative_pictures_beside_lights),
         cmocka_unit_test(test_pictures_are_counted_before_they_are_decoded),
     };
