@@ -89,8 +89,8 @@ static void print_help(void) {
     fputs("Suites:", stdout);
     print_names(bench_suite_name);
     puts("\nCtrl-C or SIGTERM stops measuring; what was measured so far is written, and --resume continues from there.\n"
-         "Exit status: 0 when everything was measured and written, 1 when a picture differs from the reference, 2 on an\n"
-         "error, 130 after Ctrl-C or SIGTERM.\n"
+         "Exit status: 0 when everything was measured and written, 1 when a picture differs from the reference or\n"
+         "a candidate failed, 2 on an error, 130 after Ctrl-C or SIGTERM.\n"
          "\n"
          "Examples:\n"
          "  fanal bench builtin:hall -o hall\n"
@@ -406,7 +406,7 @@ static int run(struct bench_options *o, const struct bench_plan *plan, uint32_t 
         if (end == BENCH_INTERRUPTED) puts("Interrupted: --resume goes on from here.");
     }
     if (end != BENCH_DONE) return end == BENCH_INTERRUPTED ? 130 : 2;
-    return bench_unequal_count(data) ? 1 : 0;
+    return bench_unequal_count(data) || bench_failed_count(data) ? 1 : 0;
 }
 
 /* The status to end with, or -1 to go on. */

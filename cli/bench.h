@@ -308,6 +308,8 @@ bool bench_clear(const json_t *fast, const json_t *slow);
 void bench_print(const struct bench_data *data);
 /** Number of results whose picture is not the reference's. */
 uint32_t bench_unequal_count(const struct bench_data *data);
+/** Number of candidates that failed while they were measured, for instance because memory ran out. */
+uint32_t bench_failed_count(const struct bench_data *data);
 
 /* ---- experiments of the literature (bench_suite.c) ---- */
 

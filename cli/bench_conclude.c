@@ -19,6 +19,14 @@ uint32_t bench_unequal_count(const struct bench_data *data) {
     return count;
 }
 
+uint32_t bench_failed_count(const struct bench_data *data) {
+    const json_t *entry;
+    size_t i;
+    uint32_t count = 0;
+    json_array_foreach(json_object_get(data->root, "skipped"), i, entry) { count += json_is_true(json_object_get(entry, "failed")); }
+    return count;
+}
+
 /* The first result of each case stands for it. */
 static bool is_first(const json_t *results, size_t index) {
     const json_t *result = json_array_get(results, index);

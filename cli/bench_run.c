@@ -333,6 +333,14 @@ static bool same_reference(const struct lane *a, const struct lane *b) {
 
 /* ---- results ---- */
 
+/* Of what should have been measured, such as one for which memory ran out: the others are compared without it. */
+static void tell_failure(const struct bench_run *run, const struct lane *lane) {
+    char name[256];
+    bench_describe_candidate(lane->candidate, name, sizeof name);
+    fprintf(stderr, isatty(STDERR_FILENO) ? "\r\033[Kfanal: error: %s, %s: not measured: %s\n" : "fanal: error: %s, %s: not measured: %s\n",
+            run->plan->cases[run->case_index].scene, name, lane->reason);
+}
+
 /* What was measured of a lane by now replaces what stood there before. */
 static void keep_result(struct bench_run *run, struct lane *lane) {
     const struct bench_case *c = &run->plan->cases[run->case_index];
@@ -342,6 +350,8 @@ static void keep_result(struct bench_run *run, struct lane *lane) {
     fnl_scene_query_info(run->scene, &info);
     if (lane->failed) {
         json_object_set_new(key, "reason", json_text(lane->reason));
+        if (!lane->unsupported) json_object_set_new(key, "failed", json_true());
+        if (!lane->told && !lane->unsupported) tell_failure(run, lane);
         if (!lane->told) json_array_append(skipped, key);
         for (size_t i = json_array_size(results); i-- > 0 && !lane->told;)
             if (json_array_get(results, i) == before) json_array_remove(results, i);

@@ -159,6 +159,9 @@ static void test_conclusions(void **state) {
     assert_string_equal(conclusion(&data, 0), "On a,\"b\".gltf with 9 lights at 64x36, deferred with clustered lists was fastest: 2 ms, "
                                               "2.00 times as fast as deferred with tiled lists.");
     assert_int_equal(bench_unequal_count(&data), 0);
+    /* What the device does not support has not failed. */
+    json_object_set_new(data.root, "skipped", json_pack("[{s:s},{s:s,s:b}]", "reason", "not supported", "reason", "memory ran out", "failed", 1));
+    assert_int_equal(bench_failed_count(&data), 1);
     /* Brute force is what the others are measured by, wherever it stands. */
     json_array_append_new(results, make_result("brute-force", 250, 0.1, "yes"));
     bench_conclude(&data);

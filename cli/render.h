@@ -76,6 +76,11 @@ struct render_pictures {
 };
 /** What has to be read back for these outputs and channels: bits of fnl_output. */
 uint32_t render_wanted_outputs(const struct render_options *options);
+/**
+ * Those of them that need frames of their own, by a renderer of their own, because a picture and radiance are wanted together: linear frames have more
+ * bits, which would show in the picture. The others are FNL_OUTPUT_COLOR then. 0: one frame gives all.
+ */
+uint32_t render_linear_outputs(const struct render_options *options);
 /** A .png, or an .exr with its channels, of options.frame's size. */
 bool render_save_picture(const struct render_options *options, const fnl_host *host, const char *path, const struct render_pictures *pictures);
 /** Loads, renders, writes; returns the exit status. */

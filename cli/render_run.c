@@ -69,6 +69,11 @@ uint32_t render_wanted_outputs(const struct render_options *o) {
     return outputs;
 }
 
+uint32_t render_linear_outputs(const struct render_options *o) {
+    const uint32_t wanted = render_wanted_outputs(o);
+    return wanted & FNL_OUTPUT_COLOR && wanted & FNL_OUTPUT_RADIANCE ? wanted & ~(uint32_t)FNL_OUTPUT_COLOR : 0;
+}
+
 static bool save_exr(const struct render_options *o, const fnl_host *host, const char *path, const struct render_pictures *p) {
     static const struct {
         const char *name;
@@ -300,7 +305,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
 static bool run_linear(const struct render_options *o, fnl_renderer *linear, fnl_frame frame, struct supersample *mean) {
     struct render_report unused = {.options = o};
     struct supersample radiance = {0};
-    frame.outputs = render_wanted_outputs(o) & ~(uint32_t)FNL_OUTPUT_COLOR;
+    frame.outputs = render_linear_outputs(o);
     frame.pixel.asked = false;
     bool good = run_frames(o, linear, frame, &unused, NULL);
     frame.pin_choice = true;
@@ -378,9 +383,8 @@ static int run(const struct render_options *o) {
     fnl_renderer *renderer = NULL, *linear = NULL;
     struct render_report report = {.options = o, .time = o->world.time, .picture = UINT32_MAX};
     fnl_frame frame = o->frame;
-    frame.outputs = render_wanted_outputs(o);
-    const bool both = frame.outputs & FNL_OUTPUT_COLOR && frame.outputs & FNL_OUTPUT_RADIANCE;
-    if (both) frame.outputs = FNL_OUTPUT_COLOR; /* the rest is of frames of its own: linear ones have more bits, which would show in the picture */
+    const bool both = render_linear_outputs(o) != 0;
+    frame.outputs = both ? FNL_OUTPUT_COLOR : render_wanted_outputs(o);
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
     if (!check_video(o) || (takes_stdout(o) && !stream_open())) return 2;

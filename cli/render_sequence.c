@@ -79,7 +79,7 @@ static bool pose(struct sequence *s, uint32_t index) {
 static bool render_linear(struct sequence *s, struct supersample *mean) {
     fnl_frame frame = s->frame;
     fnl_frame_stats stats;
-    frame.outputs = render_wanted_outputs(s->o) & ~(uint32_t)FNL_OUTPUT_COLOR;
+    frame.outputs = render_linear_outputs(s->o);
     if (s->o->supersample > 1) {
         struct supersample radiance = {0};
         const bool good = supersample_render(&radiance, s->linear, &frame, s->o->supersample);

@@ -228,6 +228,25 @@ run 0 gaze-unused builtin:onetile "${plain[@]}" --frames 2 <<<'gaze 1 20 -15'
 is '.gaze.frames == 0' # nothing goes by it
 ! grep -q eye_gaze gaze-unused.log || fail "the eyes are asked for nothing"
 
+# ---- poses, gazes, masks and controllers that are none: the frame goes on without them, and one warning says which ----
+for what in pose later mask-nan mask-far mask-part gaze hand; do
+    script=() option=("${plain[@]}") warning='it is not used'
+    case $what in
+    pose) script=('at 4 bad_pose 2' 'at 8 bad_pose 1') ;;
+    later) script=('at 1 bad_pose 3') ;;
+    mask-nan) script=('at 4 mask 0 nan') warning='goes on without the visibility mask, whose triangles are broken' ;;
+    mask-far) script=('at 4 mask 1 1e7') warning='goes on without the visibility mask, whose triangles are broken' ;;
+    mask-part) script=('at 4 mask 0 inf' 'at 6 mask 0 0') warning='goes on without the visibility mask, whose triangles are broken' ;;
+    gaze) script=('gaze 3 20 -15' 'gaze 5 nan 0' 'gaze 6 20 -15') option=("${fovea[@]}") ;;
+    hand) script=('hand left 4 0 1.5 0 0 0 1 1' 'hand left 5 0 1.5 0 nan 0 1 1' 'hand left 6 nan 1.5 0 0 0 0 0') ;;
+    esac
+    run 0 "bad-$what" builtin:onetile "${option[@]}" --frames 8 <<<"$(printf '%s\n' 'size 16 16' "${script[@]}")"
+    is '.frames.rendered == 8 and .sessions.connections == 1'
+    [ "$(grep -c "warning.*$warning" "$name.out")" = 1 ] || fail "no warning, or several, of a bad $what"
+    ! grep -q 'field of view\|error' "$name.out" || fail "something else is blamed"
+    [ $what != gaze ] || is '.gaze.frames > 4 and .gaze.frames < 8'
+done
+
 # ---- losses: the session is begun anew each time ----
 run 0 losses builtin:onetile "${plain[@]}" --frames 24 <<'END'
 size 16 16

@@ -21,7 +21,7 @@ struct group {
     uint32_t views[CAVE_VIEWS], view_count; /* indices of the whole list */
     fnl_frame frame;
     fnl_camera cameras[CAVE_VIEWS];
-    fnl_renderer *renderer;
+    fnl_renderer *renderer, *linear; /* the second: of render_linear_outputs(), or NULL */
     fnl_image images[RENDER_PICTURES];
     fnl_result read;
     double cpu, gpu, wait, copy; /* milliseconds */
@@ -79,13 +79,15 @@ static bool add_view(struct cave_stage *s, uint32_t index) {
         *group = (struct group){.device = device, .frame = s->options->render.frame};
         group->frame.width = view->width;
         group->frame.height = view->height;
-        group->frame.outputs = render_wanted_outputs(&s->options->render);
+        const bool both = render_linear_outputs(&s->options->render) != 0;
+        group->frame.outputs = both ? FNL_OUTPUT_COLOR : render_wanted_outputs(&s->options->render);
         group->frame.pin_choice = true;
         if (s->options->render.lit_casts) {
             if (fnl_scene_query_info(s->scene, &scene) != FNL_OK) return false;
             group->frame.shadows = world_usual_shadows(&scene, &s->devices[device].info, s->options->render.quiet || g > 0);
         }
         if (fnl_renderer_create(s->devices[device].device, s->scene, &group->renderer) != FNL_OK) return false;
+        if (both && fnl_renderer_create(s->devices[device].device, s->scene, &group->linear) != FNL_OK) return false;
     }
     group->views[group->view_count++] = index;
     return true;
@@ -112,6 +114,7 @@ void cave_stage_destroy(struct cave_stage **handle) {
     for (uint32_t g = 0; g < s->group_count; g++) {
         for (int i = 0; i < RENDER_PICTURES; i++) fnl_image_free(&s->host, &s->groups[g].images[i]);
         fnl_renderer_destroy(&s->groups[g].renderer);
+        fnl_renderer_destroy(&s->groups[g].linear);
     }
     for (uint32_t i = 0; i < s->device_count; i++) fnl_device_destroy(&s->devices[i].device);
     free(s);
@@ -141,6 +144,12 @@ bool cave_stage_meter(struct cave_stage *s, const struct cave_place *place, cons
     return good;
 }
 
+static fnl_frame linear_frame(const struct cave_stage *s, const struct group *g) {
+    fnl_frame frame = g->frame;
+    frame.outputs = render_linear_outputs(&s->options->render);
+    return frame;
+}
+
 /* Starts a frame; it is over when query_stats() or read() return. */
 static bool submit(struct cave_stage *s, struct group *g, const struct cave_place *place, const struct cave_moment *m, const fnl_camera *viewer) {
     for (uint32_t i = 0; i < g->view_count; i++)
@@ -150,16 +159,22 @@ static bool submit(struct cave_stage *s, struct group *g, const struct cave_plac
     g->frame.view_count = g->view_count;
     if (g->frame.exposure == FNL_EXPOSURE_AUTO) g->frame.exposure = FNL_EXPOSURE_EV; /* metered by wall it would show at the edges */
     if (g->frame.exposure == FNL_EXPOSURE_EV) g->frame.ev = (float)m->ev;
-    return fnl_renderer_render(g->renderer, &g->frame) == FNL_OK;
+    const fnl_frame linear = linear_frame(s, g);
+    return fnl_renderer_render(g->renderer, &g->frame) == FNL_OK && (!g->linear || fnl_renderer_render(g->linear, &linear) == FNL_OK);
 }
 
 /* Pools that were too small are only slow, not wrong, but for what renders an approximation then: as `fanal render` does it. */
-static bool await(struct group *g) {
+static bool await_frame(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
+    const bool moves = frame->aa == FNL_ANTIALIASING_TAA || frame->outputs & FNL_OUTPUT_MOTION;
+    return fnl_renderer_query_stats(renderer, stats) == FNL_OK && (moves || render_settle_pools(renderer, frame, stats));
+}
+
+static bool await(const struct cave_stage *s, struct group *g) {
     fnl_frame_stats stats;
     const double begun = now();
-    const bool moves = g->frame.aa == FNL_ANTIALIASING_TAA || g->frame.outputs & FNL_OUTPUT_MOTION;
-    if (fnl_renderer_query_stats(g->renderer, &stats) != FNL_OK) return false;
-    if (!moves && !render_settle_pools(g->renderer, &g->frame, &stats)) return false;
+    const fnl_frame linear = linear_frame(s, g);
+    if (g->linear && !await_frame(g->linear, &linear, &stats)) return false;
+    if (!await_frame(g->renderer, &g->frame, &stats)) return false; /* the numbers are those of the picture */
     g->wait = now() - begun;
     g->cpu = stats.cpu_milliseconds;
     g->gpu = stats.gpu_milliseconds;
@@ -176,6 +191,7 @@ struct reading {
 static void *read_device(void *context) {
     const struct reading *reading = context;
     struct cave_stage *s = reading->stage;
+    const uint32_t outputs = render_wanted_outputs(&s->options->render);
     for (uint32_t i = 0; i < s->group_count; i++) {
         struct group *g = &s->groups[i];
         if (g->device != reading->device) continue;
@@ -184,7 +200,7 @@ static void *read_device(void *context) {
         g->read = FNL_OK;
         for (uint32_t p = 0; p < RENDER_PICTURES; p++) {
             fnl_image_free(&s->host, &g->images[p]);
-            if (g->frame.outputs >> p & 1 && g->read == FNL_OK) g->read = fnl_renderer_read(g->renderer, (fnl_output)(1u << p), &g->images[p]);
+            if (outputs >> p & 1 && g->read == FNL_OK) g->read = fnl_renderer_read(g->linear && p > 0 ? g->linear : g->renderer, (fnl_output)(1u << p), &g->images[p]);
             if (g->images[p].pixels) g->copied += (uint64_t)g->images[p].width * g->images[p].height * fnl_pixel_size(g->images[p].format);
         }
         g->copy = now() - begun;
@@ -231,7 +247,7 @@ bool cave_stage_render(struct cave_stage *s, const struct cave_place *place, con
     for (uint32_t i = 0; i < times; i++)
         for (uint32_t g = 0; g < s->group_count && good; g++) good = submit(s, &s->groups[g], place, m, &viewer);
     s->has_rendered = true;
-    for (uint32_t g = 0; g < s->group_count && good; g++) good = await(&s->groups[g]);
+    for (uint32_t g = 0; g < s->group_count && good; g++) good = await(s, &s->groups[g]);
     return good && read_all(s);
 }
 

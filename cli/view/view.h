@@ -66,6 +66,9 @@ struct view_queue {
 bool view_queue_add(struct view_queue *queue, const struct view_event *event);
 bool view_queue_take(struct view_queue *queue, struct view_event *out);
 
+enum { VIEW_LINE = 1200 }; /* bytes of a line of a recording */
+/** Reads a line of a recording and parses it. False at the end of the file, or (with a message, *bad set) for a line that is no event or too long. */
+bool view_event_read(const char *path, uint32_t line, FILE *file, struct view_event *out, bool *bad);
 /** A line of a recording; false (with a message) for one that is none. Empty lines and those that begin with # are skipped: *out_kind VIEW_EVENT_COUNT. */
 bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out);
 void view_event_write(FILE *file, const struct view_event *event);

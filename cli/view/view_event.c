@@ -42,6 +42,19 @@ static const struct {
                              [VIEW_SAVE_SCENE] = {"savescene", TEXT}, [VIEW_TURNTABLE] = {"turntable", NUMBER}, [VIEW_PANEL] = {"panel", TEXT},
                              [VIEW_POLL] = {"poll", ALONE}};
 
+bool view_event_read(const char *path, uint32_t line, FILE *file, struct view_event *out, bool *bad) {
+    char text[VIEW_LINE];
+    *bad = false;
+    if (!fgets(text, sizeof text, file)) return false;
+    if (strlen(text) == sizeof text - 1 && !strchr(text, '\n')) {
+        fprintf(stderr, "fanal: error: %s:%u: the line has more than %zu bytes\n", path, line, sizeof text - 2);
+        *bad = true;
+        return false;
+    }
+    *bad = !view_event_parse(path, line, text, out);
+    return !*bad;
+}
+
 bool view_event_parse(const char *path, uint32_t line, const char *text, struct view_event *out) {
     char name[16] = "", state[8] = "", rest[1024] = "";
     int kind = 0, read = 0;
@@ -66,7 +79,7 @@ bool view_event_parse(const char *path, uint32_t line, const char *text, struct 
             good = sscanf(arguments, "%d %1s", &out->code, rest) == 1;
             break;
         case TEXT:
-            good = sscanf(arguments, "%1023[^\n]", out->text) == 1;
+            good = strcspn(arguments, "\n") < sizeof out->text && sscanf(arguments, "%1023[^\n]", out->text) == 1;
             break;
         case FACTOR:
             good = sscanf(arguments, "%f %1s", &out->x, rest) == 1;

@@ -123,14 +123,12 @@ bool view_replay(struct view *v, const char *path, uint32_t exit_after) {
     const bool is_stdin = strcmp(path, "-") == 0;
     FILE *file = is_stdin ? stdin : input_open(path, BYTES_MOST);
     if (!file) return false;
-    char text[1200];
-    bool good = settle(v);
-    for (uint32_t line = 1; good && !v->quit && fgets(text, sizeof text, file); line++) {
-        struct view_event event;
-        good = view_event_parse(path, line, text, &event);
-        if (good && event.kind != VIEW_EVENT_COUNT) good = replay_event(v, &event);
+    struct view_event event;
+    bool good = settle(v), bad = false;
+    for (uint32_t line = 1; good && !v->quit && view_event_read(path, line, file, &event, &bad); line++) {
+        if (event.kind != VIEW_EVENT_COUNT) good = replay_event(v, &event);
         if (exit_after && v->frames_drawn >= exit_after) break;
     }
     if (!is_stdin) fclose(file);
-    return good;
+    return good && !bad;
 }

@@ -104,10 +104,13 @@ struct xr_numbers {
     fnl_vec3 last_light;          /* where the light that was moved last is now */
 };
 
+/** What the runtime gives poses of. */
+enum xr_pose_of { XR_POSE_VIEW, XR_POSE_GAZE, XR_POSE_HAND, XR_POSE_HEAD, XR_POSES };
+
 struct xr {
     const struct xr_options *options;
     XrFovf fields[XR_VIEWS]; /* of view of the last frame */
-    bool has_fields, told_of_fields, told_of_eyes;
+    bool has_fields, told_of_fields, told_of_eyes, told_of_poses[XR_POSES];
     enum xr_end end;
     struct xr_numbers numbers;
 
@@ -234,6 +237,12 @@ void xr_find_gaze(struct xr *x, XrTime time);
 /* ---- xr_beams.c ---- */
 
 void xr_show_beams(struct xr *x);
+
+/**
+ * Whether a pose that the runtime calls valid is one: finite, with a unit quaternion. The first bad one of each kind gets a warning; like what is not
+ * tracked it is not used.
+ */
+bool xr_is_pose(struct xr *x, enum xr_pose_of of, const XrPosef *pose);
 
 /* ---- xr_mask.c ---- */
 

@@ -23,6 +23,22 @@ static double now_ms(void) {
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
+bool xr_is_pose(struct xr *x, enum xr_pose_of of, const XrPosef *pose) {
+    static const struct {
+        const char *function, *name;
+    } kinds[XR_POSES] = {{"xrLocateViews", "a view"}, {"xrLocateSpace", "the gaze"}, {"xrLocateSpace", "a controller"}, {"xrLocateSpace", "the head"}};
+    const double most = 1e6; /* metres */
+    const XrQuaternionf *q = &pose->orientation;
+    const XrVector3f *p = &pose->position;
+    const float length = sqrtf(q->x * q->x + q->y * q->y + q->z * q->z + q->w * q->w);
+    if (fabsf(length - 1) < 1e-3f && fabs((double)p->x) < most && fabs((double)p->y) < most && fabs((double)p->z) < most) return true;
+    if (!x->told_of_poses[of])
+        fprintf(stderr, "fanal: warning: %s: the pose of %s is %g, %g, %g metres, quaternion %g, %g, %g, %g (frame %u): it is not used\n", kinds[of].function, kinds[of].name, (double)p->x,
+                (double)p->y, (double)p->z, (double)q->x, (double)q->y, (double)q->z, (double)q->w, x->numbers.rendered);
+    x->told_of_poses[of] = true;
+    return false;
+}
+
 static bool locate(struct xr *x, XrTime time, struct located *out) {
     const XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO, .viewConfigurationType = x->configuration, .displayTime = time, .space = x->space};
     XrViewState state = {.type = XR_TYPE_VIEW_STATE};
@@ -31,6 +47,7 @@ static bool locate(struct xr *x, XrTime time, struct located *out) {
     if (!xr_good(x, "xrLocateViews", xrLocateViews(x->session, &info, &state, XR_VIEWS, &count, out->views))) return false;
     const XrViewStateFlags wanted = XR_VIEW_STATE_ORIENTATION_VALID_BIT | XR_VIEW_STATE_POSITION_VALID_BIT;
     out->valid = count == x->view_count && (state.viewStateFlags & wanted) == wanted;
+    for (uint32_t i = 0; i < x->view_count && out->valid; i++) out->valid = xr_is_pose(x, XR_POSE_VIEW, &out->views[i].pose);
     const fnl_rigid_pose left = xr_pose(&out->views[0].pose), right = xr_pose(&out->views[1].pose);
     out->head = (fnl_rigid_pose){scale3(add3(left.position, right.position), 0.5f), left.rotation};
     return true;

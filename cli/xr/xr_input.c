@@ -163,7 +163,7 @@ static bool find_hand(struct xr *x, struct xr_hand *hand, XrTime time) {
         return false;
     }
     const XrSpaceLocationFlags wanted = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
-    if (!state.isActive || (location.locationFlags & wanted) != wanted) return false;
+    if (!state.isActive || (location.locationFlags & wanted) != wanted || !xr_is_pose(x, XR_POSE_HAND, &location.pose)) return false;
     const fnl_rigid_pose pose = xr_pose(&location.pose);
     hand->pose = pose_mul(&x->rig, &pose);
     return true;

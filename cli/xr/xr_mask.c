@@ -22,12 +22,13 @@ void xr_free_masks(struct xr *x) {
     }
 }
 
-/* All inside; a runtime that says otherwise is not to be drawn from. */
+/* What fnl_frame.hidden_areas takes: anything else would end the session with the first frame. */
 static bool is_sound(const struct xr_mask *mask) {
+    const float most = 1e6f; /* tangents */
     for (uint32_t i = 0; i < mask->index_count; i++)
         if (mask->indices[i] >= mask->vertex_count) return false;
     for (uint32_t i = 0; i < mask->vertex_count; i++)
-        if (!isfinite(mask->vertices[i].x) || !isfinite(mask->vertices[i].y)) return false;
+        if (!(fabsf(mask->vertices[i].x) <= most && fabsf(mask->vertices[i].y) <= most)) return false;
     return mask->index_count % 3 == 0;
 }
 

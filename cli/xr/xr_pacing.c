@@ -73,7 +73,7 @@ void xr_note_prediction(struct xr *x, XrTime display, const fnl_rigid_pose *simu
         const XrResult result = xrLocateSpace(x->head_space, x->space, place->display, &location);
         if (result == XR_ERROR_SESSION_LOST || result == XR_ERROR_INSTANCE_LOST) xr_good(x, "xrLocateSpace", result);
         const XrSpaceLocationFlags wanted = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
-        if (XR_SUCCEEDED(result) && (location.locationFlags & wanted) == wanted) {
+        if (XR_SUCCEEDED(result) && (location.locationFlags & wanted) == wanted && xr_is_pose(x, XR_POSE_HEAD, &location.pose)) {
             const fnl_rigid_pose truth = xr_pose(&location.pose);
             n->predictions++;
             n->simulated_metres += distance(place->simulated.position, truth.position);

@@ -212,12 +212,12 @@ static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t
     g.is_glb = size >= 4 && read_u32(bytes) == GLB_MAGIC;
     if (!g.is_glb || parse_glb(&g, bytes, size, &json, &json_size)) parse_json(&g, json ? json : "", json_size);
     /* As the file says it: loading rewrites primitives that are compressed. */
-    json_t *document = g.result == FNL_OK && out_root ? json_deep_copy(g.root) : NULL;
-    if (g.result == FNL_OK && out_root && !document) gltf_fail_memory(&g);
+    if (g.result == FNL_OK && out_root) g.document = json_deep_copy(g.root);
+    if (g.result == FNL_OK && out_root && !g.document) gltf_fail_memory(&g);
     if (g.result == FNL_OK) load_parts(&g);
     if (g.result == FNL_OK) keep_document(&g, bytes, size);
-    if (g.result == FNL_OK && out_root) *out_root = json_incref(document);
-    json_decref(document);
+    if (g.result == FNL_OK && out_root) *out_root = json_incref(g.document);
+    json_decref(g.document);
     json_decref(g.root);
     array_free(g.host, &g.vertex_map);
     array_free(g.host, &g.primitive_joints);

@@ -143,6 +143,7 @@ struct gltf {
     const char *folder; /* NULL: the file is read from memory */
     fnl_load_params params;
     json_t *root;
+    json_t *document; /* a copy that is to be saved, or NULL */
     struct at top;
     struct arena scratch; /* freed when the load ends */
     fnl_result result;    /* what the load came to so far */

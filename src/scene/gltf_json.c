@@ -248,6 +248,19 @@ bool gltf_uint(struct gltf *g, json_t *object, const struct at *at, const char *
     return true;
 }
 
+static json_t *find_place(json_t *root, const struct at *at) {
+    if (!at->parent) return root;
+    json_t *up = find_place(root, at->parent);
+    return at->key ? json_object_get(up, at->key) : json_array_get(up, at->index);
+}
+
+/* What the document that is saved refers to in vain must not be what it gets when it is saved. */
+static void keep_dangling(struct gltf *g, const struct at *at) {
+    json_t *value = g->document ? find_place(g->document, at) : NULL;
+    if (json_is_integer(value)) json_integer_set(value, INT32_MAX);
+    if (json_is_real(value)) json_real_set(value, INT32_MAX);
+}
+
 uint32_t gltf_index_value(struct gltf *g, json_t *value, const struct at *at, uint32_t count) {
     uint64_t number;
     if (!whole_number(value, &number)) {
@@ -256,6 +269,7 @@ uint32_t gltf_index_value(struct gltf *g, json_t *value, const struct at *at, ui
     }
     if (number >= count) {
         gltf_warn(g, at, "refers to number %llu, but there are %u; it is ignored", (unsigned long long)number, count);
+        keep_dangling(g, at);
         return SCENE_NONE;
     }
     return (uint32_t)number;

@@ -676,6 +676,48 @@ static void test_errors_leave_no_file(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A reference to something that the file does not have stays one, whatever the file gets when it is saved. */
+static void test_dangling_references_stay_so(void **state) {
+    UNUSED(state);
+    write_document();
+    write_text("a.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsUsed\": [\"KHR_lights_punctual\"], \"scenes\": [{\"nodes\": [0, 1, 2, 3]}], \"scene\": 0,\n"
+                         "\"nodes\": [{\"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}}, {\"mesh\": 1.0, \"camera\": 0, \"children\": [4]}, {\"mesh\": 0}],\n"
+                         "\"buffers\": [{\"uri\": \"a.bin\", \"byteLength\": 42}], \"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}],\n"
+                         "\"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"}],\n"
+                         "\"materials\": [{\"emissiveTexture\": {\"index\": 0}}],\n"
+                         "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 1}, \"material\": 1}]}]}");
+    fnl_scene *scene = load(in_folder("a.gltf")), *again;
+    uint8_t pixel[4] = {9, 8, 7, 255};
+    const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, uv[] = {0, 0, 1, 0, 0, 1};
+    const mat4 place = mat4_identity();
+    fnl_material_params m = fnl_material_params_default();
+    fnl_mesh_params p = {.vertex_count = 3, .positions = positions, .uv = uv};
+    const fnl_light_params lamp = fnl_light_params_default();
+    const fnl_camera camera = fnl_camera_default();
+    fnl_mesh_id mesh;
+    fnl_instance_id instance;
+    fnl_light_id light;
+    assert_int_equal(fnl_scene_add_image(scene, &(fnl_image){1, 1, FNL_PIXEL_FORMAT_RGBA8, pixel}, true, &m.base_color_image), FNL_OK);
+    assert_int_equal(fnl_scene_add_material(scene, &m, &p.material), FNL_OK);
+    assert_int_equal(fnl_scene_add_mesh(scene, &p, &mesh), FNL_OK);
+    assert_int_equal(fnl_scene_add_instance(scene, mesh, &place, &instance), FNL_OK);
+    assert_int_equal(fnl_scene_add_light(scene, &lamp, &light), FNL_OK);
+    assert_int_equal(fnl_scene_add_camera(scene, "eye", &camera), FNL_OK);
+    save(scene);
+    again = load(saved);
+    assert_int_equal(fnl_scene_count(again, FNL_ENTITY_LIGHT), 1);
+    assert_int_equal(again->meshes.count, 2);
+    assert_int_equal(again->cameras.count, 1);
+    assert_int_equal(again->nodes.data[1].mesh, SCENE_NONE);
+    assert_int_equal(again->nodes.data[1].camera, SCENE_NONE);
+    assert_int_equal(again->nodes.data[1].first_child, SCENE_NONE);
+    assert_int_equal(again->primitives.data[0].material, SCENE_NONE);
+    assert_null(again->primitives.data[0].uv[0]);
+    assert_int_equal(again->materials.data[0].textures[SCENE_TEXTURE_EMISSIVE].image, SCENE_NONE);
+    fnl_scene_destroy(&scene);
+    fnl_scene_destroy(&again);
+}
+
 static void test_what_is_left_out_is_told(void **state) {
     UNUSED(state);
     fnl_host host = test_host(&lines);
@@ -724,6 +766,7 @@ int main(void) {
         cmocka_unit_test(test_pictures_and_materials_of_calls),
         cmocka_unit_test(test_an_unchanged_file_says_the_same),
         cmocka_unit_test(test_a_file_without_scenes_is_shown_whole),
+        cmocka_unit_test(test_dangling_references_stay_so),
         cmocka_unit_test(test_changes_are_patched_in),
         cmocka_unit_test(test_what_was_added_to_a_file),
         cmocka_unit_test(test_environments),

@@ -182,8 +182,14 @@ static void visit_points(const fnl_scene *scene, void (*visit)(void *context, ve
 static void visit_box(void *context, vec3 point) {
     if (vec3_finite(point)) box_add_point(context, point);
 }
+/* So that what is made of a place stays finite. */
+static vec3 within_reach(vec3 point) {
+    const vec3 most = vec3_make(1e36f, 1e36f, 1e36f);
+    return vec3_min(vec3_max(point, vec3_scale(most, -1)), most);
+}
+
 static void visit_framing(void *context, vec3 point) {
-    if (vec3_finite(point)) frame_point(context, point);
+    if (vec3_finite(point)) frame_point(context, within_reach(point));
 }
 
 /* Without the overflow of squares. */
@@ -203,9 +209,8 @@ fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, 
         if (!light->removed && light->params.kind != FNL_LIGHT_DIRECTIONAL) box_add_point(&bounds, light->params.position);
     }
     if (box_is_empty(&bounds)) bounds = (struct box){{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}};
-    const vec3 most = vec3_make(1e36f, 1e36f, 1e36f); /* so that what follows stays finite */
-    bounds.low = vec3_min(vec3_max(bounds.low, vec3_scale(most, -1)), most);
-    bounds.high = vec3_min(vec3_max(bounds.high, vec3_scale(most, -1)), most);
+    bounds.low = within_reach(bounds.low);
+    bounds.high = within_reach(bounds.high);
     const vec3 center = vec3_add(vec3_scale(bounds.low, 0.5f), vec3_scale(bounds.high, 0.5f));
     const vec3 half = vec3_scale(vec3_sub(bounds.high, bounds.low), 0.5f);
     /* A single point is seen from as near as floats tell positions apart. */

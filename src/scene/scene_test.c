@@ -341,8 +341,28 @@ static void test_added_things_are_counted(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A scene that reaches as far as floats do. */
+static void test_framing_camera_of_the_largest_places_is_finite(void **state) {
+    UNUSED(state);
+    fnl_host host = test_host(&test_lines);
+    fnl_scene *scene;
+    const float positions[] = {0, 0, FLT_MAX, -FLT_MAX, 0, 0, 0, 1, 0};
+    const fnl_mesh_params p = {.vertex_count = 3, .positions = positions};
+    const mat4 place = mat4_identity();
+    fnl_mesh_id mesh;
+    fnl_instance_id instance;
+    fnl_camera camera;
+    assert_int_equal(fnl_scene_create(&host, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_add_mesh(scene, &p, &mesh), FNL_OK);
+    assert_int_equal(fnl_scene_add_instance(scene, mesh, &place, &instance), FNL_OK);
+    assert_int_equal(fnl_scene_query_framing_camera(scene, 1.5f, &camera), FNL_OK);
+    assert_true(vec3_finite(camera.position) && vec3_finite(camera.target) && isfinite(camera.far_distance) && camera.near_distance > 0);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_framing_camera_of_the_largest_places_is_finite),
         cmocka_unit_test(test_misuse_is_named),
         cmocka_unit_test(test_ids_of_removed_things_are_recognised),
         cmocka_unit_test(test_moves_can_be_followed),

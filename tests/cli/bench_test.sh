@@ -29,6 +29,12 @@ check() {
     [ -z "$faults" ] || fail "$folder: not as it should be ($*): $faults"
 }
 
+# What fails is named with its reason, and the others are measured without it.
+expect 1 'fanal: error: builtin:onetile, forward with tiled lists \(stereo.eyes=2\): not measured: .*view_count is 0' builtin:onetile --sizes 16x16 --frames 1 --warm-up 0 --quiet \
+    --shading forward --lists tiled --vary stereo.eyes=0,2 -o "$work/fails"
+jq -e '(.results | length) == 1 and (.skipped | length) == 1 and .skipped[0].failed' "$work/fails/results.json" >/dev/null || fail "not what failed alone is left out"
+"$check_schema" "$here/../../docs/bench.schema.json" "$work/fails/results.json" >"$work/out" 2>&1 || fail "the results of a failure break the schema: $(head -c 300 "$work/out")"
+
 # Bad options name themselves and what they take; nothing is measured or written.
 out="$work/none"
 expect 0 'Examples:' --help

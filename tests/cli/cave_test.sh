@@ -71,6 +71,14 @@ echo '2 0 1.7 -1.2' >>walk.txt
 refuses "'front/left': the eye at -0.035, 1.7, -1.2 (frame 8, 2 s) is 0.2 m behind the wall" --displays three.json --frames 9 --frame-time 0.25 -o 'r-%w-%e-%d.png'
 [ "$(echo r-*)" = 'r-*' ] || fail 'pictures of a track that ends behind a wall'
 
+# Neither picture nor radiance changes where both are wanted.
+spheres() { timeout 900 "$fanal" cave builtin:spheres "${method[@]}" --displays builtin:mono --lights 40 --exposure auto --msaa 1 "$@" >out 2>&1; }
+spheres -o alone.png || fail 'a .png alone'
+spheres -o alone.exr --aov depth || fail 'an .exr alone'
+spheres -o both.png -o both.exr --aov depth || fail 'a .png and an .exr'
+cmp alone.png both.png || fail 'a .png is another with an .exr beside it'
+cmp alone.exr both.exr || fail 'an .exr is another with a .png beside it'
+
 # ---- ranks ----
 
 if [ ! -e "$build/fanal_mpi.so" ] || ! command -v mpirun >/dev/null; then

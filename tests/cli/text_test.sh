@@ -116,6 +116,11 @@ if "$fanal" view --help >/dev/null 2>&1; then
         printf 'wheel 0 %s\n' $number >wheel.txt
         says 2 "wheel.txt:1: not an event: wheel 0 $number" "${view[@]}" --replay wheel.txt
     done
+    # A line that does not fit is not taken for a shorter one and another behind it.
+    printf 'drop %01100d\n' 0 >long.txt
+    says 2 'long.txt:1: not an event: drop 0' "${view[@]}" --replay long.txt
+    printf '#%01300d\nsettle\n' 0 >long.txt
+    says 2 'long.txt:1: the line has more than' "${view[@]}" --replay long.txt
     # However far the wheel turns, there is a picture.
     printf 'wheel 0 1e9\nframes 2\nwheel 0 -1e9\nframes 2\nwheel 0 -1e30\nwheel 0 -1e9\nframes 2\nsave far.png\nreport far.tsv\n' >wheel.txt
     says 0 '' "${view[@]}" --replay wheel.txt

@@ -335,7 +335,7 @@ static inline void calls_check_scene(const fnl_scene *scene, const struct calls 
     fnl_camera camera;
     fnl_result framed = fnl_scene_query_framing_camera(scene, 1.5f, &camera);
     if (framed == FNL_OK)
-        EXPECT(isfinite(camera.position.x + camera.position.y + camera.position.z) && camera.near_distance > 0);
+        EXPECT(vec3_finite(camera.position) && camera.near_distance > 0);
 }
 
 #endif

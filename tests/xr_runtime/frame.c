@@ -148,6 +148,7 @@ static void happen(const struct moment *m) {
                                                      .viewIndex = view};
         if (rt.ext_mask) push_event(&event, sizeof event);
     }
+    if (strcmp(m->what, "bad_pose") == 0) rt.bad_until = rt.frame + (uint32_t)m->numbers[0];
     if (strcmp(m->what, "fov") == 0) /* wider by this factor */
         for (uint32_t i = 0; i < VIEWS; i++) {
             XrFovf *f = &rt.script.fov[i];
@@ -244,6 +245,7 @@ static XRAPI_ATTR XrResult XRAPI_CALL callLocateViews(XrSession session, const X
         CHECK_TYPE(&out[i], XR_TYPE_VIEW);
         const XrPosef eye = pose_mul(&head, &rt.script.eye[i]);
         out[i].pose = pose_mul(&inverse, &eye);
+        if (rt.frame < rt.bad_until && i + 1 == *count) out[i].pose.orientation.y = NAN;
         out[i].fov = rt.script.fov[i];
         if (now) rt.given[i] = out[i];
     }

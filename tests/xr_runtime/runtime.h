@@ -131,7 +131,7 @@ struct runtime {
     bool running, exit_requested, attached, session_lost, instance_lost;
     uint32_t pause_polls; /* until READY after a pause */
     bool pausing, has_resumed;
-    uint32_t hidden_frames;
+    uint32_t hidden_frames, bad_until;
     XrViewConfigurationType configuration;
     XrEventDataBuffer events[EVENTS];
     uint32_t event_count;
