@@ -5,6 +5,7 @@
 #include "passes/shade/light_indexed.h"
 #include "passes/shade/pre_lighting.h"
 #include "passes/shade/zioma.h"
+#include "render/decals.h"
 
 /* ---- light apart from materials ---- */
 
