@@ -104,9 +104,45 @@ static void test_levels_suit_the_size(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/*
+ * Levels of odd sizes: what is large, and seen in the last column or row of squares alone, is not hidden; nor is anything where one pixel of the
+ * picture lies in that column. When the wall covers it all it is. A frame without and one with a past.
+ */
+static void test_levels_of_odd_sizes(void **state) {
+    UNUSED(state);
+    static const uint32_t sides[] = {65, 72, 36, 88, 101}; /* 9, 9, 5, 11 and 13 squares: 9 5 3 2, 9 5 3 2, 5 3 2, 11 6 3 2, 13 7 4 2 */
+    for (uint32_t i = 0; i < COUNT_OF(sides); i++)
+        for (uint32_t open = 0; open < 5; open++) { /* nothing, the last column, row, first column, row */
+            const uint32_t side = sides[i], gap = open == 0 ? 0 : open > 2 ? 8 : (side - 1) % 8 + 1;
+            fnl_scene *scene = test_scene();
+            struct scene_material red = test_unlit(1, 0, 0), green = test_unlit(0, 1, 0);
+            const uint32_t far = test_quad_mesh(scene, scene_add_material(scene, &green)), wall = test_quad_mesh(scene, scene_add_material(scene, &red));
+            const float middle = (open == 1 || open == 4 ? -1 : 1) * (0.5f + 2 * (float)gap / (float)side); /* of the wall: x grows to the right, y upward */
+            test_place(scene, far, (vec3){0, 0, 0}, (vec3){0.999f, 0.999f, 1});
+            const bool column = open % 2, row = open > 0 && !column;
+            test_place(scene, wall, (vec3){column ? middle : 0, row ? middle : 0, 2}, (vec3){column ? 1.5f : 3, row ? 1.5f : 3, 1});
+            scene_update_transforms(scene);
+            fnl_renderer *renderer = test_renderer(scene);
+            fnl_frame frame = squares_frame();
+            frame.width = frame.height = side;
+            for (uint32_t k = 0; k < 2; k++) {
+                const fnl_frame_stats stats = render(renderer, &frame);
+                fnl_image picture = test_read(renderer, FNL_OUTPUT_RADIANCE);
+                uint32_t seen = 0;
+                for (uint32_t p = 0; p < side * side; p++) seen += test_pixel(&picture, p % side, p / side)[1] > 0;
+                if (stats.items_occluded != (open == 0) || seen != gap * side)
+                    fail_msg("%u pixels a side, open %u, frame %u: %u hidden, %u pixels are seen", side, open, k, (uint32_t)stats.items_occluded, seen);
+                free_picture(&picture);
+            }
+            fnl_renderer_destroy(&renderer);
+            fnl_scene_destroy(&scene);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-79: the last frame's depth chooses what occludes", test_last_frame_chooses_occluders, NULL, spy_tear_down, NULL},
+        {"ES-79: levels of odd sizes hide nothing that is seen", test_levels_of_odd_sizes, NULL, NULL, NULL},
         {"ES-79: levels suit what is looked up", test_levels_suit_the_size, NULL, spy_tear_down, NULL}};
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** Shading on the GPU against the double-precision reference. */
+#include "fanal/trace.h"
 #include "passes/post/post_shared.h"
+#include "tests/frame_plain.h"
 #include "tests/shade_reference.h"
 #include "tests/render_test.h"
 
@@ -618,6 +620,84 @@ static void test_exposure_of_uneven_pictures(void **state) {
     assert_int_equal(meter_uneven(0.12f), 3);
 }
 
+/* The middle of a bin of the histogram, log2: so the mean is exact. */
+static double level_of_bin(uint32_t bin) { return -20 + 40.0 / 256 * (bin + 0.5); }
+
+/* A thing before what is around it, each of one level; weights of pixels: a wall is a surface, the background counts a 32nd of that. */
+struct before_wall {
+    uint32_t thing, around; /* bins */
+    float x, y, half;       /* of the thing, in pictures of 64 pixels -1 to 1 */
+    bool is_wall;
+};
+
+static double metered_by_hand(const struct before_wall *c) {
+    double weights[2] = {0}, total = 0, sum = 0, before = 0;
+    for (uint32_t i = 0; i < 64 * 64; i++) {
+        const double x = (2 * (i % 64) + 1.0) / 64 - 1, y = 1 - (2 * (i / 64) + 1.0) / 64;
+        const bool is_thing = fabs(x - (double)c->x) < (double)c->half && fabs(y - (double)c->y) < (double)c->half;
+        weights[!is_thing] += floor(1.5 + 3 * fmax(1 - x * x - y * y, 0)) / (is_thing || c->is_wall ? 1 : 32);
+    }
+    total = weights[0] + weights[1];
+    const uint32_t bins[2] = {c->thing, c->around}, first = c->thing > c->around;
+    for (uint32_t k = 0; k < 2; k++) { /* the darker first; a twentieth of the weight is left out at each end */
+        const uint32_t i = k ^ first;
+        sum += fmax(fmin(before + weights[i], 0.95 * total) - fmax(before, 0.05 * total), 0) * level_of_bin(bins[i]);
+        before += weights[i];
+    }
+    double ev = sum / (0.9 * total) - log2(1.2 * 0.18);
+    const double shares[2] = {0.99, 0.9}, shown_as[2] = {3, 0.5}, surfaces = c->is_wall ? total : weights[0];
+    for (uint32_t k = 0; k < 2; k++) { /* of the surfaces alone */
+        const double darker = c->is_wall ? weights[first] : 0, brighter = surfaces - darker;
+        const uint32_t bright = c->is_wall ? bins[!first] : c->thing;
+        const bool in_darker = darker >= shares[k] * surfaces;
+        const double part = in_darker ? shares[k] * surfaces / darker : (shares[k] * surfaces - darker) / brighter;
+        ev = fmax(ev, level_of_bin(in_darker ? bins[first] : bright) + 40.0 / 256 * (part - 0.5) - log2(1.2 * shown_as[k]));
+    }
+    return ev;
+}
+
+/* What is metered is the thing, however bright the background is; a wall behind it counts as much as it does. Traced the same. */
+static void test_exposure_before_walls(void **state) {
+    UNUSED(state);
+    static const struct before_wall cases[] = {
+        {100, 150, 0, 0, 0.5f, false},     {100, 150, 0, 0, 0.5f, true},      {150, 100, 0, 0, 0.5f, false},     {150, 100, 0, 0, 0.5f, true},
+        {110, 140, 0.5f, -0.5f, 0.5f, false}, {110, 140, 0.5f, -0.5f, 0.5f, true}, {140, 110, 0, 0, 0.1875f, false}, {140, 110, 0, 0, 0.0625f, true},
+        {100, 150, 0, 0, 0.125f, false},   {120, 128, 0, 0, 0.25f, true},
+    };
+    double evs[2] = {0};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        const struct before_wall *c = &cases[i];
+        const float levels[2] = {(float)exp2(level_of_bin(c->thing)), (float)exp2(level_of_bin(c->around))};
+        fnl_scene *scene = test_scene();
+        struct scene_material materials[2];
+        for (int k = 0; k < 2; k++) {
+            materials[k] = test_unlit(1, 1, 1);
+            materials[k].base_color = (vec4){levels[k], levels[k], levels[k], 1};
+        }
+        if (c->is_wall) test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &materials[1])), (vec3){0, 0, 0}, (vec3){2, 2, 1});
+        else assert_int_equal(fnl_scene_set_background(scene, (vec3){levels[1], levels[1], levels[1]}), FNL_OK);
+        test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &materials[0])), (vec3){c->x, c->y, 1}, (vec3){c->half, c->half, 1});
+        fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+        frame.exposure = FNL_EXPOSURE_AUTO;
+        fnl_renderer *renderer = test_renderer(scene);
+        test_render_frame(renderer, &frame);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+        fnl_trace_params params = trace_plain();
+        fnl_trace trace;
+        params.width = params.height = 64, params.samples = 1, params.camera = frame.camera, params.exposure = FNL_EXPOSURE_AUTO;
+        assert_int_equal(fnl_scene_trace(scene, &params, &trace), FNL_OK);
+        const double wanted = metered_by_hand(c);
+        print_message("case %u: EV %.3f, traced %.3f, by hand %.3f\n", i, (double)stats.ev, (double)trace.ev, wanted);
+        if (fabs((double)stats.ev - wanted) > 0.01 || fabs((double)trace.ev - wanted) > 0.01) fail_msg("case %u: EV %.3f, traced %.3f, by hand %.3f", i, (double)stats.ev, (double)trace.ev, wanted);
+        if (i < 2) evs[i] = (double)stats.ev;
+        fnl_trace_free(&scene->host, &trace);
+        fnl_renderer_destroy(&renderer);
+        fnl_scene_destroy(&scene);
+    }
+    assert_true(evs[1] - evs[0] > 3); /* the same picture, whose wall is no background */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-1: 50 mixed lights of all shapes match the reference, with every list", test_mixed_lights, NULL, NULL, NULL},
@@ -631,6 +711,7 @@ int main(void) {
         cmocka_unit_test(test_tone_mapping),
         cmocka_unit_test(test_automatic_exposure),
         cmocka_unit_test(test_exposure_of_uneven_pictures),
+        cmocka_unit_test(test_exposure_before_walls),
     };
     return cmocka_run_group_tests_name("shading", tests, test_group_begin, test_group_end);
 }

@@ -236,6 +236,64 @@ static void test_levels(void **state) {
     stage_close(&stage);
 }
 
+/*
+ * Two charts of one material side by side, along which coordinates change by 3 texels a pixel, and across by a half: the level follows from the 3
+ * in the first and last column (row) of each as well, where one neighbour is of the other chart, or is the background.
+ */
+static void test_levels_at_the_edges_of_charts(void **state) {
+    UNUSED(state);
+    enum { TEXELS = 1024, CHART = 32, MARGIN = 4 };
+    for (int turned = 0; turned < 2; turned++) {
+        fnl_scene *scene;
+        assert_int_equal(fnl_scene_create(gpu_host(harness_device()), &scene), FNL_OK);
+        assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+        struct scene_material m = scene_material_default();
+        m.unlit = true;
+        m.textures[SCENE_TEXTURE_BASE_COLOR].image = add_image(scene, TEXELS, 1, false).index;
+        const uint32_t material = scene_add_material(scene, &m);
+        static const uint32_t order[6] = {0, 1, 2, 0, 2, 3};
+        for (uint32_t chart = 0; chart < 2; chart++) {
+            vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, 4);
+            vec2 *uv = ARENA_ARRAY(&scene->arena, vec2, 4);
+            uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, 6);
+            memcpy(indices, order, sizeof order);
+            for (uint32_t v = 0; v < 4; v++) {
+                const float x = v == 1 || v == 2 ? 1 : 0, y = v > 1 ? 1 : 0, long_way = CHART * 3.0f / TEXELS, short_way = CHART * 0.5f / TEXELS;
+                positions[v] = turned ? (vec3){x, y + (float)chart, 0} : (vec3){x + (float)chart, y, 0};
+                uv[v] = (vec2){0.1f + 0.3f * (float)chart + x * (turned ? short_way : long_way), 0.2f + 0.35f * (float)chart + y * (turned ? long_way : short_way)};
+            }
+            struct scene_primitive p = {.material = material, .topology = SCENE_TOPOLOGY_TRIANGLES, .vertex_count = 4, .index_count = 6, .indices = indices, .positions = positions};
+            p.uv[0] = uv;
+            assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+            const mat4 identity = mat4_identity();
+            scene_add_node(scene, "", SCENE_NONE, &identity, scene_add_mesh(scene, "", &p, 1));
+        }
+        scene_update_transforms(scene);
+        struct stage stage = stage_open_scene(scene);
+        fnl_frame *frame = &stage.frame;
+        const uint32_t width = turned ? CHART : 2 * CHART, height = 3 * CHART - width; /* of both charts */
+        frame->width = width + 2 * MARGIN, frame->height = height + 2 * MARGIN;
+        frame->camera = fnl_camera_default();
+        frame->camera.target = (vec3){turned ? 0.5f : 1, turned ? 1 : 0.5f, 0};
+        frame->camera.position = vec3_add(frame->camera.target, (vec3){0, 0, 1});
+        frame->camera.orthographic = true;
+        frame->camera.vertical_extent = (float)frame->height / CHART;
+        frame->exposure = FNL_EXPOSURE_NONE;
+        frame->tonemap = FNL_TONEMAP_NONE;
+        frame->shading = FNL_SHADING_VIRTUAL_TEXTURING;
+        frame->lists = FNL_LISTS_ALL;
+        harness_hooks(stage.renderer)->show_levels = true;
+        struct shot shot = stage_shoot(&stage, frame);
+        for (uint32_t y = 0; y < height; y++)
+            for (uint32_t x = 0; x < width; x++) {
+                const float level = ((const float *)shot.radiance.pixels)[((y + MARGIN) * frame->width + x + MARGIN) * 4];
+                if (fabsf(level - log2f(3)) > 0.2f) fail_msg("turned %d: level %g in column %u, row %u", turned, (double)level, x, y);
+            }
+        shot_free(&shot);
+        stage_close(&stage);
+    }
+}
+
 /* Pages hold what mipmaps hold: chequers far away are the grey that forward shading shows, where one of their colours would alias. */
 static void test_pages_are_filtered(void **state) {
     UNUSED(state);
@@ -590,6 +648,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-70: coordinates in 2 x 16 bits and frames in 32, in 64 x 64 pages", test_round_trip, NULL, harness_check, NULL},
         {"ES-71: levels are the hardware's inside charts and at seams", test_levels, NULL, harness_check, NULL},
+        {"ES-71: levels at the edges of charts", test_levels_at_the_edges_of_charts, NULL, harness_check, NULL},
         {"ES-70: pages are filtered as mipmaps are", test_pages_are_filtered, NULL, harness_check, NULL},
         {"ES-70, ES-71: a frame wants the pages that its pixels see", test_wanted_pages, NULL, harness_check, NULL},
         {"ES-70: pages follow the view", test_pages_follow_the_view, NULL, harness_check, NULL},
