@@ -18,7 +18,7 @@ fuzz() { # PROGRAM: for its share
     mkdir -p "$found"
     seeds=("tests/fuzz/seeds/${name#fuzz_}") limits=(-timeout=10 -rss_limit_mb=2048)
     case $name in
-    fuzz_save) seeds=(tests/fuzz/seeds/gltf) ;;
+    fuzz_save) seeds=(tests/fuzz/seeds/gltf) limits=(-timeout=60 -rss_limit_mb=2048) ;; # loaded and saved several times
     fuzz_gltf | fuzz_image) if [ -d "$scenes" ]; then seeds+=("$scenes"); fi ;;
     fuzz_render) limits=(-timeout=120 -rss_limit_mb=8192) ;; # pipelines are made on the way
     fuzz_mixtures) # more of them: a short run tries the seeds alone
