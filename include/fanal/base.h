@@ -75,8 +75,8 @@ typedef struct fnl_host {
 FNL_API fnl_host fnl_host_default(void);
 
 /**
- * Makes text that comes from a file, such as a name, safe to print on a terminal: each control character (line breaks, escape sequences, C1), each
- * Unicode line separator and control of the writing direction, and each byte that is not UTF-8 becomes one '?'. Returns whether anything was replaced.
+ * Makes text that comes from a file, such as a name, safe to print on a terminal: each control character (line breaks, escape sequences, C1), each Unicode
+ * line separator and bidirectional control, and each byte that is not UTF-8 becomes one '?'. Returns whether anything was replaced.
  * Lines of the log are safe already; names that a scene returns are not.
  */
 FNL_API bool fnl_text_clean(char *text);

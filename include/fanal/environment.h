@@ -52,8 +52,8 @@ typedef struct fnl_environment_params {
      */
     bool compressed;
     /**
-     * Bytes that the picture of `source` may take, decoded and as the scene keeps it, counted before anything is allocated. A file that needs more is
-     * FNL_ERROR_MEMORY. UINT64_MAX: no limit. Default: half of the machine's memory.
+     * Byte limit for the picture of `source`, decoded and as the scene stores it, checked before any allocation. A larger picture gives FNL_ERROR_MEMORY.
+     * UINT64_MAX: no limit. Default: half of the machine's memory.
      */
     uint64_t max_memory;
 } fnl_environment_params;

@@ -37,16 +37,15 @@ static inline size_t fnl_pixel_size(fnl_pixel_format format) {
 
 /**
  * Reads a PNG (8 or 16 bits), JPEG, WebP, Radiance HDR or OpenEXR file, recognised by its contents. PNG of more than 8
- * bits gives RGBA16; HDR and EXR give RGBA32F (of an EXR the channels R, G, B, A; a lone Y is spread; missing alpha is 1, a missing color 0, with a warning).
- * The picture of an EXR is its display window, black and clear where there is no data. `chromaticities` of EXR and `PRIMARIES` of HDR are converted to
- * Rec. 709, white to D65. EXR compressed as DWAA or DWAB is FNL_ERROR_UNSUPPORTED where OpenEXR's C library does not read it (3.1 does not).
+ * bits gives RGBA16; HDR and EXR give RGBA32F (EXR: channels R, G, B, A; a lone Y fills R, G and B; missing alpha is 1, a missing color 0, with a
+ * warning). An EXR gives its display window, black and transparent where there is no data. `chromaticities` of EXR and `PRIMARIES` of HDR are converted to
+ * Rec. 709, white to D65. EXR with DWAA or DWAB gives FNL_ERROR_UNSUPPORTED if OpenEXR's C library cannot read it (3.1 cannot).
  * DDS and KTX2 files give the greatest mip, those of BC6H or RGBA floats as RGBA32F, of 8 bits a channel (BC1, BC3, BC4, BC5, BC7, ETC1S, UASTC, R8, RG8,
  * RGBA8, BGRA8) as RGBA8; the six faces of a cube map stand one below the other.
- * The pixels come from the host's allocator; free them with fnl_image_free. A picture whose pixels need more than half of the
- * machine's memory is FNL_ERROR_MEMORY.
+ * The pixels come from the host's allocator; free them with fnl_image_free. A picture that needs more than half of the machine's memory gives FNL_ERROR_MEMORY.
  */
 FNL_API fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out);
-/** The same with a limit of your own: a picture whose pixels need more than `max_bytes` is refused before anything is allocated. UINT64_MAX: no limit. */
+/** Like fnl_image_load with a limit: a picture whose pixels need more than `max_bytes` is refused before anything is allocated. UINT64_MAX: no limit. */
 FNL_API fnl_result fnl_image_load_within(const fnl_host *host, const char *path, uint64_t max_bytes, fnl_image *out);
 FNL_API void fnl_image_free(const fnl_host *host, fnl_image *image);
 

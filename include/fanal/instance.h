@@ -67,8 +67,8 @@ FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance
  * Removes an instance with everything below it, including lights. Cameras below it stay where they are, as do joints of the
  * skins of other nodes; decals below it are no longer shown. All other ids stay valid.
  *
- * With the root of a file (fnl_loaded.root) its images are freed, except those that a remaining instance, another material or a decal uses.
- * Materials of the file that no instance shows lose their textures, and the id of a freed image is that of a white one.
+ * Removing a file's root (fnl_loaded.root) frees its images, except those that a remaining instance, another material or a decal uses.
+ * Materials of the file that no instance shows lose their textures, and a freed image's id gives a white image.
  */
 FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);
 

@@ -164,8 +164,8 @@ FNL_API fnl_result fnl_scene_set_background(fnl_scene *scene, fnl_vec3 radiance)
 /** Maximum anisotropy of mipmapped textures, 1 .. 16, clamped to what the device supports; default 8. */
 FNL_API fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy);
 /**
- * Levels of detail added to those of mipmapped textures in frames, -16 .. 16, clamped to what the device supports; default 0. Below 0 they are
- * sharper: with -0.5 log2(n) the mean of n jittered frames shows the detail of a larger picture. Leave it 0 for virtual-texturing, whose pages would
+ * LOD bias of mipmapped textures in frames, -16 .. 16, clamped to what the device supports; default 0. Negative values sharpen textures: with -0.5 log2(n)
+ * the mean of n jittered frames shows the detail of a larger picture. Leave it 0 for virtual-texturing, whose pages would
  * show single texels.
  */
 FNL_API fnl_result fnl_scene_set_texture_bias(fnl_scene *scene, float levels);

@@ -19,8 +19,8 @@ typedef struct fnl_trace_params {
     uint32_t width, height; /**< pixels, 1 .. 16384; default 1280 x 720 */
     fnl_camera camera;      /**< default fnl_camera_default() */
     /**
-     * Rays per pixel, 1 .. 1048576. Ray k goes through place k of fnl_jitter(), so the first one through the pixel's centre. Textures are filtered over
-     * 1 / sqrt(samples) of the pixel's width: the mean is as sharp as a larger picture that is averaged down. Default 1.
+     * Rays per pixel, 1 .. 1048576. Ray k goes through position k of fnl_jitter(), the first through the pixel's center. Textures are filtered over 1 /
+     * sqrt(samples) of the pixel's width: the mean is as sharp as a downsampled larger picture. Default 1.
      */
     uint32_t samples;
     /**
@@ -40,7 +40,7 @@ typedef struct fnl_trace_params {
     /** Ends long paths by chance. The mean stays the same, with more noise in less time. Default false. */
     bool russian_roulette;
     /**
-     * Sends rays to bright parts of the environment and, from 1 bounce on, to surfaces that glow, rather than waiting for paths that meet them. The mean stays
+     * Sends rays to bright parts of the environment and, from 1 bounce on, to glowing surfaces, instead of relying on paths to hit them. The mean stays
      * the same. Default true.
      */
     bool light_sampling;
