@@ -417,6 +417,8 @@ static void add_weighted(struct graph *graph, const struct mobile_blend *blend, 
 
 /* ---- the end ---- */
 
+enum { COVERS_ID = 13 }; /* of mobile_finish.frag.glsl */
+
 static graph_image add_finish(struct graph *graph, const struct shade_input *input, bool merged,
                               const struct targets *targets, const struct mobile_params *params,
                               const struct mobile_finish *finish) {
@@ -434,18 +436,20 @@ static graph_image add_finish(struct graph *graph, const struct shade_input *inp
                                                                         .height = input->height});
     struct step_data data = {.targets = *targets, .merged = merged, .state = screen_state(shaders[layout->wide][merged])};
     const uint32_t place = layout->wide ? 0 : 1; /* a position or depth: whether there is a surface */
-    data.reads = 1u << place;
+    if (!finish->picture) data.reads = 1u << place;
     for (uint32_t i = 0; i < layout->light_count; i++) data.reads |= 1u << layout->lights[i];
     data.push.view = input->view;
     data.push.factor = finish->picture ? finish->tonemap.factor : 1;
     data.push.tonemap = finish->tonemap.tonemap;
     data.push.encode = !finish->picture ? 0 : finish->tonemap.linear ? 2 : 1;
     data.push.swap = finish->picture && finish->tonemap.swap;
+    data.state.constant_count = COVERS_ID + 1;
+    data.state.constants[COVERS_ID] = !finish->picture;
     data.state.color_count = 1;
     data.state.color_formats[0] = finish->format;
     struct graph_pass *pass = graph_add_pass(graph, finish->picture ? "mobile tonemap" : "mobile radiance",
                                              GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
-    graph_local_read(pass, place, targets->images[place]);
+    if (!finish->picture) graph_local_read(pass, place, targets->images[place]);
     for (uint32_t i = 0; i < layout->light_count; i++)
         graph_local_read(pass, layout->lights[i], targets->images[layout->lights[i]]);
     graph_color(pass, target, VK_ATTACHMENT_LOAD_OP_DONT_CARE, NULL);
