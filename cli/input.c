@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "input.h"
 
+#include "print.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>

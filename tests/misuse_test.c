@@ -232,6 +232,7 @@ static fnl_loaded loaded;
       NULLED("b", fnl_image_difference_picture(&host, &picture, NULL, 1, &difference_image));                               \
       NULLED("out", fnl_image_difference_picture(&host, &picture, &other, 1, NULL)))                                        \
     X(fnl_image_free, SILENT(fnl_image_free(NULL, NULL)); SILENT(fnl_image_free(&host, NULL)))                              \
+    X(fnl_text_clean, SILENT(assert_false(fnl_text_clean(NULL))))                                                           \
     X(fnl_image_load, NULLED("path", fnl_image_load(NULL, NULL, &difference_image));                                        \
       NULLED("path", fnl_image_load(&host, NULL, &difference_image)); NULLED("out", fnl_image_load(&host, "x.png", NULL)))  \
     X(fnl_image_load_within, NULLED("path", fnl_image_load_within(NULL, NULL, 1, &difference_image));                          \
@@ -621,7 +622,7 @@ static void test_other_arguments(void **state) {
     environment.intensity = -1;
     SAYS("fnl_scene_set_environment", "intensity is -1, must be 0 .. 1e+06", fnl_scene_set_environment(w.scene, &environment));
     SAYS("fnl_scene_query_environment", "the scene has no environment", fnl_scene_query_environment(w.scene, &environment));
-    SAYS("fnl_scene_set_texture_bias", "levels is 17 levels of detail, must be -16 .. 16", fnl_scene_set_texture_bias(w.scene, 17));
+    SAYS("fnl_scene_set_texture_bias", "levels is 17, must be -16 .. 16 levels of detail", fnl_scene_set_texture_bias(w.scene, 17));
     SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
     SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));
     SAYS("fnl_scene_set_times", "count is 0, must be 1 .. 1024", fnl_scene_set_times(w.scene, &moment, 0));
