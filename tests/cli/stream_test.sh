@@ -39,7 +39,7 @@ spheres="builtin:spheres --lists clustered"
     run 2 'start-frame is for sequences' $spheres --start-frame 1 -o a.png
     run 2 'no picture 2; it ends after 1' $spheres --camera-path orbit:2 --start-frame 2 -o a-%d.png
     run 2 "format: 'x' is not one of png exr raw y4m y4m444" $spheres --format x -o -
-    run 2 'path.txt: cannot be opened' $spheres --camera-path path.txt -o a-%d.png
+    run 2 'path.txt: cannot be read' $spheres --camera-path path.txt -o a-%d.png
     for file in a*; do [ ! -e "$file" ] || fail "$file was left behind"; done
 
     # A still to stdout has the bytes of the file; what is printed otherwise goes to stderr.
