@@ -455,7 +455,9 @@ static void test_misuse(void **state) {
     BAD(outputs = 128);
     BAD(camera.position.x = NAN);
     BAD(camera.target = good.camera.position);
+    BAD(camera.near_distance = -1);
     BAD(camera.near_distance = 0);
+    bad[count - 1].camera.orthographic = false;
     BAD(camera.far_distance = 0.1f);
     BAD(camera.vertical_extent = -1);
     BAD(camera.shift.x = INFINITY);
