@@ -79,7 +79,7 @@ echo "{\"asset\": {\"version\": \"2.0\"}, $triangle}" >triangle.gltf
     expect 2 "max-diff: '\\+1' is not" compare triangle.gltf triangle.gltf --max-diff +1
     for value in 1/ 1/0 1/+2 ' 1' 0x1 nan; do expect 2 "max-diff: '.*' is not" compare triangle.gltf triangle.gltf --max-diff "$value"; done
     expect 2 "cube: '\\+64' is not a whole number" compress a.exr --cube +64 -o a.dds
-    for path in orbit: orbit:+3 'turntable: 3' orbit:3x orbit:0; do expect 2 "camera-path: ${path/+/.}" render triangle.gltf $small --camera-path "$path" --frames 2 -o 'bad-%d.png'; done
+    for path in orbit: orbit:+3 'turntable: 3' orbit:3x orbit:0; do expect 2 "${path/+/.}: cannot be read" render triangle.gltf $small --camera-path "$path" --frames 2 -o 'bad-%d.png'; done
     absent bad*.png
 
     # A percent sign in a name.
