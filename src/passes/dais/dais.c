@@ -269,8 +269,7 @@ static void execute_spread(const struct graph_context *context, const void *data
     set_constants(d, &params.constant_count, params.constants);
     struct gpu_dais_shade_push push = {.view = d->view,
                                        .results = graph_address(context, d->results),
-                                       .slots = graph_address(context, d->slots),
-                                       .background = {d->background[0], d->background[1], d->background[2]}};
+                                       .slots = graph_address(context, d->slots)};
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_draw(context->commands, 3, d->dais.sample_count, 0, 0);

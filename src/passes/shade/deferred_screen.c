@@ -63,8 +63,7 @@ graph_image deferred_screen_add(struct graph *graph, const struct shade_input *i
     graph_use_image(pass, radiance, GRAPH_SAMPLE_FRAGMENT);
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, lit, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, lit, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, stencil);
     return lit;
 }

@@ -54,8 +54,7 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     if (input->glass.id) graph_use_image(pass, input->glass, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, radiance, over ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, over ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     if (blends || prepass)
         graph_depth_read_only(pass, depth);
     else

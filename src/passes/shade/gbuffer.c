@@ -109,8 +109,7 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
     for (uint32_t i = 0; i < count; i++) data.state.color_formats[1 + i] = graph_image_info(graph, images[i]).format;
     pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     static const float zero[4];
     for (uint32_t i = 0; i < count; i++) graph_color(pass, images[i], VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     if (prepass)

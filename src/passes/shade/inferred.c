@@ -112,7 +112,6 @@ void inferred_material_add(struct graph *graph, const struct shade_input *input,
     for (uint32_t i = 0; i < sums->target_count; i++) graph_use_image(pass, sums->targets[i], GRAPH_SAMPLE_FRAGMENT);
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, radiance, blends ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, blends ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, depth);
 }

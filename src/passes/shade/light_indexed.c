@@ -179,7 +179,6 @@ void light_indexed_samples_add(struct graph *graph, const struct shade_input *in
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     graph_use_image(pass, samples->bounds.ranges, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, depth);
 }

@@ -237,7 +237,6 @@ void light_material_add(struct graph *graph, const struct shade_input *input, co
         graph_use_image(pass, sums->samples, GRAPH_SAMPLE_FRAGMENT);
         if (data.counters.id) graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_FRAGMENT);
     }
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, surfaces->depth);
 }

@@ -197,8 +197,7 @@ void batches_add(struct graph *graph, const struct shade_input *input, graph_ima
     struct graph_pass *pass =
         graph_add_pass(graph, "forward batches", GRAPH_QUEUE_GRAPHICS, execute_batches, &data, sizeof data);
     use_regrouped(pass, input, &data);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, depth);
 }
 
@@ -259,8 +258,7 @@ void multipass_add(struct graph *graph, const struct shade_input *input, uint32_
     pass = graph_add_pass(graph, "forward rest", GRAPH_QUEUE_GRAPHICS, execute_all, &data, sizeof data);
     use_regrouped(pass, input, &data);
     graph_use_image(pass, sum, GRAPH_SAMPLE_FRAGMENT);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, depth);
 }
 

@@ -29,7 +29,7 @@ struct shade_input {
     graph_image glass;     /* of lists with GPU_LIST_BEHIND_GLASS: gpu_view.glass */
     graph_buffer counters; /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
     struct environment_light environment; /* for passes without lists; or ids 0 */
-    float background[3];
+    float background[4]; /* what radiance is cleared to: no coverage */
     fnl_gbuffer layout; /* of the G-buffer, in orders that have one: see fnl_frame */
     fnl_normal_encoding normals;
     bool chroma;

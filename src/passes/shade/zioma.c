@@ -147,7 +147,6 @@ void zioma_add(struct graph *graph, const struct shade_input *input, const struc
         graph_use_image(pass, material.last, GRAPH_SAMPLE_FRAGMENT);
     graph_use_buffer(pass, material.totals, GRAPH_READ_WRITE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, depth);
 }

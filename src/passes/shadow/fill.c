@@ -33,7 +33,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
     for (uint32_t cutout = 0; cutout < 2; cutout++) {
         if (!d->casts[cutout]) continue;
         params.vertex = cutout ? &shader_fill_cutout_vert : &shader_fill_vert;
-        params.fragment = cutout ? &shader_depth_frag : NULL;
+        params.fragment = cutout ? &shader_depth_casters_frag : NULL;
         gpu_bind(commands, graph_pipeline(context, &params));
         gpu_push(commands, &d->push, sizeof d->push);
         gpu_draw_indexed_indirect_count(commands, draws, (uint64_t)cutout * d->scene->unit_count * sizeof(struct gpu_draw),

@@ -433,8 +433,30 @@ static void test_transmission_of_strength_0_is_none_MA_20(void **state) {
     shot_free(&shots[1]);
 }
 
+/* Cutouts without a hole are the glass itself, however clear it is. */
+static void test_cutouts_of_glass_are_seen(void **state) {
+    UNUSED(state);
+    struct shot shots[2];
+    for (int i = 0; i < 2; i++) {
+        fnl_scene *scene = coarse_scene();
+        add_wall(scene);
+        fnl_material_params p = glass(0.9f, 0.2f, 0.4f);
+        p.alpha_mode = i ? FNL_ALPHA_MASK : FNL_ALPHA_OPAQUE;
+        for (int k = 0; k < 2; k++) add_pane(scene, add_material(scene, &p), 0.1f * (float)k, 0, -0.5f * (float)k, 0.5f, 1); /* layers */
+        coarse_add_light(scene, FNL_LIGHT_POINT, (vec3){0.4f, 0.3f, 1}, 3);
+        struct stage s = open_view(scene);
+        shots[i] = stage_shoot(&s, &s.frame);
+        assert_true(count_of(&s, "transmission.fragments") > 0);
+        stage_close(&s);
+    }
+    assert_memory_equal(shots[0].radiance.pixels, shots[1].radiance.pixels, WIDTH * HEIGHT * 16);
+    shot_free(&shots[0]);
+    shot_free(&shots[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_cutouts_of_glass_are_seen, harness_check),
         cmocka_unit_test_teardown(test_sheets_are_those_of_rays_MA_13, harness_check),
         cmocka_unit_test_teardown(test_volumes_attenuate_MA_14, harness_check),
         cmocka_unit_test_teardown(test_volumes_refract_MA_15, harness_check),

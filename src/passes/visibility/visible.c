@@ -183,6 +183,5 @@ void visible_spread_add(struct graph *graph, const struct shade_input *input, co
     graph_use_buffer(pass, list->words, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, list->sums, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, results, GRAPH_READ_FRAGMENT);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                (float[4]){input->background[0], input->background[1], input->background[2], 0});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
 }
