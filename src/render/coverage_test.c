@@ -63,6 +63,17 @@ static void test_radiance_has_the_coverage(void **state) {
         }
 }
 
+/* Lists of what is to be shaded leave out the background, which a pass of its own writes. */
+static void test_sorted_pixels_leave_the_background(void **state) {
+    UNUSED(state);
+    for (uint32_t sort = 0; sort < FNL_VISIBILITY_SORT_COUNT; sort++) {
+        fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+        frame.shading = FNL_SHADING_VISIBILITY;
+        frame.visibility.sort = (fnl_visibility_sort)sort;
+        look_at(fnl_value_name(FNL_ENUM_VISIBILITY_SORT, frame.visibility.sort), &frame, true, false);
+    }
+}
+
 static void test_transparency_adds_to_the_coverage(void **state) {
     UNUSED(state);
     for (uint32_t t = 0; t < FNL_TRANSPARENCY_COUNT; t++) {
@@ -86,6 +97,7 @@ static void test_pictures_are_opaque(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_radiance_has_the_coverage, harness_check),
+        cmocka_unit_test_teardown(test_sorted_pixels_leave_the_background, harness_check),
         cmocka_unit_test_teardown(test_transparency_adds_to_the_coverage, harness_check),
         cmocka_unit_test_teardown(test_pictures_are_opaque, harness_check),
     };

@@ -29,11 +29,24 @@ static void add_glow(fnl_scene *scene, float factor) {
     assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){0.05f * factor, 0.04f * factor, 0.03f * factor}), FNL_OK);
 }
 
+/* What shows what is behind it: all of its second material. */
+static void make_glass(fnl_scene *scene) {
+    fnl_material_params glass;
+    fnl_entity_info entity;
+    assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_MATERIAL, 1, &entity), FNL_OK);
+    assert_int_equal(fnl_scene_query_material(scene, 1, &glass), FNL_OK);
+    glass.alpha_mode = FNL_ALPHA_OPAQUE;
+    glass.metallic = 0;
+    glass.transmission.strength = 1;
+    assert_int_equal(fnl_scene_set_material(scene, entity.id.material, &glass), FNL_OK);
+}
+
 static struct stage open_scaled(int power, bool surrounded) {
     struct stage s = stage_open("builtin:glass?lights=8", 0);
     const float factor = ldexpf(1, power);
     scale_lights(s.scene, factor);
     add_glow(s.scene, factor);
+    make_glass(s.scene);
     if (surrounded) {
         fnl_environment_params environment = fnl_environment_params_default();
         environment.source = "builtin:overcast";
@@ -84,6 +97,7 @@ static void shoot_variant(const struct variant *v, fnl_shading shading, int powe
     if (v->change) v->change(&s.frame);
     for (uint32_t i = 1; i < v->frames; i++) assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
     struct shot shot = stage_shoot(&s, &s.frame);
+    assert_true(counter(&shot.stats, "transmission.fragments") > 0);
     *out = shot.radiance;
     shot.radiance = (fnl_image){0};
     shot_free(&shot);
