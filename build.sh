@@ -12,7 +12,7 @@ usage: ./build.sh VERB [OPTIONS]
   demo              installs what the command alone needs, builds it, renders the city with 4096 lights to demo.png
   test              setup, builds, runs the tests
        -R REGEX       only tests whose name matches, marked or not
-       --all          also those marked so in tests/slow.txt: long tables of combinations, and what compares times (wants an idle machine)
+       --all          also tests marked `all` in tests/slow.txt: long tables of combinations, and timing comparisons (on an idle machine)
        --quick        only those that take a few seconds (not those in tests/slow.txt): all within two minutes
        --coverage     also says of each checklist line whether tests show it, wholly or in part
        --sanitize     in build/sanitize, with AddressSanitizer and UndefinedBehaviorSanitizer

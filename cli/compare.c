@@ -62,7 +62,7 @@ static void print_help(void) {
          "                    as a part of the luminance that there would be without shadows. All three are linear (.exr)\n"
          "  --leak X          the leak may be X at most\n"
          "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
-         "  --max-memory SIZE how much memory the pictures may decode to: bytes, or with K, M or G (half of the machine's each)\n"
+         "  --max-memory SIZE limits the decoded pictures together: bytes, or with K, M or G (half of the machine's memory each)\n"
          "  --json            prints JSON; infinity is \"Infinity\" or \"-Infinity\"\n"
          "  -h, --help        prints this text\n"
          "\n"

@@ -40,7 +40,7 @@ static void print_help(void) {
          "                         fanal render has them: +X in the middle of the picture, +Z a quarter of the width to the right\n"
          "  --on cpu|gpu           what compresses (cpu); both give the same file\n"
          "  --device DEVICE        the Vulkan device, by index or part of its name, as 'fanal devices' lists them\n"
-         "  --max-memory SIZE      how much memory the picture may decode to: bytes, or with K, M or G (half of the machine's)\n"
+         "  --max-memory SIZE      limits the decoded picture: bytes, or with K, M or G (half of the machine's memory)\n"
          "  -h, --help             prints this text\n"
          "\n"
          "Exit status: 0 when the file was written, 2 on an error.\n"

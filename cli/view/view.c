@@ -45,7 +45,7 @@ static void print_help(void) {
          "  --no-settings              neither reads nor writes what windows remember: these options, their size, the last scenes\n"
          "  --compare KEY=VALUE[,...]  begins with a split screen: left as asked for, right with these options changed\n"
          "  --headless                 draws the same frames without a window; with --replay\n"
-         "  --replay FILE              takes its events from a file that --record has written, a line each, or from - (standard input); besides what a window sends,\n"
+         "  --replay FILE              reads events, one per line, from a file written by --record or from - (standard input); in addition to window events:\n"
          "                             'frames N', 'settle', 'set KEY=VALUE', 'click LABEL', 'save FILE [W H]', 'capture FILE' (with the panels), 'command FILE', 'report FILE',\n"
          "                             'trace FILE', 'savescene FILE', 'turntable N', 'panel NAME', 'compare MODE', 'setb KEY=VALUE', 'slider X', 'poll'\n"
          "  --record FILE              writes the events of the window to a file\n"
