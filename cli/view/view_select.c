@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ICONS_MOST = 2048 }; /* the nearest */
+enum { ICONS_MOST = 2048, ICON_SIZE = 5 }; /* the nearest; pixels from their middle to their edge */
 enum { PICKED_COLOR = (int)0xffb000ffu, KEY_ESCAPE = 256, KEY_DELETE = 261 };
 
 /* ---- which ---- */
@@ -197,6 +197,13 @@ static void select_nearest(struct view_shown_icon *icons, uint32_t count, uint32
     }
 }
 
+static int nearer_first(const void *a, const void *b) {
+    const struct view_shown_icon *one = a, *other = b;
+    if (one->depth != other->depth) return one->depth < other->depth ? -1 : 1;
+    return (one->of > other->of) - (one->of < other->of);
+}
+
+/* The nearest to the camera first; they are drawn from the back. */
 static void find_icons(struct view *v, const struct maths_eye *eye) {
     struct view_icons *icons = &v->select.icons;
     if (!gather(v)) return;
@@ -208,12 +215,15 @@ static void find_icons(struct view *v, const struct maths_eye *eye) {
     }
     select_nearest(icons->shown, icons->shown_count, ICONS_MOST);
     if (icons->shown_count > ICONS_MOST) icons->shown_count = ICONS_MOST;
+    qsort(icons->shown, icons->shown_count, sizeof *icons->shown, nearer_first);
 }
 
+/* Of icons that overlap the one in front is picked, where it is drawn; next to all of them, the nearest to the cursor. */
 bool view_select_icon(struct view *v, float x, float y) {
     const struct maths_eye eye = view_select_eye(v);
     struct view_icons *icons = &v->select.icons;
     float nearest = 8 * v->scale;
+    const float drawn = ICON_SIZE * v->scale;
     const struct view_icon *best = NULL;
     if (!v->select.shows_lights || !v->shown.scene) return false;
     find_icons(v, &eye);
@@ -222,6 +232,7 @@ bool view_select_icon(struct view *v, float x, float y) {
         if (distance >= nearest) continue;
         nearest = distance;
         best = &icons->all[icons->shown[i].of];
+        if (distance <= drawn) break;
     }
     if (best) select_index(v, best->decal ? VIEW_PICKED_DECAL : VIEW_PICKED_LIGHT, best->index);
     return best;
@@ -242,7 +253,7 @@ static void draw_icons(struct view *v, const struct maths_eye *eye) {
     for (uint32_t i = icons->shown_count; i-- > 0;) {
         const struct view_shown_icon *s = &icons->shown[i];
         const struct view_icon *icon = &icons->all[s->of];
-        const float size = 4 * v->scale;
+        const float size = (ICON_SIZE - 1) * v->scale;
         if (icon->decal) {
             for (int side = 0; side < 2; side++) {
                 const float sign = side ? 1.0f : -1.0f;
