@@ -154,6 +154,11 @@ static void happen(const struct moment *m) {
             XrFovf *f = &rt.script.fov[i];
             *f = (XrFovf){f->angleLeft * (float)m->numbers[0], f->angleRight * (float)m->numbers[0], f->angleUp * (float)m->numbers[0], f->angleDown * (float)m->numbers[0]};
         }
+    if (strcmp(m->what, "walk") == 0) { /* to x y z */
+        rt.script.head.x = m->numbers[0];
+        rt.script.head.y = m->numbers[1];
+        rt.script.head.z = m->numbers[2];
+    }
     if (strcmp(m->what, "recenter") == 0) { /* where LOCAL will be in STAGE: x z yaw (degrees), in two frames */
         const double half = m->numbers[2] * 3.14159265358979323846 / 360;
         rt.recentered = (XrPosef){{0, (float)sin(half), 0, (float)cos(half)}, {(float)m->numbers[0], 1.6f, (float)m->numbers[1]}};
