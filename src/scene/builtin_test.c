@@ -60,6 +60,16 @@ static void check_scene(const fnl_scene *scene) {
     assert_true(vec3_finite(bounds.low) && vec3_finite(bounds.high) && bounds.low.x < bounds.high.x);
 }
 
+enum { LIGHT_VALUES = 23 };
+
+static void light_values(const fnl_light_params *l, float out[LIGHT_VALUES]) {
+    const float values[LIGHT_VALUES] = {
+        (float)l->kind, l->position.x, l->position.y, l->position.z, l->direction.x, l->direction.y, l->direction.z, l->color[0], l->color[1],
+        l->color[2], l->intensity, l->range, l->inner_cone_angle, l->outer_cone_angle, l->up.x, l->up.y, l->up.z, l->length, l->box_size.x,
+        l->box_size.y, l->box_size.z, l->wedge_angles[0], l->wedge_angles[1]};
+    memcpy(out, values, sizeof values);
+}
+
 /** A hash of everything that a picture depends on. */
 static uint64_t scene_hash(const fnl_scene *scene) {
     uint64_t h = HASH_SEED;
@@ -80,33 +90,139 @@ static uint64_t scene_hash(const fnl_scene *scene) {
         if (node->instances) h = hash_bytes(node->instances, sizeof(mat4) * node->instance_count, h);
     }
     for (uint32_t i = 0; i < scene->lights.count; i++) {
-        const fnl_light_params *l = &scene->lights.data[i].params;
-        float values[] = {(float)l->kind,
-                          l->position.x,
-                          l->position.y,
-                          l->position.z,
-                          l->direction.x,
-                          l->direction.y,
-                          l->direction.z,
-                          l->color[0],
-                          l->color[1],
-                          l->color[2],
-                          l->intensity,
-                          l->range,
-                          l->inner_cone_angle,
-                          l->outer_cone_angle,
-                          l->up.x,
-                          l->up.y,
-                          l->up.z,
-                          l->length,
-                          l->box_size.x,
-                          l->box_size.y,
-                          l->box_size.z,
-                          l->wedge_angles[0],
-                          l->wedge_angles[1]};
+        float values[LIGHT_VALUES];
+        light_values(&scene->lights.data[i].params, values);
         h = hash_bytes(values, sizeof values, h);
     }
     return h;
+}
+
+/* ---- what the scenes are ---- */
+
+/** Numbers of a scene, each with another weight, so that order counts; `most`: the same of their amounts. */
+struct sum {
+    double total, most;
+    uint32_t count;
+};
+
+static void sum_floats(struct sum *sum, const float *values, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        const double weight = 1 + (sum->count++ * 40503u & 0xffff) / 65536.0;
+        sum->total += weight * (double)values[i];
+        sum->most += fabs((double)values[i]);
+    }
+}
+
+enum { MESHES, PLACES, MATERIALS, IMAGES, LIGHTS, DECALS, SUMS };
+
+static void sum_scene(const fnl_scene *scene, struct sum sums[SUMS]) {
+    memset(sums, 0, SUMS * sizeof *sums);
+    for (uint32_t i = 0; i < scene->primitives.count; i++) {
+        const struct scene_primitive *p = &scene->primitives.data[i];
+        const float numbers[3] = {(float)p->index_count, (float)p->vertex_count, (float)p->material};
+        sum_floats(&sums[MESHES], numbers, 3);
+        for (uint32_t v = 0; v < p->vertex_count; v++) {
+            const float values[8] = {p->positions[v].x, p->positions[v].y, p->positions[v].z, p->normals[v].x, p->normals[v].y, p->normals[v].z, p->uv[0][v].x, p->uv[0][v].y};
+            sum_floats(&sums[MESHES], values, 8);
+        }
+    }
+    for (uint32_t i = 0; i < scene->nodes.count; i++) {
+        const struct scene_node *node = &scene->nodes.data[i];
+        if (node->mesh == SCENE_NONE) continue;
+        const float mesh = (float)node->mesh;
+        sum_floats(&sums[PLACES], &mesh, 1);
+        sum_floats(&sums[PLACES], node->world.m, 16);
+        for (uint32_t k = 0; k < node->instance_count && node->instances; k++) sum_floats(&sums[PLACES], node->instances[k].m, 16);
+    }
+    for (uint32_t i = 0; i < scene->materials.count; i++) {
+        const struct scene_material *m = &scene->materials.data[i];
+        const float values[] = {m->base_color.x, m->base_color.y, m->base_color.z, m->base_color.w, m->metallic, m->roughness, m->emissive.x, m->emissive.y, m->emissive.z,
+                                (float)m->alpha_mode, m->alpha_cutoff, m->double_sided, m->normal_scale, m->clearcoat.strength, m->transmission.strength};
+        sum_floats(&sums[MATERIALS], values, COUNT_OF(values));
+    }
+    for (uint32_t i = 0; i < scene->images.count; i++) {
+        const struct scene_image *image = &scene->images.data[i];
+        for (uint32_t k = 0; k < image->width * image->height * 4; k++) {
+            const float value = (float)((const uint8_t *)image->pixels)[k];
+            sum_floats(&sums[IMAGES], &value, 1);
+        }
+    }
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        float values[LIGHT_VALUES];
+        light_values(&scene->lights.data[i].params, values);
+        for (int k = 0; k < LIGHT_VALUES; k++) values[k] = fminf(values[k], 1e5f); /* a sun reaches everywhere */
+        sum_floats(&sums[LIGHTS], values, LIGHT_VALUES);
+    }
+    for (uint32_t i = 0; i < scene->decals.count; i++) {
+        const fnl_decal_params *d = &scene->decals.data[i].params;
+        const float values[] = {(float)d->kind, d->color[0], d->color[1], d->color[2], d->color[3], (float)d->channels, scene->decals.data[i].node == SCENE_NONE ? -1 : (float)scene->decals.data[i].node};
+        sum_floats(&sums[DECALS], values, COUNT_OF(values));
+        sum_floats(&sums[DECALS], d->transform.m, 16);
+    }
+    for (uint32_t i = 0; i < scene->cameras.count; i++) {
+        fnl_camera camera;
+        assert_int_equal(fnl_scene_query_camera(scene, i, &camera), FNL_OK);
+        const float values[] = {camera.position.x, camera.position.y, camera.position.z, camera.target.x, camera.target.y, camera.target.z, camera.vertical_fov};
+        sum_floats(&sums[PLACES], values, COUNT_OF(values));
+    }
+}
+
+/*
+ * Pictures and measurements of built-in scenes are compared over years: a change of one shows here, and belongs in the changelog. Each number to 2e-6
+ * of all amounts, as functions such as sinf differ in the last bit between systems. On purpose: copy what the test prints.
+ */
+static void test_scenes_are_what_they_were(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *text;
+        uint32_t counts[SUMS];
+        double sums[SUMS];
+    } rows[] = {
+        {"city", {348527, 327222, 1230, 24117248, 94208, 0}, {574519.8396, 366170.7829, 7213.681419, 5882491902, 2090426.097, 0}},
+        {"city?seed=7&blocks=2&lights=500&decals=40&sun=50000", {348527, 96902, 1230, 27262976, 11523, 920}, {574519.8396, 107684.7112, 7213.681419, 6463698141, 690734.9038, -718.2261654}},
+        {"city?instances=20000&triangles=3000000", {348527, 454535, 1230, 24117248, 94208, 0}, {574519.8396, -110394.5639, 7213.681419, 5882491902, 2090426.097, 0}},
+        {"hall", {207696, 14680, 270, 14155776, 23552, 0}, {290826.7484, 10627.78174, 2215.205276, 3790790071, 44920.64986, 0}},
+        {"hall?overdraw=1&lights=30", {10556625, 23464, 270, 14155776, 690, 0}, {19065412.3, 1472790.523, 2215.205276, 3790790071, 1612.84295, 0}},
+        {"hall?decals=200&lights=3&sun=1000", {207696, 4423, 270, 17301504, 92, 4600}, {290826.7484, 3312.390453, 2215.205276, 4369728762, 146193.6384, 5645.562638}},
+        {"interior", {135157, 2954, 330, 11010048, 2208, 0}, {114690.9478, -2650.381946, 889.6972434, 2957570492, 71370.23862, 0}},
+        {"interior?overlap=3", {135157, 2954, 330, 11010048, 2208, 0}, {114690.9478, -2650.381946, 889.6972434, 2957570492, 211932.8595, 0}},
+        {"wall", {9810, 578, 90, 11010048, 34500, 0}, {14670.60512, 650.477332, 66.04926067, 2882750871, 235195.2598, 0}},
+        {"wall?test=2", {9810, 578, 90, 11010048, 36800, 0}, {14670.60512, 650.477332, 66.04926067, 2882750871, 262569.2021, 0}},
+        {"wall?test=3", {9810, 578, 90, 11010048, 46000, 0}, {14670.60512, 650.477332, 66.04926067, 2882750871, 375047.8652, 0}},
+        {"wall?test=4", {9810, 578, 90, 11010048, 57500, 0}, {14670.60512, 650.477332, 66.04926067, 2882750871, 517936.7549, 0}},
+        {"room", {3250, 92, 90, 1572864, 69, 0}, {2659.193289, 50.0473258, 58.72898124, 423403848.7, 41942.73676, 0}},
+        {"room?cave=50&moving=1", {100917, 109, 90, 1572864, 69, 0}, {175858.4065, 61.3642873, 58.72898124, 423403848.7, 41942.73676, 0}},
+        {"spheres", {846925, 806, 705, 3932160, 1472, 0}, {721453.9145, 2048.173042, 386.904205, 1014552581, 3147.495985, 0}},
+        {"spheres?segments=9&lights=7", {29005, 806, 705, 3932160, 161, 0}, {22446.07624, 2048.173042, 386.904205, 1014552581, 499.9372159, 0}},
+        {"pole", {1641, 58, 45, 4718592, 5888, 0}, {1295.489135, 9.049263124, 32.01929174, 1260059188, 59306.07586, 0}},
+        {"lamps", {1833, 4137, 45, 3932160, 5888, 0}, {-542.2510123, -193400.2102, 1097.392009, 921938155.1, -127767.7536, 0}},
+        {"grass", {134, 384041, 30, 1572864, 11776, 0}, {211.1021416, -664330.8098, 24.48305511, 350276268.2, 17349.615, 0}},
+        {"grass?lights=17&sun=900", {134, 384041, 30, 1572864, 414, 0}, {211.1021416, -664330.8098, 24.48305511, 350276268.2, 146748.1049, 0}},
+        {"onetile", {35, 24, 15, 786432, 23000, 0}, {82.14752197, 6.509474153, 10.27685547, 231734338.9, -8283.153532, 0}},
+        {"nearplane", {18889, 138, 45, 9437184, 5888, 0}, {16285.69068, 17.11878503, 32.91458893, 2503249665, 6442.034433, 0}},
+        {"sky", {9222, 136, 30, 1572864, 5888, 0}, {7403.46515, -232.845288, 18.99957002, 416240768.1, 53684.16727, 0}},
+        {"glass", {12662, 177, 165, 4718592, 5888, 0}, {8477.15991, 40.91273586, 114.5084022, 1238064605, 6893.73801, 0}},
+        {"glass?crossing=1", {22338, 245, 225, 4718592, 5888, 0}, {16700.35843, 111.2553842, 154.316088, 1238064605, 6893.73801, 0}},
+    };
+    static const char *const names[SUMS] = {"meshes", "places", "materials", "images", "lights", "decals"};
+    bool good = true;
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
+        struct sum sums[SUMS];
+        fnl_scene *scene = load(rows[i].text);
+        sum_scene(scene, sums);
+        fnl_scene_destroy(&scene);
+        bool same = true;
+        for (int k = 0; k < SUMS; k++) {
+            const bool as_before = sums[k].count == rows[i].counts[k] && fabs(sums[k].total - rows[i].sums[k]) <= 2e-6 * sums[k].most;
+            if (!as_before) print_error("%s: other %s: %.10g, not %.10g, of %.4g\n", rows[i].text, names[k], sums[k].total, rows[i].sums[k], sums[k].most);
+            same = same && as_before;
+        }
+        good = good && same;
+        if (!same)
+            print_error("{\"%s\", {%u, %u, %u, %u, %u, %u}, {%.10g, %.10g, %.10g, %.10g, %.10g, %.10g}},\n", rows[i].text, sums[0].count, sums[1].count, sums[2].count,
+                        sums[3].count, sums[4].count, sums[5].count, sums[0].total, sums[1].total, sums[2].total, sums[3].total, sums[4].total, sums[5].total);
+    }
+    assert_true(good);
 }
 
 static uint64_t hash_of(const char *text) {
@@ -483,6 +599,7 @@ static void test_interior_has_large_lights_of_all_shapes(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_scene_is_sound_and_the_same_twice),
+        cmocka_unit_test(test_scenes_are_what_they_were),
         cmocka_unit_test(test_light_counts_are_exact),
         cmocka_unit_test(test_wrong_names_and_keys_are_explained),
         cmocka_unit_test(test_running_out_of_memory_is_an_error),

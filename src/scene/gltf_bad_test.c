@@ -281,6 +281,39 @@ static void test_broken_animation_times(void **state) {
     }
 }
 
+/* What cannot move is left out: of the channels the second alone stays. */
+static void test_broken_animation_targets(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *target, *message;
+    } cases[] = {
+        {"{\"node\":0,\"path\":\"scales\"}", "/animations/0/channels/0/target/path: is unknown; the channel is left out"},
+        {"{\"node\":0,\"path\":\"weights\"}", "/animations/0/channels/0/target/path: node 0 has no morph targets; the channel is left out"},
+        {"{\"node\":1,\"path\":\"scale\"}", "/animations/0/channels/0/target/path: node 1 has a matrix, which cannot be animated; the channel is left out"},
+        {"{\"path\":\"scale\"}", NULL},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        const float binary[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+        char json[2048];
+        snprintf(json, sizeof json,
+                 "{" ASSET ",\"buffers\":[{\"byteLength\":32}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":32}],\"accessors\":["
+                 "{\"bufferView\":0,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2},{\"bufferView\":0,\"byteOffset\":8,\"componentType\":5126,\"type\":\"VEC3\",\"count\":2}],"
+                 "\"nodes\":[{},{\"matrix\":[2,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":["
+                 "{\"sampler\":0,\"target\":%s},{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}]}]}",
+                 cases[i].target);
+        fnl_scene *scene = NULL;
+        assert_int_equal(test_load(&file_log, json, binary, sizeof binary, &scene), FNL_OK);
+        assert_int_equal(file_log.count, cases[i].message ? 1 : 0);
+        if (cases[i].message && !strstr(file_log.text, cases[i].message)) fail_msg("%s", file_log.text);
+        assert_int_equal(scene->animations.data[0].channel_count, 1);
+        assert_int_equal(fnl_scene_set_time(scene, 0, 1), FNL_OK);
+        const struct scene_node *moved = &scene->nodes.data[0], *still = &scene->nodes.data[1];
+        assert_true(moved->world.m[12] == 5 && moved->world.m[13] == 6 && moved->world.m[14] == 7 && moved->world.m[0] == 1);
+        assert_true(still->world.m[0] == 2 && still->world.m[12] == 0);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /* ---- memory that runs out ---- */
 
 struct failing {
@@ -635,6 +668,7 @@ int main(void) {
         cmocka_unit_test(test_broken_images),
         cmocka_unit_test(test_files_beside_the_scene),
         cmocka_unit_test(test_broken_animation_times),
+        cmocka_unit_test(test_broken_animation_targets),
         cmocka_unit_test(test_memory_runs_out_anywhere),
         cmocka_unit_test(test_declared_bounds_are_compared),
         cmocka_unit_test(test_comparing_bounds_takes_time_by_file),

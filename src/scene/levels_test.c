@@ -91,6 +91,26 @@ static void test_levels_of_uneven_scales_MA_12(void **state) {
     }
 }
 
+/* Away from the origin, on any side of it, the sphere stays where its node is. */
+static void test_levels_stand_anywhere_MA_12(void **state) {
+    UNUSED(state);
+    static const float places[][3] = {{50, 0, 0}, {0, 50, 0}, {0, 0, 50}, {-50, 0, 0}, {0, -50, 0}, {0, 0, -50}, {40, -30, 20}};
+    for (uint32_t i = 0; i < COUNT_OF(places); i++) {
+        char json[4096];
+        const vec3 place = {places[i][0], places[i][1], places[i][2]};
+        snprintf(json, sizeof json, LEVELS_FILE("", "", "{\"mesh\":0," LEVELS_IDS("1,2") "," LEVELS_COVERAGE("0.5,0.2,0.01") ",\"translation\":[%g,%g,%g]},{\"mesh\":1},{\"mesh\":2}"), (double)place.x, (double)place.y,
+                 (double)place.z);
+        fnl_scene *scene = load_clean(json);
+        fnl_camera camera = levels_camera(distance_of(0.3f));
+        camera.position = vec3_add(camera.position, place);
+        camera.target = vec3_add(camera.target, place);
+        scene_choose_levels(scene, &camera);
+        assert_float_equal(scene_levels_coverage(scene, &scene->levels.data[0], &camera), 0.3f, 1e-3f);
+        assert_true(!scene_node_draws(&scene->nodes.data[0]) && scene_node_draws(&scene->nodes.data[1]) && !scene_node_draws(&scene->nodes.data[2]));
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /* Larger and moved by the nodes above; trees below levels come and go; what is hidden stays hidden. */
 static void test_levels_in_trees_MA_12(void **state) {
     UNUSED(state);
@@ -162,6 +182,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_levels_by_size_MA_12),
         cmocka_unit_test(test_levels_of_uneven_scales_MA_12),
+        cmocka_unit_test(test_levels_stand_anywhere_MA_12),
         cmocka_unit_test(test_levels_in_trees_MA_12),
         cmocka_unit_test(test_levels_of_materials_MA_12),
         cmocka_unit_test(test_broken_levels_MA_12),
