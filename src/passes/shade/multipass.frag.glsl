@@ -28,12 +28,16 @@ void main() {
     shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
     if (STEP == MULTIPASS_DIRECTIONAL) {
         uint count = lights.list.directional_count;
-        for (uint i = 0u; i < count; i++)
-            sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, -lights.list.lights.at[i].shape.direction);
+        for (uint i = 0u; i < count; i++) {
+            vec3 to_sun = -lights.list.lights.at[i].shape.direction;
+            if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_sun);
+            sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, to_sun);
+        }
     } else {
         vec3 to_light;
         vec3 illuminance = illuminate(lights, push.light, s.position, to_light);
         bool reaches = illuminance != vec3(0.0);
+        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
         if (LIST_SHADOWED && reaches) illuminance *= shadow_visibility(lights, push.light, shadowed, to_light);
         if (reaches) sum = illuminance * light_cos(lights, push.light, s, b, to_light);
         if (COUNT_LIGHTS == 1u) {

@@ -29,8 +29,11 @@ void main() {
     layers_view b = layers_prepare(s, v, to_view);
     precise vec3 sum = vec3(0.0);
     shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
-    for (uint i = 0u; i < l.list.directional_count; i++)
-        sum += sun_illuminance(l, i, shadowed) * layers_cos(s, b, -l.list.lights.at[i].shape.direction);
+    for (uint i = 0u; i < l.list.directional_count; i++) {
+        vec3 to_sun = -l.list.lights.at[i].shape.direction;
+        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_sun);
+        sum += sun_illuminance(l, i, shadowed) * layers_cos(s, b, to_sun);
+    }
     uint stored = 0u, visited = 0u, useful = 0u;
     for (; stored < push.layers; stored++) {
         vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);
@@ -50,6 +53,7 @@ void main() {
             vec3 illuminance = illuminate(l, light, s.position, to_light);
             visited++;
             if (illuminance == vec3(0.0)) continue;
+            if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
             if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
             sum += illuminance * light_cos(l, light, s, b, to_light);
             useful++;
