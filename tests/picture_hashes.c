@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Prints a hash of the picture of every shading order with every kind of light lists, and of the ways that one order or another has, so that
- * a change that must keep all pictures to the bit can be compared with what was before:
+ * Prints a hash of the picture of every shading order with every kind of light lists, and of the ways that one order or another has: shadows, views,
+ * eyes, environments, probes; and the passes of the frame and the bytes that they move. So a change that must keep all pictures to the bit can be
+ * compared with what was before:
  *   picture_hashes > before.txt; …; picture_hashes | diff before.txt -
  * The hashes belong to one driver and are not kept.
  */
@@ -41,11 +42,13 @@ static fnl_result hash_output(struct stage *s, fnl_output output, uint64_t *hash
 
 static void print_hash(struct stage *s, const fnl_frame *frame, const char *variant) {
     uint64_t hash = 14695981039346656037u;
+    fnl_frame_stats stats = {0};
     fnl_result result = fnl_renderer_render(s->renderer, frame);
     for (uint32_t bit = 1; bit <= frame->outputs && result == FNL_OK; bit *= 2)
         if (frame->outputs & bit) result = hash_output(s, (fnl_output)bit, &hash);
+    if (result == FNL_OK) result = fnl_renderer_query_stats(s->renderer, &stats);
     printf("%s %s %s %s ", s->source, fnl_value_name(FNL_ENUM_SHADING, frame->shading), fnl_value_name(FNL_ENUM_LISTS, frame->lists), variant);
-    if (result == FNL_OK) printf("%016" PRIx64 "\n", hash);
+    if (result == FNL_OK) printf("%016" PRIx64 " %u passes %" PRIu64 " bytes\n", hash, stats.pass_count, stats.image_bytes_read + stats.image_bytes_written);
     else printf("%s\n", fnl_result_name(result));
     fflush(stdout);
 }
@@ -57,49 +60,96 @@ static void print_lists(struct stage *s) {
             if (fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) print_hash(s, &frame, "plain");
 }
 
-/* What goes with most orders, one after the other. */
+/* What goes with most orders: options as fnl_frame_set() takes them, of one view, two views, or two eyes. */
+static const struct way {
+    const char *name;
+    uint32_t views;
+    bool eyes;
+    uint32_t outputs;
+    const char *options[8]; /* key, value, … */
+} ways[] = {
+    {"msaa", 1, false, 0, {"msaa", "4"}},
+    {"linked", 1, false, 0, {"transparency", "linked"}},
+    {"weighted", 1, false, 0, {"transparency", "weighted"}},
+    {"decals-gbuffer", 1, false, 0, {"decals", "gbuffer"}},
+    {"culled", 1, false, 0, {"culling", "triangles", "occlusion", "on"}},
+    {"smaa", 1, false, 0, {"aa", "smaa"}},
+    {"taa", 1, false, 0, {"aa", "taa"}},
+    {"metered", 1, false, 0, {"exposure", "auto"}},
+    {"light-lod", 1, false, 0, {"light-lod", "3"}},
+    {"aov", 1, false, FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION, {NULL}},
+    {"shadows-rays", 1, false, 0, {"shadows", "rays"}},
+    {"shadows-maps", 1, false, 0, {"shadows", "maps"}},
+    {"shadows-filtered", 1, false, 0, {"shadows", "maps", "shadow.filter", "pcf", "shadow.light-radius", "0.1"}},
+    {"shadows-hybrid", 1, false, 0, {"shadows", "hybrid"}},
+    {"shadows-cubemap", 1, false, 0, {"shadows", "cubemap"}},
+    {"shadows-sampled", 1, false, 0, {"shadows", "sampled"}},
+    {"shadows-guided", 1, false, 0, {"shadows", "sampled", "shadow.denoise", "on", "shadow.guide", "on"}},
+    {"views", 2, false, 0, {"multiview", "off"}},
+    {"views-at-once", 2, false, 0, {"multiview", "on", "shadows", "maps"}},
+    {"eyes", 2, true, 0, {"stereo.path", "eyes", "shadows", "maps"}},
+    {"eyes-at-once", 2, true, 0, {"stereo.path", "multiview", "exposure", "auto"}},
+    {"eyes-occlusion", 2, true, 0, {"occlusion", "on", "stereo.lists", "eye"}},
+    {"eyes-far", 2, true, 0, {"stereo.mono-distance", "9", "shadows", "rays"}},
+    {"eyes-far-maps", 2, true, 0, {"stereo.mono-distance", "9", "shadows", "maps", "stereo.path", "multiview"}},
+};
+
+static void print_way(struct stage *s, const fnl_frame *plain, const struct way *way) {
+    fnl_frame frame = *plain;
+    fnl_camera cameras[2] = {frame.camera, frame.camera};
+    bool known = true;
+    for (uint32_t i = 0; i + 1 < sizeof way->options / sizeof *way->options && way->options[i]; i += 2)
+        known = fnl_frame_set(NULL, &frame, way->options[i], way->options[i + 1]) == FNL_OK && known;
+    if (!known) {
+        printf("%s: its options are not known\n", way->name);
+        return;
+    }
+    if (frame.msaa > 1 && !fnl_shading_supports(frame.shading, FNL_LISTS_AUTO, frame.msaa)) return;
+    cameras[0].position.x -= 0.032f, cameras[0].target.x -= 0.032f;
+    cameras[1].position.x += 0.032f, cameras[1].target.x += 0.032f;
+    if (way->views > 1) frame.views = cameras, frame.view_count = way->views;
+    if (way->eyes) frame.stereo.eyes = way->views;
+    frame.outputs |= way->outputs;
+    print_hash(s, &frame, way->name);
+}
+
 static void print_ways(struct stage *s) {
     for (fnl_shading shading = 0; shading < FNL_SHADING_AUTO; shading++) {
         fnl_frame plain = s->frame;
         plain.shading = shading;
         plain.lists = FNL_LISTS_CLUSTERED;
-        fnl_frame frame = plain;
-        frame.msaa = 4;
-        if (fnl_shading_supports(shading, FNL_LISTS_AUTO, 4)) print_hash(s, &frame, "msaa");
-        frame = plain;
-        frame.transparency = FNL_TRANSPARENCY_LINKED;
-        print_hash(s, &frame, "linked");
-        frame.transparency = FNL_TRANSPARENCY_WEIGHTED;
-        print_hash(s, &frame, "weighted");
-        frame = plain;
-        frame.decals = FNL_DECALS_GBUFFER;
-        print_hash(s, &frame, "decals-gbuffer");
-        frame = plain;
-        frame.culling = FNL_CULLING_TRIANGLES;
-        frame.occlusion = true;
-        print_hash(s, &frame, "culled");
-        frame = plain;
-        frame.aa = FNL_ANTIALIASING_SMAA;
-        print_hash(s, &frame, "smaa");
-        frame.aa = FNL_ANTIALIASING_TAA;
-        print_hash(s, &frame, "taa");
-        frame = plain;
-        frame.outputs |= FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION;
-        print_hash(s, &frame, "aov");
-        frame = plain;
-        for (frame.debug = 1; frame.debug < FNL_DEBUG_COUNT; frame.debug++)
-            print_hash(s, &frame, fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame.debug));
+        for (uint32_t i = 0; i < sizeof ways / sizeof *ways; i++) print_way(s, &plain, &ways[i]);
+        for (plain.debug = 1; plain.debug < FNL_DEBUG_COUNT; plain.debug++) print_hash(s, &plain, fnl_value_name(FNL_ENUM_DEBUG_VIEW, plain.debug));
     }
 }
 
-static fnl_result print_scene(fnl_device *device, const char *source, bool ways) {
+/* The environment and reflection probes. */
+static void print_surroundings(struct stage *s) {
+    fnl_environment_params environment = fnl_environment_params_default();
+    fnl_probe_params probe = fnl_probe_params_default();
+    environment.source = "builtin:overcast";
+    probe.reflection = true;
+    uint32_t count;
+    if (fnl_scene_set_environment(s->scene, &environment) != FNL_OK || fnl_scene_place_probes(s->scene, &probe, 2, &count) != FNL_OK) return;
+    static const struct way surrounded[] = {{"surrounded", 1, false, 0, {NULL}},
+                                            {"surrounded-shadows", 1, false, 0, {"shadows", "maps"}},
+                                            {"surrounded-eyes", 2, true, 0, {"shadows", "rays"}},
+                                            {"surrounded-eyes-far", 2, true, 0, {"stereo.mono-distance", "9"}}};
+    for (fnl_shading shading = 0; shading < FNL_SHADING_AUTO; shading++) {
+        fnl_frame plain = s->frame;
+        plain.shading = shading;
+        plain.lists = FNL_LISTS_CLUSTERED;
+        for (uint32_t i = 0; i < sizeof surrounded / sizeof *surrounded; i++) print_way(s, &plain, &surrounded[i]);
+    }
+}
+
+static fnl_result print_scene(fnl_device *device, const char *source, bool more) {
     struct stage s = {.source = source, .device = device, .frame = frame_plain()};
     s.frame.width = 71;
     s.frame.height = 41;
     s.frame.exposure = FNL_EXPOSURE_EV;
     s.frame.ev = 8;
     s.frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
-    s.frame.timers = false;
     fnl_result result = scene_load_plain(NULL, source, NULL, &s.scene);
     if (result == FNL_OK)
         result = fnl_scene_count(s.scene, FNL_ENTITY_CAMERA) > 0
@@ -108,7 +158,8 @@ static fnl_result print_scene(fnl_device *device, const char *source, bool ways)
     if (result == FNL_OK) result = fnl_renderer_create(device, s.scene, &s.renderer);
     if (result == FNL_OK) {
         print_lists(&s);
-        if (ways) print_ways(&s);
+        if (more) print_ways(&s);
+        if (more) print_surroundings(&s);
     }
     fnl_renderer_destroy(&s.renderer);
     fnl_scene_destroy(&s.scene);

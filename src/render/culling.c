@@ -20,7 +20,7 @@ fnl_occlusion frame_choose_occlusion(const fnl_renderer *r, const fnl_frame *fra
     if (frame->occlusion != FNL_OCCLUSION_AUTO) return frame->occlusion;
     const struct device_scene *d = r->device_scene;
     bool pays = d->triangle_count >= TRIANGLES && d->item_count >= PARTS && (frame_view_count(frame) == 1 || frame->stereo.eyes) && frame->debug == FNL_DEBUG_NONE &&
-                frame_mono_count(frame) == 0; /* which does not go together with it */
+                frame_far_count(frame) == 0; /* which does not go together with it */
     return pays ? FNL_OCCLUSION_ON : FNL_OCCLUSION_OFF;
 }
 

@@ -38,7 +38,7 @@ static bool wants_color(const struct frame_state *f) { return f->target || (f->f
 
 /* One for all. */
 static void expose(struct frame_state *views, uint32_t count) {
-    graph_image radiance[MULTIVIEW_MOST] = {{0}}, depth[MULTIVIEW_MOST] = {{0}};
+    graph_image radiance[GROUP_MOST] = {{0}}, depth[GROUP_MOST] = {{0}};
     const fnl_frame *frame = views->frame;
     if (frame->exposure != FNL_EXPOSURE_AUTO || !(wants_color(views) || frame->aa == FNL_ANTIALIASING_TAA)) return;
     for (uint32_t i = 0; i < count; i++) radiance[i] = views[i].radiance, depth[i] = views[i].depth;
@@ -66,157 +66,177 @@ static void pop_view(const struct frame_state *f) {
     if (f->named) graph_pop_names(f->graph);
 }
 
-/* Behind the eyes, which have been drawn: what is far away. */
-static void draw_mono(struct frame_state *eyes, uint32_t count, struct frame_state *mono) {
-    for (uint32_t i = 0; i < count; i++) {
-        push_view(&eyes[i]);
-        mono_open(&eyes[i]);
-        pop_view(&eyes[i]);
-    }
-    push_view(mono);
-    shading_draw(mono);
-    mono->drawn = true;
-    mono_open(mono);
-    pop_view(mono);
-}
+/* ---- groups of views ---- */
 
-/* What the eyes of a viewer share, with names for them all. */
-static void finish_display(struct frame_state *views, uint32_t count) {
-    struct graph *graph = views->graph;
-    const bool has_mono = views->mono; /* views[count] */
-    const char *name = graph_name(graph, "display %u", views->view_index / count);
-    for (uint32_t i = 0; i < count; i++) {
-        push_view(&views[i]);
-        if (!views[i].drawn) shading_draw(&views[i]);
-        views[i].drawn = true;
-        pop_view(&views[i]);
-    }
-    if (has_mono) draw_mono(views, count, &views[count]);
-    graph_push_names(graph, name);
-    shadows_add_display(views, count + has_mono);
-    graph_pop_names(graph);
-    if (has_mono) {
-        push_view(&views[count]);
-        shading_add(&views[count]);
-        pop_view(&views[count]);
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        push_view(&views[i]);
-        shade_view(&views[i]);
-        pop_view(&views[i]);
-    }
-    graph_push_names(graph, name);
-    expose(views, count);
-    graph_pop_names(graph);
-}
+/* The views of a group while it is declared: `count` of them, and behind them the one of what is far away, if there is one. */
+struct group_state {
+    const struct view_group *group;
+    struct frame_display display;
+    struct frame_state views[GROUP_MOST + GROUP_FAR];
+    fnl_frame frames[GROUP_MOST + GROUP_FAR]; /* of each its own */
+};
 
-/* Everything of a view before it is drawn, but culling. `frame` is its own. */
-static fnl_result begin_one(struct frame_state *f, const struct frame_state *shared, const fnl_frame *frame, uint32_t index, const struct gpu_slice *cameras,
-                            const struct device_scene_frame *scene) {
-    *f = *shared;
+/* What all views of a frame have. */
+struct frame_parts {
+    struct frame_state shared;
+    struct device_scene_frame scene;
+    struct gpu_slice cameras;
+};
+
+/* Everything of a view before it is drawn, but culling. */
+static fnl_result begin_one(struct group_state *g, uint32_t i, const struct frame_parts *parts, uint32_t index) {
+    struct frame_state *f = &g->views[i];
+    *f = parts->shared;
     f->view_index = index;
-    f->frame = frame;
+    f->frame = &g->frames[i];
     f->kept = &f->r->views.data[index];
-    f->kept->scene = *scene;
+    f->kept->scene = parts->scene;
     f->scene = &f->kept->scene;
     f->kept->numbers = (struct view_counters){0};
-    f->view_address = cameras->address + index * sizeof(struct gpu_view);
+    f->view_address = parts->cameras.address + index * sizeof(struct gpu_view);
     f->counts_offset = index * sizeof(struct frame_counts);
-    f->named = frame_view_count(shared->frame) > 1;
+    f->named = frame_view_count(parts->shared.frame) > 1;
+    f->display = g->group->is_display && i < g->group->count ? &g->display : NULL;
     push_view(f);
-    const fnl_result result = begin_view(f, (struct gpu_view *)cameras->data + index);
+    const fnl_result result = begin_view(f, (struct gpu_view *)parts->cameras.data + index);
     pop_view(f);
     return result;
 }
 
-/* The view of what is far away from the eyes of a display, behind them in `views`. */
-static fnl_result begin_mono(struct frame_state *views, uint32_t count, const struct frame_state *shared, fnl_frame *own, const struct gpu_slice *cameras,
-                             const struct device_scene_frame *scene) {
-    const uint32_t display = views->view_index / count, index = frame_view_count(shared->frame) + display;
-    struct frame_state *f = &views[count];
-    f->r = shared->r;
-    f->r->views.data[index].stats = (fnl_frame_stats){0};
-    f->r->views.data[index].temporal.valid = false;
-    f->r->views.data[index].numbers = (struct view_counters){0};
-    if (!mono_frame(shared->frame, display, own)) return FNL_OK;
-    TRY(begin_one(f, shared, own, index, cameras, scene));
-    f->eyes = views;
+static fnl_result begin_views(struct group_state *g, const struct frame_parts *parts) {
+    const fnl_frame *frame = parts->shared.frame;
+    for (uint32_t i = 0; i < g->group->count; i++) {
+        struct frame_state *f = &g->views[i];
+        g->frames[i] = *frame;
+        if (frame->view_count > 0) g->frames[i].camera = frame->views[g->group->first + i];
+        g->frames[i].views = NULL;
+        TRY(begin_one(g, i, parts, g->group->first + i));
+        if (f->display) continue;
+        push_view(f);
+        frame_cull(f);
+        add_counters(f);
+        pop_view(f);
+    }
+    if (!g->group->is_display) return FNL_OK;
+    TRY(stereo_begin(g->views, g->group->count));
+    for (uint32_t i = 0; i < g->group->count; i++) {
+        push_view(&g->views[i]);
+        stereo_cull(&g->views[i]);
+        add_counters(&g->views[i]);
+        pop_view(&g->views[i]);
+    }
+    return FNL_OK;
+}
+
+/* A display whose eyes look too far apart has the place of such a view, and nothing in it. */
+static fnl_result begin_far(struct group_state *g, const struct frame_parts *parts) {
+    const uint32_t count = g->group->count, index = g->group->far_index;
+    struct renderer_view *kept = &parts->shared.r->views.data[index];
+    struct frame_state *f = &g->views[count];
+    kept->stats = (fnl_frame_stats){0};
+    kept->temporal.valid = false;
+    kept->numbers = (struct view_counters){0};
+    if (!g->group->has_far) return FNL_OK;
+    mono_frame(parts->shared.frame, g->group, &g->frames[count]);
+    TRY(begin_one(g, count, parts, index));
+    f->eyes = g->views;
     f->eye_count = count;
     push_view(f);
     frame_cull(f);
     add_counters(f);
     pop_view(f);
-    for (uint32_t i = 0; i < count; i++) views[i].mono = f;
+    for (uint32_t i = 0; i < count; i++) g->views[i].mono = f;
     return FNL_OK;
 }
 
-static void finish_mono(struct frame_state *f) {
-    push_view(f);
-    frame_add_counts(f);
-    frame_note_stats(f);
-    pop_view(f);
-}
-
-/* Declares `count` views from `first` on; `at_once`: what needs no lists is drawn for all of them at once. */
-static fnl_result declare_views(const struct frame_state *shared, uint32_t first, uint32_t count, bool at_once, const struct gpu_slice *cameras,
-                                const struct device_scene_frame *scene) {
-    const fnl_frame *frame = shared->frame;
-    struct frame_display display = {0}, *shares = frame->stereo.eyes > 0 && count > 1 ? &display : NULL;
-    struct frame_state views[DISPLAY_MOST];
-    fnl_frame frames[DISPLAY_MOST];
+/* Eyes, then what is far away, which their depth, opened again, hides. */
+static void draw_display(struct group_state *g) {
+    const uint32_t count = g->group->count;
     for (uint32_t i = 0; i < count; i++) {
-        struct frame_state *f = &views[i];
-        frames[i] = *frame;
-        if (frame->view_count > 0) frames[i].camera = frame->views[first + i];
-        frames[i].views = NULL;
-        TRY(begin_one(f, shared, &frames[i], first + i, cameras, scene));
-        f->display = shares;
+        struct frame_state *f = &g->views[i];
         push_view(f);
-        if (!shares) frame_cull(f);
-        if (!shares) add_counters(f);
+        if (!f->drawn) shading_draw(f);
+        f->drawn = true;
         pop_view(f);
     }
-    if (shares) TRY(stereo_begin(views, count));
-    for (uint32_t i = 0; i < count && shares; i++) {
-        push_view(&views[i]);
-        stereo_cull(&views[i]);
-        add_counters(&views[i]);
-        pop_view(&views[i]);
+    for (uint32_t i = 0; i < count && g->group->has_far; i++) {
+        push_view(&g->views[i]);
+        mono_open(&g->views[i]);
+        pop_view(&g->views[i]);
     }
-    if (shares && frame_mono_count(frame)) TRY(begin_mono(views, count, shared, &frames[count], cameras, scene));
-    const uint32_t together = MAX(at_once ? count : 1, shared->r->asking_together);
-    if (together > 1) multiview_draw(views, count, together);
-    if (shares) finish_display(views, count);
+    if (!g->group->has_far) return;
+    struct frame_state *far = &g->views[count];
+    push_view(far);
+    shading_draw(far);
+    far->drawn = true;
+    mono_open(far);
+    pop_view(far);
+}
+
+/* What is far away, then the eyes that it is put behind; one exposure. */
+static void shade_display(struct group_state *g) {
+    struct graph *graph = g->views->graph;
+    const uint32_t count = g->group->count;
+    const char *name = graph_name(graph, "display %u", g->group->first / count);
+    graph_push_names(graph, name);
+    shadows_add_display(g->views, count + g->group->has_far);
+    graph_pop_names(graph);
+    if (g->group->has_far) {
+        push_view(&g->views[count]);
+        shading_add(&g->views[count]);
+        pop_view(&g->views[count]);
+    }
     for (uint32_t i = 0; i < count; i++) {
-        push_view(&views[i]);
-        if (!shares) {
-            shade_view(&views[i]);
-            expose(&views[i], 1);
-        }
-        finish_view(&views[i]);
-        pop_view(&views[i]);
+        push_view(&g->views[i]);
+        shade_view(&g->views[i]);
+        pop_view(&g->views[i]);
     }
-    if (views->mono) finish_mono(&views[count]);
+    graph_push_names(graph, name);
+    expose(g->views, count);
+    graph_pop_names(graph);
+}
+
+static fnl_result declare_group(const struct frame_parts *parts, const struct view_group *group) {
+    struct group_state g;
+    g.group = group;
+    g.display = (struct frame_display){0};
+    TRY(begin_views(&g, parts));
+    if (group->is_display && frame_far_count(parts->shared.frame)) TRY(begin_far(&g, parts));
+    if (group->together > 1) multiview_draw(g.views, group);
+    if (group->is_display) {
+        draw_display(&g);
+        shade_display(&g);
+    }
+    /* Views that share drawing alone go to the end one by one: at once alive are the targets of that, no more. */
+    for (uint32_t i = 0; i < group->count; i++) {
+        struct frame_state *f = &g.views[i];
+        push_view(f);
+        if (!group->is_display) {
+            shade_view(f);
+            expose(f, 1);
+        }
+        finish_view(f);
+        pop_view(f);
+    }
+    if (!group->has_far) return FNL_OK;
+    push_view(&g.views[group->count]);
+    frame_add_counts(&g.views[group->count]);
+    frame_note_stats(&g.views[group->count]);
+    pop_view(&g.views[group->count]);
     return FNL_OK;
 }
 
-fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
-    struct frame_state shared = {.r = r, .frame = frame, .graph = r->graph, .drawn_lists = frame->lists, .target = target};
-    struct device_scene_frame scene;
-    uint32_t count = frame_view_count(frame);
+fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct view_plan *plan, const struct frame_target *target) {
+    struct frame_parts parts = {.shared = {.r = r, .frame = frame, .graph = r->graph, .drawn_lists = frame->lists, .target = target}};
     graph_begin(r->graph);
-    multiview_tell(r, frame);
+    multiview_tell(r, frame, plan->path);
     r->vertex_queries = 0;
-    TRY(device_scene_add(&r->scene_user, r->graph, &scene));
-    TRY(add_shared(&shared, &scene));
-    shadows_begin(&shared, &scene);
-    struct gpu_slice cameras = gpu_frame_allocate(r->device, frame_camera_count(frame) * sizeof(struct gpu_view));
-    if (!cameras.data) return gpu_status(r->device);
-    for (uint32_t first = 0, together; first < count; first += together) {
-        const uint32_t at_once = multiview_count(r, frame, first);
-        together = frame->view_count > 0 && frame->stereo.eyes > 0 ? frame->stereo.eyes : at_once;
-        TRY(declare_views(&shared, first, together, at_once > 1, &cameras, &scene));
-    }
+    TRY(device_scene_add(&r->scene_user, r->graph, &parts.scene));
+    TRY(add_shared(&parts.shared, &parts.scene));
+    shadows_begin(&parts.shared, &parts.scene);
+    parts.cameras = gpu_frame_allocate(r->device, plan->camera_count * sizeof(struct gpu_view));
+    if (!parts.cameras.data) return gpu_status(r->device);
+    for (uint32_t i = 0; i < plan->group_count; i++) TRY(declare_group(&parts, &plan->groups[i]));
     return graph_compile(r->graph);
 }
 

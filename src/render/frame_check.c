@@ -47,7 +47,7 @@ static fnl_result check_sampled(const struct call *call, const fnl_frame *frame)
 static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
     TRY(check_count(call, "view_count", frame->view_count, 0, FNL_VIEWS_MAX));
     const uint32_t eyes = frame->stereo.eyes;
-    if (eyes == 1) return misuse(call, "stereo.eyes is 1, must be 0, or 2 .. %d", MULTIVIEW_MOST);
+    if (eyes == 1) return misuse(call, "stereo.eyes is 1, must be 0, or 2 .. %d", GROUP_MOST);
     if (eyes > 0 && (frame->view_count == 0 || frame->view_count % eyes != 0))
         return misuse(call, "stereo.eyes is %u, but view_count is %u, which must be a multiple of it", eyes, frame->view_count);
     if (eyes > 0 && frame->multiview != FNL_MULTIVIEW_AUTO)

@@ -41,19 +41,17 @@ fnl_result mono_check(const struct call *call, const fnl_frame *frame) {
 
 /* ---- the view ---- */
 
-bool mono_frame(const fnl_frame *frame, uint32_t display, fnl_frame *out) {
-    struct gpu_view eyes[MULTIVIEW_MOST];
-    const uint32_t count = frame->stereo.eyes;
+void mono_frame(const fnl_frame *frame, const struct view_group *group, fnl_frame *out) {
     *out = *frame;
-    for (uint32_t i = 0; i < count; i++) eyes[i] = view_from_camera(&frame->views[display * count + i], frame->width, frame->height);
     out->views = NULL;
     out->view_count = 0;
     out->hidden_areas = NULL;
     out->overlay = NULL;
     out->outputs &= FNL_OUTPUT_RADIANCE; /* which decides about the format */
     out->aa = FNL_ANTIALIASING_NONE;
-    out->width = out->height = 1;
-    return stereo_middle(eyes, count, frame->stereo.mono_distance, MONO_OVERLAP, &out->camera, &out->width, &out->height);
+    out->camera = group->far_camera;
+    out->width = group->has_far ? group->far_width : 1;
+    out->height = group->has_far ? group->far_height : 1;
 }
 
 static struct mono_eye eye_of(const struct frame_state *f) {
@@ -63,7 +61,7 @@ static struct mono_eye eye_of(const struct frame_state *f) {
 
 void mono_begin_depth(struct frame_state *f) {
     if (f->eyes) {
-        graph_image depths[MULTIVIEW_MOST];
+        graph_image depths[GROUP_MOST];
         for (uint32_t i = 0; i < f->eye_count; i++) depths[i] = f->eyes[i].depth;
         mono_block_add(f->graph, f->view_address, f->eyes->view_address, depths, f->eye_count, f->depth);
         return;

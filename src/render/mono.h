@@ -7,8 +7,8 @@
 
 /** Fails with a log line where the frame asks for one and cannot have it. */
 fnl_result mono_check(const struct call *call, const fnl_frame *frame);
-/** The frame of the mono view of a display: camera, size, and nothing of what eyes alone have. False, and a copy of 1 x 1 pixels: the eyes look too far apart to have one. */
-bool mono_frame(const fnl_frame *frame, uint32_t display, fnl_frame *out);
+/** The frame of the mono view of a display: camera, size, and nothing of what eyes alone have. Of a display that has none: a copy of 1 x 1 pixels. */
+void mono_frame(const fnl_frame *frame, const struct view_group *group, fnl_frame *out);
 
 /** Begins the depth that a view is drawn into: of an eye (each of several at once) with the plane, of the mono view with what both eyes cover. */
 void mono_begin_depth(struct frame_state *f);

@@ -1,21 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/** Which views of a frame are drawn at once (fnl_frame.multiview), and the drawing. docs/techniques/views.md tells more. */
+/** Drawing several views at once (fnl_frame.multiview, fnl_stereo_options.path). docs/techniques/views.md tells more. */
 #ifndef FNL_RENDER_MULTIVIEW_H
 #define FNL_RENDER_MULTIVIEW_H
 
 #include "render/frame_state.h"
 
-/** Views that are drawn at once at most: as many as every device with multiview takes. */
-enum { MULTIVIEW_MOST = 6, DISPLAY_MOST = MULTIVIEW_MOST + 1 }; /* eyes of a display, and the view of what is far away */
-
-/** How many views of the frame, from `first` on, are drawn at once: 1 where that does not work or does not pay. */
-uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first);
-/** The log says once of each renderer that the device lacks what the frame asks for. */
-void multiview_tell(fnl_renderer *r, const fnl_frame *frame);
-/** Draws what needs no lists for `together` views, of which the first `count`, which have begun, each take their layer. */
-void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together);
-/** Bit n: some n views of the frame are drawn at once. The scene is prepared. */
-uint32_t multiview_counts(const fnl_renderer *r, const fnl_frame *frame);
+/** The plan of a frame of this renderer, on its device. The scene is prepared, nothing is auto but stereo.path and multiview. */
+void multiview_plan(const fnl_renderer *r, const fnl_frame *frame, struct view_plan *out);
+/** The log says once of each renderer that the device lacks what the frame asks for, and that `path` is used. */
+void multiview_tell(fnl_renderer *r, const fnl_frame *frame, fnl_stereo_path path);
+/** Draws what needs no lists for the views of a group at once. They have begun; each takes its layer. */
+void multiview_draw(struct frame_state *views, const struct view_group *group);
 
 /** Notes what drawing the opaque set in so many passes takes, where views are eyes, and tells `draws` what to count. */
 void multiview_count_work(struct frame_state *f, struct geometry_draws *draws, uint32_t passes);

@@ -4,6 +4,7 @@
 #include "passes/aa/taa.h"
 #include "render/inspect.h"
 #include "render/mono.h"
+#include "render/multiview.h"
 #include "render/overlay.h"
 #include "render/shading.h"
 #include "render/shadows.h"
@@ -199,8 +200,8 @@ static fnl_result keep_buckets(fnl_renderer *r) {
     return FNL_OK;
 }
 
-static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
-    uint32_t views = frame_view_count(frame), cameras = frame_camera_count(frame);
+static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame, const struct view_plan *plan) {
+    uint32_t views = frame_view_count(frame), cameras = plan->camera_count;
     TRY(prepare_views(r, cameras));
     const uint32_t step = MAX(frame->stereo.eyes, 1u); /* eyes share the maps of their first view */
     for (uint32_t i = step; i < views; i += step) TRY(shadows_prepare_view(r, frame, &r->views.data[i]));
@@ -210,7 +211,7 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     for (uint32_t i = 0; i < cameras && frame->count_lights; i++) {
         struct renderer_view *view = &r->views.data[i];
         fnl_frame own = *frame;
-        if (i >= views) mono_frame(frame, i - views, &own);
+        if (i >= views) mono_frame(frame, &plan->groups[i - views], &own);
         view->counter_count = light_counter_count(&own);
         TRY(keep_buffer(r, &view->counters, "light counters", 4 * view->counter_count));
         TRY(keep_buffer(r, &view->draws, "draws", MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)));
@@ -283,7 +284,9 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
                              const struct gpu_external_semaphores *external, double begun) {
     struct frame_times at = {.begun = begun};
     TRY(renderer_prepare(r, frame));
-    TRY(prepare_buffers(r, frame));
+    struct view_plan plan;
+    multiview_plan(r, frame, &plan);
+    TRY(prepare_buffers(r, frame, &plan));
     at.updated = time_now();
     TRY(gpu_frame_begin(r->device));
     at.waited = time_now();
@@ -293,7 +296,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     pools_prepare(r, (uint64_t)frame->width * frame->height);
     if (result == FNL_OK) result = prepare_candidate(r, frame, target);
     at.asked = time_now(); /* what comes next is the frame's own */
-    if (result == FNL_OK) result = frame_declare(r, frame, target);
+    if (result == FNL_OK) result = frame_declare(r, frame, &plan, target);
     at.declared = time_now();
     if (result != FNL_OK) {
         gpu_frame_end(r->device, NULL, 0, NULL);

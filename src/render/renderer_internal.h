@@ -24,6 +24,7 @@
 #include "render/reflections.h"
 #include "render/temporal.h"
 #include "render/view.h"
+#include "render/view_plan.h"
 
 /** What the GPU writes for the CPU in each frame, for each view. What a frame does not count is 0. */
 struct frame_counts {
@@ -185,15 +186,6 @@ struct fnl_renderer {
     uint32_t pipelines_made; /* by the frame itself */
 };
 
-/** Views of a frame: 1 where it has no array of them. */
-static inline uint32_t frame_view_count(const fnl_frame *frame) { return MAX(frame->view_count, 1u); }
-/** And views of what is far away (fnl_stereo_options.mono_distance), one for each display, behind them. */
-static inline uint32_t frame_mono_count(const fnl_frame *frame) {
-    return frame->stereo.eyes > 0 && frame->stereo.mono_distance > 0 ? frame->view_count / frame->stereo.eyes : 0;
-}
-/** All for which there are cameras, numbers and whatever is kept. */
-static inline uint32_t frame_camera_count(const fnl_frame *frame) { return frame_view_count(frame) + frame_mono_count(frame); }
-
 /** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, shadow rays, and those of them that passed. */
 static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + 3; }
 
@@ -226,7 +218,7 @@ fnl_occlusion frame_choose_occlusion(const fnl_renderer *r, const fnl_frame *fra
 bool frame_culls_hidden(const fnl_frame *frame);
 
 /** Declares the whole frame (frame.c). */
-fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);
+fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct view_plan *plan, const struct frame_target *target);
 
 /** Brings the scene on the device up to date, replaces auto by what the frame uses, and makes what lasts; outside of frames. */
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame);

@@ -304,8 +304,8 @@ struct asked {
     graph_buffer suns;
     const struct light_input *lights;
     uint32_t pairs; /* that there is room for */
-    graph_image depths[DISPLAY_MOST];
-    struct light_list surfaces[DISPLAY_MOST];
+    graph_image depths[GROUP_MOST + GROUP_FAR];
+    struct light_list surfaces[GROUP_MOST + GROUP_FAR];
 };
 
 /* Finds the pages that the views need and draws those that are not there. */

@@ -175,7 +175,7 @@ fnl_result stereo_begin(struct frame_state *views, uint32_t count) {
     if (!stereo_combine(eyes, count, views->frame->stereo.margin * (PI / 180), &display->head)) return FNL_OK;
     display->head_address = send(views->r->device, &display->head);
     if (!display->head_address) return gpu_status(views->r->device);
-    if (frame_mono_count(views->frame) == 0 || order_has_blend(views) || shading_has_glass(views)) return FNL_OK; /* which are drawn for each eye at any distance */
+    if (frame_far_count(views->frame) == 0 || order_has_blend(views) || shading_has_glass(views)) return FNL_OK; /* which are drawn for each eye at any distance */
     const struct gpu_view near = nearer(&display->head, eyes, count, views->frame->stereo.mono_distance);
     display->near_address = send(views->r->device, &near);
     return display->near_address ? FNL_OK : gpu_status(views->r->device);

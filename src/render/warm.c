@@ -56,7 +56,9 @@ fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const
     r->meshes = frame_draws_meshes(r, frame);
     stand_in(r, frame);
     pools_prepare(r, (uint64_t)frame->width * frame->height);
-    fnl_result result = frame_declare(r, frame, target);
+    struct view_plan plan;
+    multiview_plan(r, frame, &plan);
+    fnl_result result = frame_declare(r, frame, &plan, target);
     if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
     lists_finish(&r->views.data[0].lists, r->device);
     lists_shared_finish(&r->lists, r->device);
@@ -133,7 +135,10 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     fnl_result result = overlay_prepare(r, &frame);
     if (result == FNL_OK) result = renderer_prepare(r, &frame);
     frame.occlusion = whole.occlusion = frame_choose_occlusion(r, &whole); /* it goes by the number of views */
-    const uint32_t counts = result == FNL_OK ? multiview_counts(r, &whole) : 0;
+    struct view_plan plan = {0};
+    if (result == FNL_OK) multiview_plan(r, &whole, &plan);
+    uint32_t counts = 0; /* bit n: some n views are drawn at once */
+    for (uint32_t i = 0; i < plan.group_count; i++) counts |= 1u << plan.groups[i].together;
     for (uint32_t together = 1; counts >> together && result == FNL_OK; together++) {
         if (!(counts >> together & 1)) continue;
         uint64_t last = 0;
