@@ -50,6 +50,16 @@ for folder in src/*/; do
     fi
 done
 
+# No cycles within a layer: a module is what a .c and a .h of one name include, and each other header. Those known are to go.
+known='graph/graph>graph/graph_internal ray/ray_internal>ray/ray_scene image/bc6h_encode>image/bc6h image/blocks>image/texture image/codec>image/image image/codec>image/texture scene/scene_environment>scene/scene
+passes/shadow/ray_query>passes/shadow/rays passes/shadow/maps>passes/lights/light_list passes/shadow/split>passes/shadow/pages
+passes/visibility/visible>passes/visibility/visibility passes/geometry/occlusion>passes/geometry/cull'
+cycles=$(grep -nHE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' $(sources src) | awk -F'[:"]' -v known="$known" '
+    function module(path) { sub(/^src\//, "", path); sub(/\.[ch]$/, "", path); return path }
+    BEGIN { count = split(known, rows, /[ \n]+/); for (i = 1; i <= count; i++) skip[rows[i]] = 1 }
+    { from = module($1); to = module($4); if (from != to && $4 ~ /\// && !((from ">" to) in skip)) print from, to }' | tsort 2>&1 >/dev/null | sed -n 's/^tsort: \([a-z].*\/.*\)/\1/p')
+[ -z "$cycles" ] || echo "$cycles" | sed 's/^/src\//; s/$/   <- in a cycle of includes/' >>"$offences"
+
 # Numbers as text: what C's functions read and write depends on the locale.
 grep -rnE '\b(strto(f|d|ld)|atof|v[a-z]*printf)(_l)?[[:space:]]*\(|\bs?n?f?printf[[:space:]]*\(.*%[-+ #0-9.*]*l?[aefgAEFG]\b|scanf[[:space:]]*\(.*%\*?[0-9]*l?[aefg]' \
     --include='*.c' --include='*.h' src | grep -vE '^src/base/number\.c:|_test\.c:|/image_samples\.c:' | sed 's/$/   <- text of numbers outside src\/base\/number.c/' >>"$offences" || true

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/chooser.h"
 
-#include "render/shading.h"
+#include "render/traits.h"
 
 #include <inttypes.h>
 #include <stdio.h>

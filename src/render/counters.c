@@ -3,45 +3,19 @@
 
 #include "base/check.h"
 #include "fanal/options.h"
-#include "render/decals.h"
-#include "render/mono.h"
-#include "render/multiview.h"
-#include "render/reflections.h"
-#include "render/shadows.h"
-
-#include "render/orders/order.h"
 
 /* ---- the tables ---- */
 
-/* Of the steps that several orders share; then those of each order. */
-static const struct counter_table *const shared[] = {&shading_counters, &decals_counters, &shadows_counters, &reflections_counters, &mono_counters, &multiview_counters};
-enum { TABLE_COUNT = COUNT_OF(shared) + FNL_SHADING_AUTO };
-
-/* Orders may have one table in common: it is the first one's, and `out_shadings` gets the bits of them all. */
-static struct counter_table table_at(uint32_t index, uint32_t *out_shadings) {
-    *out_shadings = UINT32_MAX;
-    if (index < COUNT_OF(shared)) return *shared[index];
-    const struct order *order = shading_order((fnl_shading)(index - COUNT_OF(shared)));
-    struct counter_table table = {order->counters, order->counter_count};
-    *out_shadings = 0;
-    for (uint32_t i = FNL_SHADING_AUTO; i-- > 0 && table.count > 0;) {
-        if (shading_order((fnl_shading)i)->counters != table.rows) continue;
-        *out_shadings |= 1u << i;
-        if (i < index - COUNT_OF(shared)) table.count = 0;
-    }
-    return table;
-}
-
 uint32_t counters_total(void) {
     uint32_t count = 0, shadings;
-    for (uint32_t t = 0; t < TABLE_COUNT; t++) count += table_at(t, &shadings).count;
+    for (uint32_t t = 0; t < counter_table_count(); t++) count += counter_table_at(t, &shadings).count;
     return count;
 }
 
 static const struct counter *find(const char *key) {
     uint32_t shadings;
-    for (uint32_t t = 0; t < TABLE_COUNT; t++) {
-        struct counter_table table = table_at(t, &shadings);
+    for (uint32_t t = 0; t < counter_table_count(); t++) {
+        struct counter_table table = counter_table_at(t, &shadings);
         for (uint32_t i = 0; i < table.count; i++)
             if (strcmp(table.rows[i].key, key) == 0) return &table.rows[i];
     }
@@ -60,8 +34,8 @@ static fnl_counter describe(const struct counter *row, uint32_t shadings) {
 bool fnl_counter_query(uint32_t index, fnl_counter *out) {
     uint32_t shadings;
     if (check_handle(__func__, "out", out) != FNL_OK) return false;
-    for (uint32_t t = 0; t < TABLE_COUNT; t++) {
-        struct counter_table table = table_at(t, &shadings);
+    for (uint32_t t = 0; t < counter_table_count(); t++) {
+        struct counter_table table = counter_table_at(t, &shadings);
         if (index < table.count) {
             *out = describe(&table.rows[index], shadings);
             return true;
@@ -73,21 +47,19 @@ bool fnl_counter_query(uint32_t index, fnl_counter *out) {
 
 /* ---- while a frame is declared ---- */
 
-void counters_copy(struct frame_state *f, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size) {
-    struct view_counters *c = &f->kept->numbers;
+void counters_copy(const fnl_host *host, struct view_counters *c, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size) {
     if (!from.id) return;
     if (c->copy_count == COUNTERS_COPIES) {
-        log_error(&f->r->host, "a frame has more counters to copy than the %d that there is room for", COUNTERS_COPIES);
+        log_error(host, "a frame has more counters to copy than the %d that there is room for", COUNTERS_COPIES);
         return;
     }
     c->copies[c->copy_count++] = (struct counters_copy){from, from_offset, to_offset, size};
 }
 
-void counters_note(struct frame_state *f, const char *key, uint64_t value) {
-    struct view_counters *c = &f->kept->numbers;
+void counters_note_in(const fnl_host *host, struct view_counters *c, const char *key, uint64_t value) {
     const struct counter *row = find(key);
     if (!row || c->note_count == COUNTERS_NOTES) {
-        log_error(&f->r->host, row ? "there is no room for the counter %s" : "there is no counter %s", key);
+        log_error(host, row ? "there is no room for the counter %s" : "there is no counter %s", key);
         return;
     }
     c->notes[c->note_count++] = (struct counters_noted){row, value};
@@ -96,14 +68,14 @@ void counters_note(struct frame_state *f, const char *key, uint64_t value) {
 /* ---- when it is over ---- */
 
 bool counters_copied(const struct counted *counted, uint64_t offset) {
-    const struct view_counters *c = &counted->view->numbers;
+    const struct view_counters *c = counted->numbers;
     for (uint32_t i = 0; i < c->copy_count; i++)
         if (offset >= c->copies[i].to_offset && offset - c->copies[i].to_offset < c->copies[i].size) return true;
     return false;
 }
 
 static bool noted(const struct counted *counted, const struct counter *row, uint64_t *out) {
-    const struct view_counters *c = &counted->view->numbers;
+    const struct view_counters *c = counted->numbers;
     *out = 0;
     for (uint32_t i = 0; i < c->note_count; i++) {
         if (c->notes[i].row != row) continue;
@@ -136,7 +108,7 @@ static bool has_needs(const fnl_frame *frame, const char *needs) {
 
 static bool query(const struct counted *counted, const struct counter *row, uint64_t *out) {
     bool has_note = noted(counted, row, out);
-    if (!has_needs(&counted->r->frame, row->needs)) return false;
+    if (!has_needs(counted->frame, row->needs)) return false;
     if (row->find) return row->find(counted, out);
     if (row->size == 0) return has_note;
     if (!counters_copied(counted, row->offset)) return false;
@@ -151,9 +123,9 @@ static bool query(const struct counted *counted, const struct counter *row, uint
 uint32_t counters_query(const struct counted *counted, fnl_counter *out) {
     uint32_t count = 0, shadings;
     uint64_t value;
-    for (uint32_t t = 0; t < TABLE_COUNT; t++) {
-        struct counter_table table = table_at(t, &shadings);
-        for (uint32_t i = 0; i < table.count && shadings >> counted->r->frame.shading & 1; i++) {
+    for (uint32_t t = 0; t < counter_table_count(); t++) {
+        struct counter_table table = counter_table_at(t, &shadings);
+        for (uint32_t i = 0; i < table.count && shadings >> counted->frame->shading & 1; i++) {
             if (!query(counted, &table.rows[i], &value)) continue;
             out[count] = describe(&table.rows[i], shadings);
             out[count++].value = value;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * The numbers of techniques, one row each. A row stands in the file of the order that makes the number (struct order), or of the step that several
- * orders share (counters.c lists these). While a frame is declared, the step says where the GPU counts (COUNTERS_COPY) or what the CPU knows
+ * orders share (struct frame_step). While a frame is declared, the step says where the GPU counts (COUNTERS_COPY) or what the CPU knows
  * (counters_note); everything else follows from the rows.
  */
 #ifndef FNL_RENDER_COUNTERS_H
@@ -13,13 +13,15 @@
 struct fnl_renderer;
 struct renderer_view;
 struct frame_counts;
-struct frame_state;
+struct view_counters;
 
 /** A view of a frame that the device has finished. */
 struct counted {
     const struct fnl_renderer *r;
     const struct renderer_view *view;
     const struct frame_counts *counts;
+    const struct view_counters *numbers; /* the view's */
+    const fnl_frame *frame;
 };
 
 /**
@@ -41,11 +43,6 @@ struct counter {
 /** By counters_note() alone. */
 #define NOTED .size = 0
 
-struct counter_table {
-    const struct counter *rows;
-    uint32_t count;
-};
-
 enum { COUNTERS_COPIES = 24, COUNTERS_NOTES = 24 };
 
 /** Where the numbers of one view are, as noted while the view was declared. */
@@ -63,14 +60,23 @@ struct view_counters {
 
 /** When the frame is over, `buffer` holds a member of the view's struct frame_counts at this offset. Does nothing without a buffer (id 0). */
 #define COUNTERS_COPY(f, buffer, from_offset, member)                                                                       \
-    counters_copy(f, buffer, from_offset, offsetof(struct frame_counts, member), sizeof(((struct frame_counts *)0)->member))
-void counters_copy(struct frame_state *f, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size);
+    counters_copy(&(f)->r->host, &(f)->kept->numbers, buffer, from_offset, offsetof(struct frame_counts, member), sizeof(((struct frame_counts *)0)->member))
+void counters_copy(const fnl_host *host, struct view_counters *c, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size);
 /** A number that the CPU knows; or the part of it that it knows, for counter.find. */
-void counters_note(struct frame_state *f, const char *key, uint64_t value);
+#define counters_note(f, key, value) counters_note_in(&(f)->r->host, &(f)->kept->numbers, key, value)
+void counters_note_in(const fnl_host *host, struct view_counters *c, const char *key, uint64_t value);
 
 /** For counter.find: whether the frame copied what stands at this offset of struct frame_counts. */
 #define COUNTED_HAS(counted, member) counters_copied(counted, offsetof(struct frame_counts, member))
 bool counters_copied(const struct counted *counted, uint64_t offset);
+
+/** The table at a place: of each step, then of each order. Orders may have one in common: it is the first one's, and `out_shadings` gets the bits of them all. Count 0: it has none. */
+struct counter_table {
+    const struct counter *rows;
+    uint32_t count;
+};
+struct counter_table counter_table_at(uint32_t index, uint32_t *out_shadings);
+uint32_t counter_table_count(void);
 
 /** The number of rows of all techniques. */
 uint32_t counters_total(void);

@@ -4,6 +4,8 @@
 #include "passes/geometry/occlusion.h"
 #include "render/frame_steps.h"
 #include "render/shading.h"
+#include "render/step.h"
+#include "render/temporal.h"
 
 /* What hides a sample is known for the samples of the frame's own pixels alone. */
 bool frame_culls_hidden(const fnl_frame *frame) {
@@ -61,3 +63,37 @@ void frame_cull(struct frame_state *f) {
                                      .occluders = occluders.levels.id ? &occluders : NULL};
     clusters_add(f->graph, f->r->device, scene, &f->view, f->view_address, &params, &f->draws);
 }
+
+/* ---- the step ---- */
+
+enum { CLUSTER_POOL_START = 1 << 14, TRIANGLE_POOL_START = 1 << 18 };
+
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->geometry != FNL_GEOMETRY_MESH) return FNL_OK;
+    if (!gpu_info(r->device)->mesh_shader || renderer_tests(r).no_meshes)
+        return unsupported(call, "this device has no mesh shaders; use geometry=vertex or geometry=auto");
+    if (frame->culling == FNL_CULLING_INSTANCES)
+        return unsupported(call, "geometry=mesh needs culling=clusters or culling=triangles, not instances");
+    return FNL_OK;
+}
+
+/* Pools of clusters and triangles grow as far as the scene can fill them. */
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const struct device_scene *d = r->device_scene;
+    if (renderer_tests(r).cluster_limit) return;
+    const uint64_t limit = MAX(gpu_info(r->device)->memory_bytes / 128, (uint64_t)CLUSTER_POOL_START);
+    const uint64_t clusters = MIN(MAX(CLUSTER_POOL_START, counts->clusters.clusters + counts->clusters.clusters / 4ull), limit);
+    uint64_t triangles = MIN(MAX(TRIANGLE_POOL_START, counts->clusters.triangles + counts->clusters.triangles / 4ull), limit);
+    triangles = MIN(triangles, (UINT32_MAX - (uint64_t)d->index_count) / 3);
+    r->cluster_capacity = (uint32_t)MAX(MIN(clusters, d->cluster_count), (uint64_t)r->cluster_capacity);
+    r->triangle_capacity = (uint32_t)MAX(MIN(triangles, d->triangle_count), (uint64_t)r->triangle_capacity);
+}
+
+static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->culling == FNL_CULLING_INSTANCES || r->device_scene->triangle_count == 0) return FNL_OK;
+    if (r->triangle_capacity == 0) grow(r, &(struct frame_counts){0}); /* the scene's size is known now */
+    if (r->meshes) return FNL_OK;
+    return device_scene_reserve_triangles(&r->scene_user, r->triangle_capacity, frame->view_count > 0 ? MAX(frame->stereo.eyes, 1u) : 1);
+}
+
+const struct frame_step step_culling = {.name = "culling", .check = check, .prepare = prepare, .grow = grow};

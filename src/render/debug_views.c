@@ -5,6 +5,8 @@
 #include "render/decals.h"
 #include "render/orders/order.h"
 #include "render/shadows.h"
+#include "render/shading.h"
+#include "render/step.h"
 
 /* ---- views that go with every order ---- */
 
@@ -180,7 +182,7 @@ const struct debug_view *debug_views_find(fnl_shading shading, fnl_debug_view vi
     return find_among(order->views, order->view_count, view);
 }
 
-fnl_result debug_views_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
     if (frame->debug == FNL_DEBUG_NONE) return FNL_OK;
     const struct debug_view *view = debug_views_find(frame->shading, frame->debug);
     if (view) return view->check ? view->check(call, r, frame) : FNL_OK;
@@ -200,3 +202,5 @@ bool debug_views_need_surfaces(const fnl_frame *frame) {
 }
 
 void debug_views_add(struct frame_state *f, bool swap) { debug_views_find(f->frame->shading, f->frame->debug)->add(f, swap); }
+
+const struct frame_step step_debug_views = {.name = "debug views", .check = check};

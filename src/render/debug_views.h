@@ -43,8 +43,6 @@ struct debug_view {
 
 /** The row of a view with an order; NULL: it does not offer that. `auto` offers what all orders do. */
 const struct debug_view *debug_views_find(fnl_shading shading, fnl_debug_view view);
-/** Fails with a log line unless the frame's order offers the frame's view, and the frame has what it shows. */
-fnl_result debug_views_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
 /** Whether the frame's view looks at the nearest surface of each pixel. */
 bool debug_views_need_surfaces(const fnl_frame *frame);
 /** Draws the frame's view. */

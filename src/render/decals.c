@@ -5,7 +5,9 @@
 #include "passes/decals/decals_gbuffer.h"
 #include "passes/decals/decals_redraw.h"
 #include "passes/lights/bvh.h"
-#include "render/shading.h"
+#include "render/surfaces.h"
+#include "render/traits.h"
+#include "render/step.h"
 
 static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene->decals; }
 static bool is_on(const struct frame_state *f) {
@@ -62,7 +64,7 @@ static bool needs_list(const struct frame_state *f) {
     if (decals_of(f)->count == 0) return false;
     if (frame_is(f->frame, SHADING_DECAL_STEP)) return true;
     /* Materials that a layout cannot hold are lit forward. */
-    if (shading_layout(f) != FNL_GBUFFER_DEFAULT) return true;
+    if (surfaces_layout(f) != FNL_GBUFFER_DEFAULT) return true;
     if (!decals_in_gbuffer(f) || f->frame->debug != FNL_DEBUG_NONE || f->frame->outputs & FNL_OUTPUT_SURFACE) return true;
     for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
         if (f->scene->geometry.buckets[i].blend) return true;
@@ -180,4 +182,19 @@ static const struct counter counters[] = {
     {"decals.overflow", "", "cells, or pixels, that tested all decals because the pool was too small",
      .find = find_overflow, .kind = FNL_COUNTER_OVERFLOW},
 };
-const struct counter_table decals_counters = {counters, COUNT_OF(counters)};
+/* ---- the step ---- */
+
+enum { POOL_START = 1 << 17, POOL_LIMIT = 1 << 28 };
+
+static void init(fnl_renderer *r) {
+    r->decal_capacity = POOL_START;
+    r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
+}
+
+/* Entries of the list, or fragments of the G-buffer's way. */
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const uint64_t needed = MAX(counts->decals.entries, counts->gbuffer_decals.entries), limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
+    if (needed > r->decal_capacity) r->decal_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
+}
+
+const struct frame_step step_decals = {.name = "decals", .init = init, .grow = grow, .counters = counters, .counter_count = COUNT_OF(counters)};

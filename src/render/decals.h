@@ -23,6 +23,4 @@ void decals_redraw(struct frame_state *f, const struct shade_input *input);
 /** How many boxes and volumes hold what each pixel shows: a uint a pixel, for the debug view. */
 graph_buffer decals_count_add(struct frame_state *f);
 
-extern const struct counter_table decals_counters;
-
 #endif

@@ -11,6 +11,7 @@
 #include "render/shading.h"
 #include "render/shadows.h"
 #include "render/stereo.h"
+#include "render/temporal.h"
 
 static fnl_result add_shared(struct frame_state *f, const struct device_scene_frame *scene);
 static fnl_result add_view(struct frame_state *f, struct gpu_view *out);

@@ -1,48 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** What a frame may ask for. */
-#include "render/debug_views.h"
-#include "render/inspect.h"
-#include "render/mono.h"
-#include "render/multiview.h"
 #include "render/options.h"
-#include "render/overlay.h"
 #include "render/shading.h"
-#include "render/shadows.h"
-
-static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame) {
-    bool plain = frame->gbuffer.layout == FNL_GBUFFER_DEFAULT && frame->gbuffer.normals == FNL_NORMALS_LAYOUT && !frame->gbuffer.chroma;
-    bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
-    if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;
-    if (!is_auto && !shading_is(frame->shading, SHADING_LAYOUTS))
-        return unsupported(
-            call, "%s shading has a G-buffer of its own: gbuffer, normals and chroma are of deferred and deferred-volumes",
-            fnl_value_name(FNL_ENUM_SHADING, frame->shading));
-    fnl_gbuffer_info info;
-    TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
-    if (!(info.encodings >> frame->gbuffer.normals & 1))
-        return unsupported(call, "the normals of G-buffer layout %s cannot hold encoding %s",
-                           fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout),
-                           fnl_value_name(FNL_ENUM_NORMALS, frame->gbuffer.normals));
-    if (frame->gbuffer.chroma && frame->gbuffer.layout != FNL_GBUFFER_DEFAULT)
-        return unsupported(call, "gbuffer.chroma needs the default G-buffer layout, not %s",
-                           fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
-    return FNL_OK;
-}
-
-static fnl_result check_geometry(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
-    if (frame->geometry != FNL_GEOMETRY_MESH) return FNL_OK;
-    if (!gpu_info(r->device)->mesh_shader || renderer_tests(r).no_meshes)
-        return unsupported(call, "this device has no mesh shaders; use geometry=vertex or geometry=auto");
-    if (frame->culling == FNL_CULLING_INSTANCES)
-        return unsupported(call, "geometry=mesh needs culling=clusters or culling=triangles, not instances");
-    return FNL_OK;
-}
-
-static fnl_result check_sampled(const struct call *call, const fnl_frame *frame) {
-    const bool denoised = shadows_denoised(frame);
-    if (!(denoised || shadows_guided(frame)) || frame->shading == FNL_SHADING_DEFERRED) return FNL_OK;
-    return unsupported(call, "shadow.%s needs deferred shading, not %s", denoised ? "denoise" : "guide", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
-}
+#include "render/step.h"
 
 static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
     TRY(check_count(call, "view_count", frame->view_count, 0, FNL_VIEWS_MAX));
@@ -93,14 +53,8 @@ static fnl_result check_hidden(const struct call *call, const fnl_frame *frame) 
 }
 
 fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
-    TRY(overlay_check(call, frame));
     TRY(options_check(call, frame));
     TRY(check_views(call, frame));
-    TRY(inspect_check(call, frame));
-    TRY(lists_check(call, &frame->clusters));
-    TRY(check_gbuffer(call, frame));
-    TRY(check_geometry(call, r, frame));
-    TRY(check_sampled(call, frame));
     TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
     if (!fnl_shading_supports(frame->shading, frame->lists, 1))
         return unsupported(call, "%s lists do not work with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),
@@ -111,14 +65,6 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     if (!(counts & frame->msaa))
         return unsupported(call, "this device cannot render with %u samples per pixel, only with 1%s%s%s", frame->msaa,
                            counts & 2 ? ", 2" : "", counts & 4 ? ", 4" : "", counts & 8 ? ", 8" : "");
-    fnl_frame checked = *frame;
-    if (frame->shading == FNL_SHADING_AUTO && frame->choose_close && gpu_info(r->device)->primitive_ids)
-        checked.shading = FNL_SHADING_VISIBILITY; /* it may be taken */
-    if (checked.shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, &checked));
-    TRY(check_hidden(call, frame));
-    TRY(mono_check(call, frame));
-    TRY(debug_views_check(call, r, frame));
-    if (temporal_needs_motion(frame) && frame->msaa > 1)
-        return unsupported(call, "motion vectors and temporal antialiasing need 1 sample per pixel, not %u", frame->msaa);
-    return FNL_OK;
+    TRY(steps_check(call, r, frame));
+    return check_hidden(call, frame);
 }

@@ -4,10 +4,13 @@
 #include "base/check.h"
 #include "passes/debug/inspect.h"
 #include "render/orders/order.h"
+#include "render/surfaces.h"
+#include "render/step.h"
 
 #include <stdlib.h>
 
-fnl_result inspect_check(const struct call *call, const fnl_frame *frame) {
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
     if (!frame->pixel.asked) return FNL_OK;
     TRY(check_count(call, "pixel.x", frame->pixel.x, 0, frame->width - 1));
     TRY(check_count(call, "pixel.y", frame->pixel.y, 0, frame->height - 1));
@@ -26,11 +29,13 @@ fnl_result inspect_prepare(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-void inspect_finish(fnl_renderer *r) {
+static void finish(fnl_renderer *r) {
     gpu_buffer_destroy(r->device, &r->pixel.answer);
     array_free(&r->host, &r->pixel.suns);
     array_free(&r->host, &r->pixel.lights);
 }
+
+const struct frame_step step_inspect = {.name = "inspect", .check = check, .finish = finish};
 
 void inspect_declare(struct frame_state *f) {
     const fnl_pixel_query *query = &f->frame->pixel;
@@ -48,7 +53,7 @@ void inspect_declare(struct frame_state *f) {
                                         .layered = f->scene->lights.layered,
                                         .whole = &whole,
                                         .own = volumes ? NULL : &f->lights,
-                                        .own_skips_layered = shading_draws_layered(f),
+                                        .own_skips_layered = surfaces_have_layers_over(f),
                                         .counters = volumes ? f->counters : (graph_buffer){0},
                                         .out = graph_import_buffer(f->graph, "pixel", &f->r->pixel.answer)});
     struct graph_pass *host = graph_add_pass(f->graph, "to host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);

@@ -5,12 +5,9 @@
 
 #include "render/frame_state.h"
 
-/** Fails with a log line unless the pixel is one of the frame. */
-fnl_result inspect_check(const struct call *call, const fnl_frame *frame);
 /** Before a frame that asks: where its answer goes, and what has to be known later of the lights as they are now. */
 fnl_result inspect_prepare(fnl_renderer *r, const fnl_frame *frame);
 /** Declares it, if the view is the one that is asked. After the frame's lists. */
 void inspect_declare(struct frame_state *f);
-void inspect_finish(fnl_renderer *r);
 
 #endif

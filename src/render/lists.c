@@ -5,7 +5,8 @@
 #include "passes/lights/fine.h"
 #include "passes/lights/mesh_lists.h"
 #include "render/light_reach.h"
-#include "render/shading.h"
+#include "render/traits.h"
+#include "render/view.h"
 
 /* ---- life ---- */
 
@@ -13,8 +14,6 @@ void lists_shared_init(struct lists_shared *shared, const fnl_host *host) {
     world_grid_init(&shared->world, host);
     world_grid_init(&shared->grid2d, host);
 }
-
-void lists_shared_forget(struct lists_shared *shared) { shared->world.version = shared->grid2d.version = UINT64_MAX; }
 
 void lists_shared_finish(struct lists_shared *shared, gpu_device *device) {
     world_grid_finish(&shared->world, device);
@@ -31,11 +30,6 @@ void lists_finish(struct lists_state *state, gpu_device *device) {
     clustered_cpu_finish(&state->clustered_cpu);
     light_tree_finish(&state->tree);
     raster_state_finish(&state->raster, device);
-}
-
-fnl_result lists_check(const struct call *call, const fnl_cluster_options *o) {
-    if (isinf(o->near) || isinf(o->far)) return FNL_OK;
-    return check_above(call, "clusters.far", (double)o->far, (double)o->near, (double)INFINITY, " metres (clusters.near)");
 }
 
 /* ---- the builders ---- */

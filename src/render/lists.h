@@ -21,8 +21,6 @@ struct lists_shared {
     struct world_grid world, grid2d;
 };
 void lists_shared_init(struct lists_shared *shared, const fnl_host *host);
-/** After a frame that failed: what was to be kept may never have reached the device. */
-void lists_shared_forget(struct lists_shared *shared);
 /** The device is idle. */
 void lists_shared_finish(struct lists_shared *shared, gpu_device *device);
 
@@ -41,8 +39,8 @@ void lists_init(struct lists_state *state, const fnl_host *host);
 /** The device is idle. */
 void lists_finish(struct lists_state *state, gpu_device *device);
 
-/** Fails with a log line unless the options, each in its range, go together. */
-fnl_result lists_check(const struct call *call, const fnl_cluster_options *options);
+/** Entries that the pool of a list may have. */
+uint32_t lists_pool_limit(const struct fnl_renderer *r);
 
 struct lists_context {
     struct graph *graph;

@@ -2,10 +2,8 @@
 #include "render/mono.h"
 
 #include "passes/stereo/mono.h"
-#include "render/inspect.h"
-#include "render/multiview.h"
-#include "render/shading.h"
-#include "render/stereo.h"
+#include "render/step.h"
+#include "render/traits.h"
 
 /* ---- what a frame may ask for ---- */
 
@@ -26,7 +24,8 @@ static const char *find_problem(const fnl_frame *frame) {
     return NULL;
 }
 
-fnl_result mono_check(const struct call *call, const fnl_frame *frame) {
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
     if (!(frame->stereo.mono_distance > 0)) return FNL_OK;
     const char *problem = find_problem(frame);
     if (problem) return unsupported(call, "stereo.mono_distance %s", problem);
@@ -98,4 +97,4 @@ static const struct counter counters[] = {
     {"stereo.pixels-spared", "pixels", "that it does not: an eye those beyond, sky too, the mono view those for which no eye looks at it", COUNTED_SUM(mono[MONO_SPARED], 1),
      .needs = "count-lights"},
 };
-const struct counter_table mono_counters = {counters, COUNT_OF(counters)};
+const struct frame_step step_mono = {.name = "mono", .check = check, .counters = counters, .counter_count = COUNT_OF(counters)};

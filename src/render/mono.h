@@ -5,8 +5,6 @@
 
 #include "render/frame_state.h"
 
-/** Fails with a log line where the frame asks for one and cannot have it. */
-fnl_result mono_check(const struct call *call, const fnl_frame *frame);
 /** The frame of the mono view of a display: camera, size, and nothing of what eyes alone have. Of a display that has none: a copy of 1 x 1 pixels. */
 void mono_frame(const fnl_frame *frame, const struct view_group *group, fnl_frame *out);
 
@@ -16,7 +14,5 @@ void mono_begin_depth(struct frame_state *f);
 void mono_open(struct frame_state *f);
 /** Puts the mono view, which is finished, behind what the eye has. */
 void mono_composite(struct frame_state *f);
-
-extern const struct counter_table mono_counters;
 
 #endif

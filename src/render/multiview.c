@@ -45,27 +45,3 @@ void multiview_draw(struct frame_state *views, const struct view_group *group) {
     graph_pop_names(graph);
     for (uint32_t i = 0; i < count; i++) shading_take_layer(&views[i], &all, i);
 }
-
-/* ---- numbers ---- */
-
-void multiview_count_work(struct frame_state *f, struct geometry_draws *draws, uint32_t passes) {
-    if (f->frame->stereo.eyes == 0 || passes == 0) return;
-    counters_note(f, "stereo.states", (uint64_t)passes * geometry_draw_count(&f->scene->geometry, GEOMETRY_OPAQUE));
-    const uint32_t first = f->r->vertex_queries, count = passes * geometry_query_count(draws);
-    if (!f->frame->count_lights || !gpu_info(f->r->device)->vertex_counts || first + count > GPU_MAX_VERTEX_COUNTS) return;
-    draws->counts_vertices = true;
-    draws->first_query = first;
-    f->r->vertex_queries += count;
-    counters_note(f, "stereo.vertices", (uint64_t)first << 32 | count);
-}
-
-static bool find_vertices(const struct counted *counted, uint64_t *value) {
-    const uint32_t first = (uint32_t)(*value >> 32), count = (uint32_t)*value;
-    return gpu_frame_vertex_count(counted->r->device, counted->r->frame_number, first, count, value);
-}
-
-static const struct counter counters[] = {
-    {"stereo.states", "states", "of an eye: pipelines bound for what is drawn before light lists; of eyes that are drawn at once the first has them", NOTED},
-    {"stereo.vertices", "vertices", "that vertex shaders ran for there, as the device counts them", .needs = "count-lights", .find = find_vertices},
-};
-const struct counter_table multiview_counters = {counters, COUNT_OF(counters)};

@@ -12,9 +12,4 @@ void multiview_tell(fnl_renderer *r, const fnl_frame *frame, fnl_stereo_path pat
 /** Draws what needs no lists for the views of a group at once. They have begun; each takes its layer. */
 void multiview_draw(struct frame_state *views, const struct view_group *group);
 
-/** Notes what drawing the opaque set in so many passes takes, where views are eyes, and tells `draws` what to count. */
-void multiview_count_work(struct frame_state *f, struct geometry_draws *draws, uint32_t passes);
-
-extern const struct counter_table multiview_counters;
-
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** The tables of shading orders and debug views are complete, and the pages say what they say. Needs no device. */
 #include "fanal/options.h"
+#include "render/debug_views.h"
 #include "render/orders/order.h"
 
 #include <setjmp.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/overlay.h"
+#include "render/step.h"
 
 #include "passes/post/overlay.h"
 
@@ -30,7 +31,8 @@ static fnl_result check_image(const struct call *call, const fnl_image *image, u
     return FNL_OK;
 }
 
-fnl_result overlay_check(const struct call *call, const fnl_frame *frame) {
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
     const fnl_overlay *o = frame->overlay;
     if (!o) return FNL_OK;
     if (frame->view_count > 1) return unsupported(call, "an overlay goes over frames of one view, not of %u", frame->view_count);
@@ -72,9 +74,11 @@ fnl_result overlay_prepare(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-void overlay_finish(fnl_renderer *r) {
+static void finish(fnl_renderer *r) {
     for (uint32_t i = 0; i < FNL_OVERLAY_IMAGES_MAX; i++) drop(r, &r->overlays[i]);
 }
+
+const struct frame_step step_overlay = {.name = "overlay", .check = check, .finish = finish};
 
 void overlay_draw(struct frame_state *f) {
     const struct picture picture = frame_picture(f);

@@ -3,6 +3,7 @@
 
 #include "render/frame_state.h"
 #include "render/orders/order.h"
+#include "render/step.h"
 
 /* ---- what moves: whatever has moved since it was first seen, what an animation moves, and what deforms. It is not baked, and rays find its shadow ---- */
 
@@ -226,13 +227,14 @@ void probes_add(struct frame_state *shared, struct device_scene_frame *scene) {
     }
 }
 
-void probes_submitted(fnl_renderer *r) {
+static void submitted(fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
     for (uint32_t i = 0; i < r->probes.list.count; i++)
         if (r->probes.list.data[i].declared) r->probes.list.data[i].key = r->probes.list.data[i].declared;
     for (uint32_t i = 0; i < r->probes.list.count; i++) r->probes.list.data[i].declared = 0;
 }
 
-void probes_finish(fnl_renderer *r) {
+static void finish(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->probes.list.count; i++) gpu_image_destroy(r->device, &r->probes.list.data[i].image);
     gpu_buffer_destroy(r->device, &r->probes.moving.buffer);
     array_free(&r->host, &r->probes.moving.sent);
@@ -240,6 +242,8 @@ void probes_finish(fnl_renderer *r) {
     array_free(&r->host, &r->probes.mover_generations);
     array_free(&r->host, &r->probes.known_generations);
 }
+
+const struct frame_step step_probes = {.name = "probes", .submitted = submitted, .finish = finish};
 
 /* ---- numbers ---- */
 

@@ -3,39 +3,12 @@
 #ifndef FNL_RENDER_PROBES_H
 #define FNL_RENDER_PROBES_H
 
-#include "passes/shadow/cubemap.h"
-#include "render/device/scene.h"
+#include "render/frame_state.h"
 
-struct frame_state;
-
-/** One of a renderer. */
-struct renderer_probe {
-    fnl_probe_params params;
-    struct gpu_image image;
-    uint64_t key;      /* of what the image shows; 0: nothing */
-    uint64_t declared; /* … once the frame that was declared last is submitted */
-};
-
-struct renderer_probes {
-    ARRAY(struct renderer_probe) list; /* those that cast shadows, PROBES_MOST at most */
-    ARRAY(uint32_t) mover_generations; /* by node: the generation of one that has moved since it was first seen; 0: it has not */
-    ARRAY(uint32_t) known_generations; /* by node: when transforms were last looked at */
-    struct device_array moving;        /* a bit for each draw item */
-    uint64_t structure, transforms, mover_version, sent_movers; /* what is known: versions of the scene's structure and of its transforms */
-    bool moves;                        /* some item does */
-    bool told;                         /* the log knows that there is no probe, or that there are too many */
-    bool started;
-};
-
-struct fnl_renderer;
 /** Outside of frames, after device_rays_prepare(), for frames with FNL_SHADOWS_CUBEMAP. */
-fnl_result probes_prepare(struct fnl_renderer *r);
+fnl_result probes_prepare(fnl_renderer *r);
 /** Then, in the frame, once its rays are declared: bakes what has changed, and gives the lights their probes. */
 void probes_add(struct frame_state *shared, struct device_scene_frame *scene);
-/** The frame that was declared last was submitted. */
-void probes_submitted(struct fnl_renderer *r);
-/** The device is idle. */
-void probes_finish(struct fnl_renderer *r);
 /** The counters of a view. */
 void probes_note(struct frame_state *f);
 

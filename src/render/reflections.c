@@ -3,6 +3,7 @@
 
 #include "render/frame_state.h"
 #include "render/orders/order.h"
+#include "render/step.h"
 
 enum { FACES = 6, DIRECT = 4 /* so few probes need no list */, DIFFUSE_START = 32 };
 
@@ -240,7 +241,7 @@ fnl_result reflections_capture(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-void reflections_finish(fnl_renderer *r) {
+static void finish(fnl_renderer *r) {
     struct renderer_reflections *p = &r->reflections;
     fnl_renderer_destroy(&p->capturer);
     for (uint32_t i = 0; i < p->list.count; i++) release(r->device, &p->list.data[i]);
@@ -313,7 +314,7 @@ static void gather_diffuse(struct frame_state *f, struct renderer_reflections *p
     }
 }
 
-void reflections_forget(fnl_renderer *r) { reflections_of(r)->gathered = false; }
+static void forget(fnl_renderer *r) { reflections_of(r)->gathered = false; }
 
 void reflections_add_list(struct frame_state *f) {
     struct renderer_reflections *p = reflections_of(f->r);
@@ -367,4 +368,10 @@ static const struct counter counters[] = {
     {"reflections.entries", "", "entries of the list over their boxes; with 4 probes or fewer all are looked at, without a list",
      COUNTED(reflections.entries)},
 };
-const struct counter_table reflections_counters = {counters, COUNT_OF(counters)};
+static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
+    return reflections_prepare(r);
+}
+
+const struct frame_step step_reflections = {
+    .name = "reflections", .prepare = prepare, .forget = forget, .finish = finish, .counters = counters, .counter_count = COUNT_OF(counters)};

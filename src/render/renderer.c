@@ -6,8 +6,11 @@
 #include "render/mono.h"
 #include "render/multiview.h"
 #include "render/overlay.h"
+#include "render/reflections.h"
 #include "render/shading.h"
 #include "render/shadows.h"
+#include "render/step.h"
+#include "render/temporal.h"
 #include "render/stereo.h"
 
 /* ---- auto ---- */
@@ -131,10 +134,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->host = *host;
     r->device = device;
     r->scene = scene;
-    pools_init(r);
-    r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
-    r->atlas.version = UINT64_MAX;
-    lists_shared_init(&r->lists, &r->host);
+    steps_init(r);
     load_choices(r);
     fnl_result result = prepare_views(r, 1);
     if (result == FNL_OK) result = device_scene_open(device, scene, &r->scene_user);
@@ -157,19 +157,12 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     graph_destroy(&r->graph);
     graph_destroy(&r->asking_graph);
     device_scene_close(&r->scene_user);
+    steps_finish(r);
     for (uint32_t i = 0; i < r->views.count; i++) {
         struct renderer_view *view = &r->views.data[i];
-        lists_finish(&view->lists, r->device);
-        shadows_finish(r->device, view);
         gpu_buffer_destroy(r->device, &view->draws);
         gpu_buffer_destroy(r->device, &view->counters);
     }
-    probes_finish(r);
-    reflections_finish(r);
-    overlay_finish(r);
-    inspect_finish(r);
-    lists_shared_finish(&r->lists, r->device);
-    virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
     array_free(&r->host, &r->views);
@@ -223,7 +216,7 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame, const
 /* Inside the frame: takes what the last one in this slot has counted, and clears the place for what this one will. */
 static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32_t slot) {
     const struct frame_counts *last = r->counts[slot].mapped;
-    for (uint32_t i = 0; i < r->slot_views[slot]; i++) pools_grow(r, &last[i]);
+    for (uint32_t i = 0; i < r->slot_views[slot]; i++) steps_grow(r, &last[i]);
     shadows_note(r, slot);
     r->slot_views[slot] = 0;
     uint64_t size = frame_camera_count(frame) * sizeof(struct frame_counts);
@@ -234,20 +227,13 @@ static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32
 
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->scene_user.wants_previous = temporal_needs_motion(frame);
-    bool culls = frame->culling != FNL_CULLING_INSTANCES;
     const fnl_camera head = frame->viewer ? *frame->viewer : stereo_head_camera(frame);
     scene_choose_levels(r->scene, &head);
     TRY(device_scene_prepare(r->device_scene));
-    TRY(reflections_prepare(r));
-    TRY(shadows_prepare(r, frame));
     frame->occlusion = frame_choose_occlusion(r, frame);
     renderer_choose(r, frame);
     r->meshes = frame_draws_meshes(r, frame);
-    if (culls && r->device_scene->triangle_count > 0) {
-        if (r->triangle_capacity == 0) pools_grow_clusters(r, &(struct frame_counts){0}); /* the scene's size is known now */
-        if (!r->meshes) TRY(device_scene_reserve_triangles(&r->scene_user, r->triangle_capacity, frame->view_count > 0 ? MAX(frame->stereo.eyes, 1u) : 1));
-    }
-    return shading_prepare(r, frame);
+    return steps_prepare(r, frame);
 }
 
 /* When the parts of a frame were over, seconds. */
@@ -293,7 +279,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     const uint64_t late = gpu_pipeline_stats(r->device).late;
     uint32_t slot = gpu_frame_slot(r->device);
     fnl_result result = prepare_counts(r, frame, slot);
-    pools_prepare(r, (uint64_t)frame->width * frame->height);
+    shading_prepare_pools(r, (uint64_t)frame->width * frame->height);
     if (result == FNL_OK) result = prepare_candidate(r, frame, target);
     at.asked = time_now(); /* what comes next is the frame's own */
     if (result == FNL_OK) result = frame_declare(r, frame, &plan, target);
@@ -310,8 +296,6 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
     device_scene_submitted(&r->scene_user);
-    shading_submitted(r, frame);
-    probes_submitted(r);
     r->frame = *frame;
     r->frame.views = NULL;
     r->frame.hidden_areas = NULL;
@@ -321,7 +305,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - at.asked) * 1e3);
     feed_chooser(r);
-    shadows_measure(r);
+    steps_submitted(r, frame);
     r->frame_slot = slot;
     r->slot_views[slot] = frame_camera_count(frame);
     r->slot_frames[slot] = r->frame_number;
@@ -331,15 +315,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     return FNL_OK;
 }
 
-void renderer_forget(fnl_renderer *r) {
-    for (uint32_t i = 0; i < r->views.count; i++) {
-        r->views.data[i].temporal.valid = false;
-        shadows_forget(&r->views.data[i]);
-    }
-    lists_shared_forget(&r->lists);
-    reflections_forget(r);
-    r->atlas.version = UINT64_MAX;
-}
+void renderer_forget(fnl_renderer *r) { steps_forget(r); }
 
 void renderer_settle_views(fnl_frame *frame) {
     if (frame->view_count == 1 && frame->views) {

@@ -20,9 +20,9 @@
 #include "render/counters.h"
 #include "render/device/scene.h"
 #include "render/lists.h"
-#include "render/probes.h"
-#include "render/reflections.h"
-#include "render/temporal.h"
+#include "render/probes_state.h"
+#include "render/reflections_state.h"
+#include "render/temporal_state.h"
 #include "render/view.h"
 #include "render/view_plan.h"
 
@@ -50,14 +50,7 @@ struct frame_counts {
     uint32_t mono[MONO_COUNTS];
 };
 
-enum { DECAL_POOL_START = 1 << 17 };
-enum {
-    DAIS_POOL_START = 1 << 20, /* words of triangles */
-    DAIS_POOL_LIMIT = 1 << 30, /* references have 31 bits */
-    DAIS_NODE_START = 1 << 14
-};
 enum { OUTPUT_COUNT = 7 };           /* bits of fnl_output */
-enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
 /** What belongs to one view of a renderer's frames, by its place in fnl_frame.views. */
 struct renderer_view {
@@ -249,17 +242,5 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
 
 /** Bytes of a picture of one view, by the bit of its output (results.c). */
 uint64_t renderer_picture_size(const fnl_frame *frame, uint32_t bit);
-
-/* ---- pools.c: capacities of pools ---- */
-
-void pools_init(fnl_renderer *r);
-/** Sets those that start with a frame's size. */
-void pools_prepare(fnl_renderer *r, uint64_t pixels);
-/** Entries that the pool of a list may have. */
-uint32_t pools_list_limit(const fnl_renderer *r);
-/** After a frame: what overflowed gets room for what that frame needed. */
-void pools_grow(fnl_renderer *r, const struct frame_counts *counts);
-/** Those of culling alone: once the scene's size is known, with counts of 0. */
-void pools_grow_clusters(fnl_renderer *r, const struct frame_counts *counts);
 
 #endif

@@ -2,6 +2,7 @@
 /** What the last frame made: pictures and numbers. */
 #include "base/check.h"
 #include "render/shading.h"
+#include "render/step.h"
 
 uint64_t renderer_picture_size(const fnl_frame *frame, uint32_t bit) {
     return (uint64_t)frame->width * frame->height * (bit == 0 ? 4 : 16);
@@ -134,7 +135,7 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
 /* r->counters has room for the view's. */
 static fnl_result query_one(fnl_renderer *r, uint32_t view, fnl_frame_stats *out) {
     const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
-    const struct counted counted = {r, &r->views.data[view], &counts[view]};
+    const struct counted counted = {r, &r->views.data[view], &counts[view], &r->views.data[view].numbers, &r->frame};
     fnl_counter *counters = r->counters.data + r->counters.count;
     query_view(r, counted.view, counted.counts, out);
     out->counters = counters;
@@ -149,7 +150,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     if (r->frame_number == 0) return misuse(CALL(&r->host), "no frame has been rendered");
     TRY(gpu_frame_wait(r->device, r->frame_number));
     const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
-    for (uint32_t i = 0; i < frame_camera_count(&r->frame); i++) pools_grow(r, &counts[i]);
+    for (uint32_t i = 0; i < frame_camera_count(&r->frame); i++) steps_grow(r, &counts[i]);
     uint32_t views = r->frame.view_count ? frame_camera_count(&r->frame) : 0;
     r->counters.count = 0;
     if (!array_reserve(&r->host, &r->counters, (1 + views) * counters_total())) return FNL_ERROR_MEMORY;

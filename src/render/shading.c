@@ -5,8 +5,8 @@
 #include "render/orders/order.h"
 #include "render/reflections.h"
 #include "render/shadows.h"
-#include "render/multiview.h"
 #include "render/stereo.h"
+#include "render/step.h"
 
 #include "passes/lights/sprites.h"
 #include "passes/shade/gbuffer_layouts.h"
@@ -14,135 +14,16 @@
 #include "passes/stereo/hidden_area.h"
 #include "passes/transmission/transmission.h"
 
-/* ---- the table ---- */
-
-#define ORDER_ROW(value, name) [FNL_SHADING_##value] = &order_##name,
-#define COUNT_ORDER(value, name) +1
-_Static_assert(0 ORDERS(COUNT_ORDER) == FNL_SHADING_AUTO, "each shading path except auto has its row");
-static const struct order *const orders[FNL_SHADING_AUTO] = {ORDERS(ORDER_ROW)};
-
-const struct order *shading_order(fnl_shading shading) { return orders[shading]; }
-
-bool shading_is(fnl_shading shading, uint32_t traits) {
-    return (uint32_t)shading < FNL_SHADING_AUTO && (orders[shading]->traits & traits) == traits;
-}
-
-bool frame_is(const fnl_frame *frame, uint32_t traits) {
-    const struct order *order = orders[frame->shading];
-    uint32_t has = order->traits;
-    if (has & SHADING_MAY_PREPASS && frame->gbuffer.prepass) has |= SHADING_PREPASS;
-    if (order->adjust) has = order->adjust(frame, has);
-    return (has & traits) == traits;
-}
-
-fnl_result shading_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
-    const struct order *order = orders[frame->shading];
-    return order->check ? order->check(call, r, frame) : FNL_OK;
-}
-
-fnl_result shading_prepare(fnl_renderer *r, const fnl_frame *frame) {
-    const struct order *order = orders[frame->shading];
-    return order->prepare ? order->prepare(r, frame) : FNL_OK;
-}
-
 void shading_begin(struct frame_state *f) {
-    const struct order *order = orders[f->frame->shading];
+    const struct order *order = shading_order(f->frame->shading);
     f->shared.light_scale = f->shared.light_max = 1;
     if (order->begin) order->begin(f);
 }
 
-void shading_submitted(fnl_renderer *r, const fnl_frame *frame) {
-    const struct order *order = orders[frame->shading];
-    if (order->submitted) order->submitted(r);
-}
-
 /* ---- what orders share ---- */
 
-bool order_has_blend(const struct frame_state *f) {
-    for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
-        if (f->scene->geometry.buckets[i].blend) return true;
-    return false;
-}
-
-static struct lists_context lists_context(struct frame_state *f) {
-    return (struct lists_context){.graph = f->graph,
-                                  .device = f->r->device,
-                                  .frame = f->frame,
-                                  .view = &f->view,
-                                  .device_scene = f->r->device_scene,
-                                  .scene = &f->scene->geometry,
-                                  .draws = &f->draws,
-                                  .input = &f->scene->lights,
-                                  .shared = &f->r->lists,
-                                  .state = &f->kept->lists,
-                                  .has_blend = order_has_blend(f),
-                                  .estimates = f->graph != f->r->asking_graph,
-                                  .pool_capacity = f->r->pool_capacity,
-                                  .pool_limit = pools_list_limit(f->r)};
-}
-
-/* One list for all eyes, made with the first. */
-static void add_head_lists(struct frame_state *f) {
-    struct frame_display *display = f->display;
-    if (!display->lights.header) {
-        struct lists_context context = lists_context(f);
-        fnl_frame frame = *f->frame;
-        struct light_input input = f->scene->lights;
-        frame.width = input.width = display->head.size.x;
-        frame.height = input.height = display->head.size.y;
-        frame.camera.near_distance = display->head.near_distance;
-        input.view = display->head_address;
-        context.frame = &frame;
-        context.view = &display->head;
-        context.input = &input;
-        context.of_head = true;
-        lists_add(&context);
-        display->lights = context.lights;
-    }
-    f->lights = f->blend_lights = light_list_for_eye(f->graph, f->r->device, &display->lights, &f->scene->lights);
-}
-
-void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
-    if (stereo_shares_list(f, f->frame->lists)) {
-        add_head_lists(f);
-        return;
-    }
-    struct lists_context context = lists_context(f);
-    context.depth = depth;
-    context.gbuffer = gbuffer;
-    context.of_head = stereo_asks_list(f, f->frame->lists);
-    lists_add(&context);
-    f->lights = context.lights;
-    f->blend_lights = context.blend_lights;
-    if (!f->surface_lights.header) return;
-    f->lights = f->surface_lights;
-    if (!context.has_blend) f->blend_lights = f->lights;
-}
-
-struct light_list order_add_fallback_lists(struct frame_state *f) {
-    struct lists_context context = lists_context(f);
-    return lists_add_fallback(&context);
-}
-
-struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth) {
-    struct lists_context context = lists_context(f);
-    context.depth = depth;
-    return lists_add_surfaces(&context);
-}
-
-fnl_gbuffer shading_layout(const struct frame_state *f) {
-    const fnl_gbuffer_options *g = &f->frame->gbuffer;
-    const struct geometry_scene *scene = &f->scene->geometry;
-    if (!shading_is(f->frame->shading, SHADING_LAYOUTS) || g->layout != FNL_GBUFFER_DEFAULT || g->chroma || g->normals == FNL_NORMALS_FLOAT) return g->layout;
-    for (uint32_t i = 0; i < scene->bucket_count; i++) {
-        const uint32_t forward = scene->buckets[i].forward_layouts;
-        if (geometry_bucket_opaque(&scene->buckets[i]) && (forward >> FNL_GBUFFER_DEFAULT & 1) && !(forward >> FNL_GBUFFER_LAYERS & 1)) return FNL_GBUFFER_LAYERS;
-    }
-    return g->layout;
-}
-
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
-    uint64_t bytes = gbuffer_bytes(shading_layout(f), f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
+    uint64_t bytes = gbuffer_bytes(surfaces_layout(f), f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
                      (f->gbuffer.mask.id ? 1 : 0) + extra_bytes;
     counters_note(f, "gbuffer.bytes", bytes * f->frame->width * f->frame->height * f->frame->msaa);
 }
@@ -188,7 +69,7 @@ static void add_transparency(struct frame_state *f, const struct shade_input *in
 
 static uint32_t blend_draw_count(const struct frame_state *f) {
     uint32_t draws = geometry_draw_count(&f->scene->geometry, GEOMETRY_BLEND);
-    if (!order_has_blend(f) || f->frame->transparency == FNL_TRANSPARENCY_SORTED) return draws;
+    if (!surfaces_have_blend(f) || f->frame->transparency == FNL_TRANSPARENCY_SORTED) return draws;
     return (f->frame->transparency == FNL_TRANSPARENCY_LINKED ? 2 : 1) * draws + f->frame->msaa;
 }
 
@@ -245,7 +126,7 @@ static struct shade_input input_of(const struct frame_state *f) {
                                 .counters = f->counters,
                                 .environment = f->scene->lights.environment,
                                 .background = {background.x, background.y, background.z},
-                                .layout = shading_layout(f),
+                                .layout = surfaces_layout(f),
                                 .normals = f->frame->gbuffer.normals,
                                 .chroma = f->frame->gbuffer.chroma};
 }
@@ -284,7 +165,7 @@ static struct geometry_draws begin_depth(struct frame_state *f) {
 }
 
 void shading_draw(struct frame_state *f) {
-    const struct order *order = orders[f->frame->shading];
+    const struct order *order = shading_order(f->frame->shading);
     f->radiance = create_target(f, "radiance", shading_format(f));
     f->depth = create_target(f, "depth", GEOMETRY_DEPTH_FORMAT);
     struct shade_input input = input_of(f);
@@ -294,7 +175,7 @@ void shading_draw(struct frame_state *f) {
     struct geometry_draws drawn = first && begins_depth(f) ? begin_depth(f) : f->draws;
     const uint32_t passes = (uint32_t)prepass + (order->draw != NULL);
     input.draws = &drawn;
-    multiview_count_work(f, &drawn, passes);
+    stereo_count_work(f, &drawn, passes);
     if (prepass) prepass_add(f->graph, input.scene, &drawn, f->view_address, f->depth);
     if (prepass) drawn.first_query += geometry_query_count(&drawn);
     if (order->draw) order->draw(f, &input, prepass);
@@ -311,13 +192,9 @@ void shading_take_layer(struct frame_state *f, const struct frame_state *togethe
     if (together->visibility.depth.id) f->visibility = visibility_layer(f->graph, &together->visibility, layer);
 }
 
-bool shading_draws_layered(const struct frame_state *f) {
-    return !frame_is(f->frame, SHADING_LAYERS) && geometry_draw_count(&f->scene->geometry, GEOMETRY_NOT_IN(GEOMETRY_LAYERED)) > 0;
-}
-
 /* What the order stores or sums up has no room for layers. */
 static void add_layered(struct frame_state *f, const struct shade_input *input) {
-    if (!shading_draws_layered(f)) return;
+    if (!surfaces_have_layers_over(f)) return;
     graph_push_names(f->graph, "layers");
     const struct light_list lights = order_add_fallback_lists(f); /* the order's own may be of other pixels, or none at all */
     graph_pop_names(f->graph);
@@ -327,8 +204,6 @@ static void add_layered(struct frame_state *f, const struct shade_input *input) 
     f->forward_layouts |= 1u << GEOMETRY_LAYERED;
     f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(GEOMETRY_LAYERED));
 }
-
-bool shading_has_glass(const struct frame_state *f) { return geometry_draw_count(&f->scene->geometry, GEOMETRY_GLASS) > 0; }
 
 static struct transmission find_glass(struct frame_state *f, const struct shade_input *input) {
     const uint32_t layers = MIN(MAX(f->r->transmission_layers, 1u), f->frame->transmission_layers);
@@ -362,7 +237,7 @@ static void add_behind_glass(struct frame_state *f, const struct shade_input *bl
 
 /* What shows what is behind it, after that and before blended surfaces in front of it. */
 static void add_over(struct frame_state *f, const struct shade_input *input) {
-    const bool glass = shading_has_glass(f), blends = order_has_blend(f) && !f->blended;
+    const bool glass = surfaces_have_glass(f), blends = surfaces_have_blend(f) && !f->blended;
     struct shade_input blend = *input;
     struct transmission found;
     blend.lights = &f->blend_lights;
@@ -389,7 +264,7 @@ static void note_environment(struct frame_state *f) {
 }
 
 void shading_add(struct frame_state *f) {
-    const struct order *order = orders[f->frame->shading];
+    const struct order *order = shading_order(f->frame->shading);
     reflections_note(f);
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
     note_environment(f);
@@ -474,4 +349,87 @@ static const struct counter counters[] = {
     {"transmission.overflow-layers", "layers", "that were left out and that the next frame has (transmission-layers at most)",
      .find = find_left_out, .kind = FNL_COUNTER_OVERFLOW},
 };
-const struct counter_table shading_counters = {counters, COUNT_OF(counters)};
+/* ---- the step ---- */
+
+enum { BLEND_POOL_START = 1 << 16 };
+
+static void init(fnl_renderer *r) {
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
+        if (shading_order((fnl_shading)i)->init) shading_order((fnl_shading)i)->init(r);
+}
+
+static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame) {
+    const bool plain = frame->gbuffer.layout == FNL_GBUFFER_DEFAULT && frame->gbuffer.normals == FNL_NORMALS_LAYOUT && !frame->gbuffer.chroma;
+    const bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
+    if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;
+    if (!is_auto && !shading_is(frame->shading, SHADING_LAYOUTS))
+        return unsupported(call, "%s shading has a G-buffer of its own: gbuffer, normals and chroma are of deferred and deferred-volumes",
+                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+    fnl_gbuffer_info info;
+    TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
+    if (!(info.encodings >> frame->gbuffer.normals & 1))
+        return unsupported(call, "the normals of G-buffer layout %s cannot hold encoding %s", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout),
+                           fnl_value_name(FNL_ENUM_NORMALS, frame->gbuffer.normals));
+    if (frame->gbuffer.chroma && frame->gbuffer.layout != FNL_GBUFFER_DEFAULT)
+        return unsupported(call, "gbuffer.chroma needs the default G-buffer layout, not %s", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
+    return FNL_OK;
+}
+
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    fnl_frame checked = *frame;
+    TRY(check_gbuffer(call, frame));
+    if (frame->shading == FNL_SHADING_AUTO && frame->choose_close && gpu_info(r->device)->primitive_ids)
+        checked.shading = FNL_SHADING_VISIBILITY; /* it may be taken */
+    if (checked.shading == FNL_SHADING_AUTO || !shading_order(checked.shading)->check) return FNL_OK;
+    return shading_order(checked.shading)->check(call, r, &checked);
+}
+
+static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
+    const struct order *order = shading_order(frame->shading);
+    return order->prepare ? order->prepare(r, frame) : FNL_OK;
+}
+
+static void submitted(fnl_renderer *r, const fnl_frame *frame) {
+    const struct order *order = shading_order(frame->shading);
+    if (order->submitted) order->submitted(r);
+}
+
+static void forget(fnl_renderer *r) {
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
+        if (shading_order((fnl_shading)i)->forget) shading_order((fnl_shading)i)->forget(r);
+}
+
+/* The lists of blended fragments start with one per pixel. */
+static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
+    const uint64_t limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
+    return (uint32_t)MIN(MAX(wanted, (uint64_t)BLEND_POOL_START), MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX));
+}
+
+void shading_prepare_pools(fnl_renderer *r, uint64_t pixels) {
+    if (!r->blend_capacity) r->blend_capacity = blend_capacity(r, pixels);
+}
+
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const uint64_t needed = MAX(counts->blend.fragments, counts->blend_behind.fragments);
+    if (counts->blend.overflow_pixels > 0 || counts->blend_behind.overflow_pixels > 0) r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
+    /* Each layer is a few passes: frames begin with one. */
+    r->transmission_layers = MAX(r->transmission_layers, MIN(counts->transmission.longest, (uint32_t)TRANSMISSION_LAYERS_MAX));
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
+        if (shading_order((fnl_shading)i)->grow) shading_order((fnl_shading)i)->grow(r, counts);
+}
+
+static void finish(fnl_renderer *r) {
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
+        if (shading_order((fnl_shading)i)->finish) shading_order((fnl_shading)i)->finish(r);
+}
+
+const struct frame_step step_shading = {.name = "shading",
+                                        .init = init,
+                                        .check = check,
+                                        .prepare = prepare,
+                                        .submitted = submitted,
+                                        .forget = forget,
+                                        .grow = grow,
+                                        .finish = finish,
+                                        .counters = counters,
+                                        .counter_count = COUNT_OF(counters)};

@@ -5,10 +5,11 @@
 #include "passes/shadow/fill.h"
 #include "passes/shadow/guide.h"
 #include "passes/shadow/maps.h"
-#include "render/multiview.h"
 #include "render/orders/order.h"
 #include "render/probes.h"
+#include "render/surfaces.h"
 #include "render/temporal.h"
+#include "render/step.h"
 
 /* ---- what finds them ---- */
 
@@ -103,7 +104,7 @@ static void tell_of_trees(fnl_renderer *r) {
                     r->device_scene->item_count);
 }
 
-fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame) {
+static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
     const struct device_rays_use use = rays_use_of(r, frame);
     if (use.trees && frame->shadow.ray_backend == FNL_RAY_BACKEND_RAY_QUERY) tell_of_trees(r);
@@ -124,16 +125,6 @@ void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene)
 }
 
 /* ---- maps ---- */
-
-void shadows_forget(struct renderer_view *view) {
-    shadow_state_forget(&view->shadows.pages);
-    view->shadows.all_changed = true;
-}
-
-void shadows_finish(gpu_device *device, struct renderer_view *view) {
-    shadow_state_finish(device, &view->shadows.pages);
-    gpu_buffer_destroy(device, &view->shadows.kept);
-}
 
 /* What is shaded without a depth that is known before gets one for this alone. */
 static graph_image depth_of(struct frame_state *f) {
@@ -170,7 +161,8 @@ void shadows_note(fnl_renderer *r, uint32_t slot) {
     for (uint32_t i = 0; i < r->slot_views[slot]; i++) r->shadow_counts.drawn += counts[i].shadows.drawn;
 }
 
-void shadows_measure(fnl_renderer *r) {
+static void submitted(fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
     const struct graph_timer *timers;
     uint32_t count;
     if (r->shadow_counts.frame == 0 || !graph_query_timers(r->graph, r->shadow_counts.frame, &timers, &count)) return;
@@ -221,7 +213,7 @@ static void add_requests(struct frame_state *f, graph_buffer suns, graph_image d
     else
         *wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(&f->scene->lights), depth, splits);
     const struct geometry_scene *scene = &f->scene->geometry;
-    const bool blend = order_has_blend(f), glass = shading_has_glass(f);
+    const bool blend = surfaces_have_blend(f), glass = surfaces_have_glass(f);
     if (blend || glass) list = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
     if (blend) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, false, f->view_address, depth, splits);
     if (glass) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, true, f->view_address, depth, splits);
@@ -416,8 +408,6 @@ void shadows_add_display(struct frame_state *views, uint32_t count) {
 
 /* ---- guided ---- */
 
-bool shadows_guided(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.guide; }
-
 struct shade_guide shadows_guide(struct frame_state *f) {
     const bool moves = f->temporal.keeps && !f->temporal.still;
     if (moves) temporal_add_motion(f);
@@ -431,8 +421,6 @@ struct shade_guide shadows_guide(struct frame_state *f) {
 }
 
 /* ---- denoised ---- */
-
-bool shadows_denoised(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.denoise; }
 
 void shadows_denoise(struct frame_state *f, const struct shade_apart *apart) {
     temporal_add_motion(f);
@@ -497,4 +485,46 @@ static const struct counter counters[] = {
     {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
      .find = find_waiting, .needs = "shadows=maps,hybrid", .kind = FNL_COUNTER_OVERFLOW},
 };
-const struct counter_table shadows_counters = {counters, COUNT_OF(counters)};
+/* ---- the step ---- */
+
+enum { PAIRS_START = 1 << 19, PAIRS_LIMIT = 1 << 28 };
+
+static void init(fnl_renderer *r) { r->shadow_pairs = PAIRS_START; }
+
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    const bool denoised = shadows_denoised(frame);
+    if (!(denoised || shadows_guided(frame)) || frame->shading == FNL_SHADING_DEFERRED) return FNL_OK;
+    return unsupported(call, "shadow.%s needs deferred shading, not %s", denoised ? "denoise" : "guide", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+}
+
+/* Pages that found no room wait for the next frame. */
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 20, (uint64_t)PAIRS_START);
+    if (needed > r->shadow_pairs) r->shadow_pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)PAIRS_LIMIT));
+}
+
+static void forget(fnl_renderer *r) {
+    for (uint32_t i = 0; i < r->views.count; i++) {
+        shadow_state_forget(&r->views.data[i].shadows.pages);
+        r->views.data[i].shadows.all_changed = true;
+    }
+}
+
+static void finish(fnl_renderer *r) {
+    for (uint32_t i = 0; i < r->views.count; i++) {
+        shadow_state_finish(r->device, &r->views.data[i].shadows.pages);
+        gpu_buffer_destroy(r->device, &r->views.data[i].shadows.kept);
+    }
+}
+
+const struct frame_step step_shadows = {.name = "shadows",
+                                        .init = init,
+                                        .check = check,
+                                        .prepare = prepare,
+                                        .submitted = submitted,
+                                        .forget = forget,
+                                        .grow = grow,
+                                        .finish = finish,
+                                        .counters = counters,
+                                        .counter_count = COUNT_OF(counters)};

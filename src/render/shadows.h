@@ -11,16 +11,9 @@ void shadows_settle(const fnl_renderer *r, fnl_frame *frame);
 bool shadows_timed(const fnl_frame *frame);
 /** Notes what the last frame of a slot has counted, inside of the next one, and takes its times when that was executed. */
 void shadows_note(fnl_renderer *r, uint32_t slot);
-void shadows_measure(fnl_renderer *r);
 
-/** Outside of frames, after the scene is on the device: what the frame's shadows keep there, and of its first view. */
-fnl_result shadows_prepare(fnl_renderer *r, const fnl_frame *frame);
 /** The same for one more view. */
 fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view);
-/** After a frame that failed: nothing is known of what the maps of a view hold. */
-void shadows_forget(struct renderer_view *view);
-/** The device is idle. */
-void shadows_finish(gpu_device *device, struct renderer_view *view);
 /** What all views of a frame share. */
 void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene);
 /** The maps of a view: lists that are made afterwards cast shadows. After what is drawn before lists, before lists. */
@@ -30,15 +23,9 @@ void shadows_add_display(struct frame_state *views, uint32_t count);
 
 /** Whether lights leave the lists of tiles that lie in their shadow; where the frame has maps. */
 bool shadows_classify(const fnl_frame *frame);
-/** Whether what frames see of lights guides the next one's choice of them. The frame's check sees to it that its order does that. */
-bool shadows_guided(const fnl_frame *frame);
 /** What guides this frame, for shade_input.guide; before its surfaces are shaded. */
 struct shade_guide shadows_guide(struct frame_state *f);
-/** Whether the frame asks for denoised shadows. Its check sees to it that its order has them. */
-bool shadows_denoised(const fnl_frame *frame);
 /** Adds to f->radiance what the order kept apart, denoised. */
 void shadows_denoise(struct frame_state *f, const struct shade_apart *apart);
-
-extern const struct counter_table shadows_counters;
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The eyes of one viewer: what they share, and that each sees what it would see alone. */
+#include "render/eyes.h"
 #include "render/stereo.h"
 
 #include "fanal/stereo.h"
@@ -94,7 +95,7 @@ static void test_common_frustum_holds_what_eyes_see_VR_5(void **state) {
         const fnl_rigid_pose head = random_head();
         const struct gpu_view views[2] = {view_of(&eyes[0], &head), view_of(&eyes[1], &head)};
         struct gpu_view both;
-        assert_true(stereo_combine(views, 2, 0, &both));
+        assert_true(eyes_combine(views, 2, 0, &both));
         for (uint32_t i = 0; i < 1000; i++) { /* a million in all */
             const vec3 p = point_in(&views[i & 1]);
             if (!holds(&both, p)) fail_msg("rig %d, %u: eye %u sees %g %g %g", rig, n, i & 1, (double)p.x, (double)p.y, (double)p.z);
@@ -114,7 +115,7 @@ static void test_common_frustum_is_tight(void **state) {
         const fnl_rigid_pose head = {{0, 0, 0}, {0, 0, 0, 1}};
         const struct gpu_view views[2] = {view_of(&eyes[0], &head), view_of(&eyes[1], &head)};
         struct gpu_view both;
-        assert_true(stereo_combine(views, 2, 0, &both));
+        assert_true(eyes_combine(views, 2, 0, &both));
         assert_float_equal(both.ndc_offset.x + both.ndc_scale.x, eyes[1].right, 1e-3f);
         assert_float_equal(both.ndc_offset.x - both.ndc_scale.x, eyes[0].left, 1e-3f);
         assert_float_equal(both.ndc_offset.y + both.ndc_scale.y, eyes[0].up, 1e-3f);
@@ -135,7 +136,7 @@ static void test_late_poses_within_the_margin_VR_6(void **state) {
         fnl_rigid_pose head = random_head();
         const struct gpu_view views[2] = {view_of(&eyes[0], &head), view_of(&eyes[1], &head)};
         struct gpu_view both;
-        if (!stereo_combine(views, 2, margin, &both)) continue; /* eyes see almost to the side already */
+        if (!eyes_combine(views, 2, margin, &both)) continue; /* eyes see almost to the side already */
         const vec3 axis = vec3_normalize((vec3){rnd(-1, 1), rnd(-1, 1), rnd(-1, 1)});
         for (uint32_t twice = 0; twice < 2; twice++) {
             const float half = (twice ? 2 : 0.999f) * margin / 2;
@@ -161,10 +162,10 @@ static void test_eyes_that_look_apart_have_none(void **state) {
     const float half = 50 * PI / 180; /* by 100 degrees */
     eye.pose.rotation = (fnl_vec4){0, sinf(half), 0, cosf(half)};
     views[1] = view_of(&eye, &head);
-    assert_false(stereo_combine(views, 2, 0, &both));
+    assert_false(eyes_combine(views, 2, 0, &both));
     views[1] = views[0];
     views[1].orthographic = 1;
-    assert_false(stereo_combine(views, 2, 0, &both));
+    assert_false(eyes_combine(views, 2, 0, &both));
 }
 
 /* ---- frames ---- */

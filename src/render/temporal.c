@@ -4,8 +4,9 @@
 #include "passes/aa/taa.h"
 #include "render/frame_state.h"
 #include "render/options.h"
-#include "render/shadows.h"
+#include "render/traits.h"
 #include "render/view.h"
+#include "render/step.h"
 
 bool temporal_needs_motion(const fnl_frame *frame) {
     return frame->aa == FNL_ANTIALIASING_TAA || shadows_denoised(frame) || shadows_guided(frame) || frame->debug == FNL_DEBUG_MOTION || frame->outputs & FNL_OUTPUT_MOTION;
@@ -120,3 +121,15 @@ void temporal_end(struct frame_state *f) {
                                                 .sequence = f->temporal.sequence,
                                                 .still = f->temporal.still_frames};
 }
+
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (!temporal_needs_motion(frame) || frame->msaa == 1) return FNL_OK;
+    return unsupported(call, "motion vectors and temporal antialiasing need 1 sample per pixel, not %u", frame->msaa);
+}
+
+static void forget(fnl_renderer *r) {
+    for (uint32_t i = 0; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
+}
+
+const struct frame_step step_temporal = {.name = "temporal", .check = check, .forget = forget};

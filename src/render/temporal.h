@@ -3,22 +3,7 @@
 #ifndef FNL_RENDER_TEMPORAL_H
 #define FNL_RENDER_TEMPORAL_H
 
-#include "fanal/renderer.h"
-#include "view_shared.h"
-
-struct frame_state;
-
-struct temporal_state {
-    bool valid;                                     /* the last frame was rendered */
-    struct gpu_view view;                           /* its view, without jitter */
-    vec2 jitter;
-    uint64_t uploads, light_version, decal_version, image_arrivals; /* of the scene then */
-    uint32_t shadow_requests;
-    vec3 background;
-    fnl_frame frame;
-    uint32_t index; /* of its jitter */
-    uint32_t sequence, still; /* of struct frame_temporal */
-};
+#include "render/frame_state.h"
 
 /** Whether the frame needs motion vectors. */
 bool temporal_needs_motion(const fnl_frame *frame);

@@ -2,8 +2,8 @@
 #include "render/view_plan.h"
 
 #include "passes/stereo/mono_shared.h"
-#include "render/shading.h"
-#include "render/stereo.h"
+#include "render/eyes.h"
+#include "render/traits.h"
 #include "render/view.h"
 
 /* Culling by clusters leaves what one view sees, and so does occlusion, of which eyes draw the union; decals are found in lists of one view. */
@@ -53,7 +53,7 @@ static uint32_t count_together(const struct view_plan_input *in, fnl_stereo_path
 static void find_far(const fnl_frame *frame, struct view_group *group) {
     struct gpu_view eyes[GROUP_MOST];
     for (uint32_t i = 0; i < group->count; i++) eyes[i] = view_from_camera(&frame->views[group->first + i], frame->width, frame->height);
-    group->has_far = stereo_middle(eyes, group->count, frame->stereo.mono_distance, MONO_OVERLAP, &group->far_camera, &group->far_width, &group->far_height);
+    group->has_far = eyes_middle(eyes, group->count, frame->stereo.mono_distance, MONO_OVERLAP, &group->far_camera, &group->far_width, &group->far_height);
 }
 
 void view_plan_make(const struct view_plan_input *in, struct view_plan *out) {

@@ -5,6 +5,7 @@
 #include "passes/debug/inspect.h"
 #include "render/multiview.h"
 #include "render/overlay.h"
+#include "render/shading.h"
 #include "render/shadows.h"
 
 /* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
@@ -55,7 +56,7 @@ fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const
     r->graph = r->asking_graph;
     r->meshes = frame_draws_meshes(r, frame);
     stand_in(r, frame);
-    pools_prepare(r, (uint64_t)frame->width * frame->height);
+    shading_prepare_pools(r, (uint64_t)frame->width * frame->height);
     struct view_plan plan;
     multiview_plan(r, frame, &plan);
     fnl_result result = frame_declare(r, frame, &plan, target);

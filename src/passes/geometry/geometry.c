@@ -4,7 +4,7 @@
 #include "constants_shared.h"
 #include "passes/geometry/clusters_shared.h"
 #include "passes/geometry/layered_shared.h"
-#include "passes/lights/light_list.h"
+#include "lights/lights_shared.h"
 #include "shaders.h"
 
 _Static_assert(FEATURES_ID == GPU_FEATURES_ID, "src/gpu gives the features this id");

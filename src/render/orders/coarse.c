@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/debug/colors_shared.h"
 #include "passes/shade/coarse.h"
 

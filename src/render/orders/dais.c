@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/dais/dais.h"
 #include "passes/debug/colors_shared.h"
 
@@ -85,9 +88,31 @@ static const struct counter counters[] = {
      .needs = "count-lights"},
 };
 
+enum {
+    POOL_START = 1 << 20, /* words of triangles */
+    POOL_LIMIT = 1 << 30, /* references have 31 bits */
+    NODE_START = 1 << 14
+};
+
+static void init(fnl_renderer *r) {
+    r->dais_capacity = POOL_START;
+    r->dais_node_capacity = NODE_START;
+}
+
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const uint64_t limit = gpu_info(r->device)->memory_bytes / 8 / 4, nodes = counts->dais[DAIS_NODES] + 2ull;
+    if (counts->dais[DAIS_OVERFLOW] == 0) return;
+    /* How much more the others want is not known: those that find no room take none. */
+    if (counts->dais[DAIS_WORDS] + DAIS_RECORD_MAX > r->dais_capacity)
+        r->dais_capacity = (uint32_t)MIN(MAX(2ull * r->dais_capacity, (uint64_t)POOL_START), MIN(limit, POOL_LIMIT));
+    if (nodes > r->dais_node_capacity) r->dais_node_capacity = (uint32_t)MIN(nodes + nodes / 4, MIN(limit, POOL_LIMIT) / 4);
+}
+
 const struct order order_dais = {.traits = SHADING_LAYERS | SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW |
                                            SHADING_SAMPLES | SHADING_APPROXIMATE,
+                                 .init = init,
                                  .check = check,
+                                 .grow = grow,
                                  .add = add,
                                  .views = views,
                                  .view_count = COUNT_OF(views),

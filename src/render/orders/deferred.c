@@ -4,6 +4,9 @@
 #include "render/temporal.h"
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/shade/classify.h"
 #include "passes/shade/deferred.h"
 #include "passes/shade/deferred_msaa.h"
@@ -98,7 +101,7 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
     decals_on_gbuffer_add(f, input, &gbuffer);
     struct light_list own = {0}; /* of what is lit forward */
-    bool has_lists = order_has_blend(f) || gbuffer.mask.id;
+    bool has_lists = surfaces_have_blend(f) || gbuffer.mask.id;
     if (has_lists) {
         order_add_lists(f, f->depth, gbuffer.mask.id && f->frame->msaa == 1 ? &gbuffer : NULL);
         own = f->lights;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/shade/regroup.h"
 
 /* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/shade/inferred.h"
 #include "passes/shade/light_indexed.h"
 #include "passes/shade/pre_lighting.h"
@@ -53,7 +56,7 @@ static void add_light_prepass(struct frame_state *f, struct shade_input *input, 
 
 /* Lists of blended surfaces alone, where opaque ones find their lights without. */
 static void add_blend_lists(struct frame_state *f) {
-    if (order_has_blend(f)) {
+    if (surfaces_have_blend(f)) {
         order_add_lists(f, f->depth, NULL);
         f->lights = f->blend_lights;
     } else {
@@ -76,7 +79,7 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
     pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
     note_light_bytes(f, &sums, 12ull * surfaces.samples * input->width * input->height);
-    if (!order_has_blend(f)) order_count_volumes(f, &volumes);
+    if (!surfaces_have_blend(f)) order_count_volumes(f, &volumes);
 }
 
 /* ---- lights written into pixels ---- */
@@ -128,8 +131,8 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     f->frame = &low_frame;
 
     /* What else is drawn over opaque surfaces comes before blended ones. */
-    const bool more = shading_has_glass(f) || shading_draws_layered(f) || decals_redraws(f) || frame->light_lod > 0 || f->mono || f->eyes;
-    const bool blend = order_has_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED && !more;
+    const bool more = surfaces_have_glass(f) || surfaces_have_layers_over(f) || decals_redraws(f) || frame->light_lod > 0 || f->mono || f->eyes;
+    const bool blend = surfaces_have_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED && !more;
     struct shade_input low = *input;
     low.view = slice.address;
     low.width = low_frame.width;

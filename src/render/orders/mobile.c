@@ -2,6 +2,9 @@
 #include "render/decals.h"
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/mobile/mobile.h"
 
 /* What the device can do of what was asked for. */
@@ -52,7 +55,7 @@ static bool tonemaps(struct frame_state *f, bool blend_inside) {
     if (frame->debug != FNL_DEBUG_NONE || frame->aa == FNL_ANTIALIASING_TAA) return false;
     if (frame->outputs & FNL_OUTPUT_RADIANCE) return false;
     if (frame->exposure == FNL_EXPOSURE_AUTO) return false; /* metering wants the whole frame first */
-    return blend_inside || !order_has_blend(f);
+    return blend_inside || !surfaces_have_blend(f);
 }
 
 struct tap_data {
@@ -90,7 +93,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
         note_once(f->r, 0,
                   params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
                                      : "light adds up in fractions: the device cannot blend packed floats");
-    bool by_volumes = frame_is(f->frame, SHADING_VOLUMES), has_blend = order_has_blend(f);
+    bool by_volumes = frame_is(f->frame, SHADING_VOLUMES), has_blend = surfaces_have_blend(f);
     if (!by_volumes || has_blend)
         order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
     struct light_list base;
@@ -115,7 +118,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
                                        .half = renderer_tests(f->r).weighted_half || weighted_needs_half(f->r->device)};
     params.separate |= renderer_tests(f->r).cannot_merge;
     /* What is drawn over opaque surfaces comes before blended ones. */
-    bool more = shading_shows_sky(f) || shading_has_glass(f) || shading_draws_layered(f) || f->frame->light_lod > 0 || decals_redraws(f);
+    bool more = shading_shows_sky(f) || surfaces_have_glass(f) || surfaces_have_layers_over(f) || f->frame->light_lod > 0 || decals_redraws(f);
     f->blended = has_blend && !more && f->frame->transparency != FNL_TRANSPARENCY_LINKED;
     if (f->blended && blend.weighted)
         counters_note(f, "transparency.bytes", (uint64_t)f->frame->width * f->frame->height * weighted_bytes(blend.half));

@@ -7,8 +7,10 @@
 #define FNL_RENDER_ORDER_H
 
 #include "passes/shade/volumes.h"
-#include "render/debug_views.h"
-#include "render/shading.h"
+#include "render/frame_state.h"
+#include "render/traits.h"
+
+struct debug_view;
 
 struct order {
     uint32_t traits; /* enum shading_trait, whatever the options */
@@ -31,8 +33,12 @@ struct order {
     /* Its own numbers; those that several orders have are in shading.c. */
     const struct counter *counters;
     uint32_t counter_count;
-    /* After a frame was submitted: what it made can be relied on from now on. */
+    /* As those of struct frame_step. Of submitted: after frames of this order alone. */
+    void (*init)(fnl_renderer *r);
     void (*submitted)(fnl_renderer *r);
+    void (*forget)(fnl_renderer *r);
+    void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
+    void (*finish)(fnl_renderer *r);
 };
 
 /** All orders: FNL_SHADING_… and the row order_…. */
@@ -50,8 +56,6 @@ const struct order *shading_order(fnl_shading shading);
 
 /* ---- what they share ---- */
 
-/** Whether the scene has blended surfaces. */
-bool order_has_blend(const struct frame_state *f);
 /** Makes the frame's lists; `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
 /** Makes lists beside those of the frame, for pixels that those do not serve. */

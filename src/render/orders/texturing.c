@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/texturing/texturing.h"
 #include "passes/texturing/virtual_view_shared.h"
 
@@ -32,7 +35,9 @@ static fnl_result prepare_virtual(fnl_renderer *r, const fnl_frame *frame) {
     return device_virtual_prepare(r->device_scene, frame->texturing.atlas_size, &r->atlas);
 }
 
+static void forget_virtual(fnl_renderer *r) { r->atlas.version = UINT64_MAX; }
 static void submitted_virtual(fnl_renderer *r) { r->atlas.fresh = false; }
+static void finish_virtual(fnl_renderer *r) { virtual_destroy(r->device, &r->atlas); }
 
 /* The first frame draws the geometry once more, to know which pages it wants; later ones have what the frame before wanted. */
 static void add_virtual(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -93,4 +98,7 @@ const struct order order_virtual_texturing = {.traits = TRAITS | SHADING_LAYERS,
                                               .view_count = COUNT_OF(virtual_views),
                                               .counters = virtual_counters,
                                               .counter_count = COUNT_OF(virtual_counters),
+                                              .init = forget_virtual,
+                                              .forget = forget_virtual,
+                                              .finish = finish_virtual,
                                               .submitted = submitted_virtual};

@@ -2,6 +2,9 @@
 #include "render/decals.h"
 #include "render/orders/order.h"
 
+#include "render/debug_views.h"
+#include "render/shading.h"
+
 #include "passes/visibility/visibility.h"
 
 _Static_assert((int)FNL_VISIBILITY_SORT_CLASS == VISIBILITY_SORT_CLASS &&

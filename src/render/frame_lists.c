@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/** Light lists in a frame: who asks for them, with what, and how large their pools are. */
+#include "render/orders/order.h"
+#include "render/step.h"
+#include "render/stereo.h"
+#include "render/surfaces.h"
+
+/* ---- the step ---- */
+
+static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    const fnl_cluster_options *o = &frame->clusters;
+    if (isinf(o->near) || isinf(o->far)) return FNL_OK;
+    return check_above(call, "clusters.far", (double)o->far, (double)o->near, (double)INFINITY, " metres (clusters.near)");
+}
+
+enum { POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
+
+static void init(fnl_renderer *r) {
+    r->pool_capacity = POOL_START;
+    lists_shared_init(&r->lists, &r->host);
+}
+
+static uint64_t pool_limit(const fnl_renderer *r) { return MAX(MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT), (uint64_t)POOL_START); }
+
+uint32_t lists_pool_limit(const fnl_renderer *r) { return renderer_tests(r).fixed_pools ? r->pool_capacity : (uint32_t)pool_limit(r); }
+
+/*
+ * After an overflow the pool takes what the frame needed and a quarter more, but never so much that the device could run out: cells beyond that go on
+ * using all lights.
+ */
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const uint64_t needed = MAX(MAX(counts->lights.entries, counts->blend_lights.entries), counts->surface_lights.entries);
+    if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, pool_limit(r));
+}
+
+static void forget(fnl_renderer *r) { r->lists.world.version = r->lists.grid2d.version = UINT64_MAX; }
+
+static void finish(fnl_renderer *r) {
+    for (uint32_t i = 0; i < r->views.count; i++) lists_finish(&r->views.data[i].lists, r->device);
+    lists_shared_finish(&r->lists, r->device);
+}
+
+const struct frame_step step_lists = {.name = "lists", .init = init, .check = check, .forget = forget, .grow = grow, .finish = finish};
+
+/* ---- lists of a view ---- */
+
+static struct lists_context lists_context(struct frame_state *f) {
+    return (struct lists_context){.graph = f->graph,
+                                  .device = f->r->device,
+                                  .frame = f->frame,
+                                  .view = &f->view,
+                                  .device_scene = f->r->device_scene,
+                                  .scene = &f->scene->geometry,
+                                  .draws = &f->draws,
+                                  .input = &f->scene->lights,
+                                  .shared = &f->r->lists,
+                                  .state = &f->kept->lists,
+                                  .has_blend = surfaces_have_blend(f),
+                                  .estimates = f->graph != f->r->asking_graph,
+                                  .pool_capacity = f->r->pool_capacity,
+                                  .pool_limit = lists_pool_limit(f->r)};
+}
+
+/* One list for all eyes, made with the first. */
+static void add_head_lists(struct frame_state *f) {
+    struct frame_display *display = f->display;
+    if (!display->lights.header) {
+        struct lists_context context = lists_context(f);
+        fnl_frame frame = *f->frame;
+        struct light_input input = f->scene->lights;
+        frame.width = input.width = display->head.size.x;
+        frame.height = input.height = display->head.size.y;
+        frame.camera.near_distance = display->head.near_distance;
+        input.view = display->head_address;
+        context.frame = &frame;
+        context.view = &display->head;
+        context.input = &input;
+        context.of_head = true;
+        lists_add(&context);
+        display->lights = context.lights;
+    }
+    f->lights = f->blend_lights = light_list_for_eye(f->graph, f->r->device, &display->lights, &f->scene->lights);
+}
+
+void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
+    if (stereo_shares_list(f, f->frame->lists)) {
+        add_head_lists(f);
+        return;
+    }
+    struct lists_context context = lists_context(f);
+    context.depth = depth;
+    context.gbuffer = gbuffer;
+    context.of_head = stereo_asks_list(f, f->frame->lists);
+    lists_add(&context);
+    f->lights = context.lights;
+    f->blend_lights = context.blend_lights;
+    if (!f->surface_lights.header) return;
+    f->lights = f->surface_lights;
+    if (!context.has_blend) f->blend_lights = f->lights;
+}
+
+struct light_list order_add_fallback_lists(struct frame_state *f) {
+    struct lists_context context = lists_context(f);
+    return lists_add_fallback(&context);
+}
+
+struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth) {
+    struct lists_context context = lists_context(f);
+    context.depth = depth;
+    return lists_add_surfaces(&context);
+}
