@@ -126,7 +126,7 @@ function(fanal_render_test name)
   endif()
   cmake_parse_arguments(PARSE_ARGV 1 test "OWN_DEVICE" "GROUP" "SOURCES;HELPERS;SHADERS")
   if(test_OWN_DEVICE)
-    fanal_test(${name} SOURCES ${test_SOURCES} HELPERS render_harness ${test_HELPERS} SHADERS ${test_SHADERS}
+    fanal_test(${name} SOURCES ${test_SOURCES} HELPERS render_harness stand_in ${test_HELPERS} SHADERS ${test_SHADERS}
       LAYERS base image scene ray gpu graph passes render)
     fanal_test_renders(${name})
     return()

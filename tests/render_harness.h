@@ -46,8 +46,8 @@ struct stage {
 };
 
 /**
- * `source`: "builtin:…", or a file in $FANAL_SCENES (default ../shared/scenes). Where it is missing, a figure of tests/figure_file.h replaces it;
- * if there is none of that name, the test is skipped and says so. `scattered` lights are added with fnl_scene_scatter_lights.
+ * `source`: "builtin:…", or a sample (tests/stand_in.h); a stand-in replaces a missing sample. `scattered` lights are added with
+ * fnl_scene_scatter_lights.
  */
 struct stage stage_open(const char *source, uint32_t scattered);
 /** Takes a scene over. */

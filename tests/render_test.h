@@ -27,7 +27,7 @@ int test_group_end(void **state);
 /* ---- scenes ---- */
 
 fnl_scene *test_scene(void);
-/** Loads or fails the test; `shared` true: a file of $FANAL_SCENES, and the test is skipped when it is not there. */
+/** Loads or fails the test; `shared` true: a sample, or the stand-in that replaces it (tests/stand_in.h). */
 fnl_scene *test_load(const char *name, bool shared);
 fnl_material_id test_material(fnl_scene *scene, const fnl_material_params *params);
 /** A unit square in the xy plane from -1 to 1 that faces +Z, uv 0..1 from the top left; material index or SCENE_NONE. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Loads the files of ../shared/scenes/gltf-conformance (skipped without that folder) and compares with the verdicts of the
+ * Loads the files of ../shared/scenes/gltf-conformance and compares with the verdicts of the
  * reference validator that stand beside them: every error about something that is used must come as an error or a warning
  * with the same JSON pointer, and what has no such error must load.
  */
@@ -115,7 +115,7 @@ static int visit(const char *path, const struct stat *status, int type, struct F
 static void test_conformance(void **state) {
     UNUSED(state);
     if (access(FOLDER, R_OK) != 0) {
-        print_message("skipped: there is no %s\n", FOLDER);
+        print_message("skipped: there is no %s, 177 files of a validator; nothing made up can replace verdicts of another program\n", FOLDER);
         skip();
     }
     assert_int_equal(nftw(FOLDER, visit, 16, FTW_PHYS), 0);

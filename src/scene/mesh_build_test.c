@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Completing meshes, animation, skins, and scattering lights, against closed forms. */
 #include "scene/scene.h"
-#include "tests/figure_file.h"
+#include "tests/gltf_test_file.h"
+#include "tests/stand_in.h"
 
 #include <setjmp.h>
 #include <unistd.h>
@@ -264,7 +265,7 @@ static void test_fox_runs(void **state) {
     fnl_host host = test_host(&log);
     fnl_scene *scene;
     size_t size;
-    unsigned char *glb = figure_glb(figure_find("Fox.glb"), &size);
+    unsigned char *glb = stand_in_figure("Fox.glb", &size);
     if (gltf_load_memory(&host, glb, size, "fox.glb", NULL, &scene) != FNL_OK || log.count) fail_msg("%s", log.text);
     free(glb);
     assert_true(scene->skins.count == 1 && scene->animations.count == 3);

@@ -5,6 +5,7 @@
 #include "image/bc6h.h"
 #include "scene/scene_environment.h"
 #include "tests/render_harness.h"
+#include "tests/stand_in.h"
 
 #include <unistd.h>
 
@@ -177,26 +178,16 @@ static void from_harmonics(const struct gpu_environment *e, struct dvec n, doubl
 
 /* ---- pictures ---- */
 
-/* A picture of $FANAL_SCENES at half its size, without its bright sources; the test is skipped where it is missing. */
+/* A sample, or its stand-in, at half its size, without its bright sources. */
 static struct panorama load(const char *file, uint32_t *source_count) {
     const fnl_host host = fnl_host_default();
-    const char *folder = getenv("FANAL_SCENES");
-    char path[512];
-    fnl_image image;
-    snprintf(path, sizeof path, "%s/%s", folder ? folder : "../shared/scenes", file);
-    FILE *there = fopen(path, "rb");
-    if (!there) {
-        print_message("SKIPPED: %s is not there\n", path);
-        skip();
-    }
-    fclose(there);
-    assert_int_equal(fnl_image_load(&host, path, &image), FNL_OK);
+    fnl_image image = stand_in_or_sample(file);
     struct panorama p = {image.width, image.height, malloc((size_t)image.width * image.height * 12)};
     struct panorama_source sources[ENVIRONMENT_LIGHTS_MAX];
     assert_non_null(p.texels);
     for (size_t i = 0; i < (size_t)p.width * p.height; i++)
         for (size_t c = 0; c < 3; c++) p.texels[3 * i + c] = ((const float *)image.pixels)[4 * i + c];
-    fnl_image_free(&host, &image);
+    free(image.pixels);
     assert_int_equal(panorama_part(&host, &p, sources, source_count), FNL_OK);
     return p;
 }
