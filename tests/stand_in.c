@@ -71,8 +71,8 @@ static const struct model models[] = {
      MATERIALS(MAPS(4, 1, 0) ",'emissiveFactor':[1,1,1],'emissiveTexture':{'index':2}"),
      TEXTURES({STAND_IN_COLOR, 256}, {STAND_IN_SURFACE, 256}, {STAND_IN_GLOW, 256}, {STAND_IN_COLOR, 32}, {STAND_IN_NORMAL, 256})},
     {"CornellBox.glb", /* a room without a front; the lamp glows and is no light */
-     PIECES({"lamp", BOTTOM, {-278, 547.9f, -279.5f}, {130, 0, 105}, .material = 0}, {"large", BOX, {-368, 165, -351}, {206, 330, 206}, .material = 1},
-            {"small", BOX, {-185, 82.5f, -169}, {205, 165, 205}, .material = 1}, {"room", TOP | BOTTOM | BACK, {-276.8f, 274.4f, -279.6f}, {556, 548.8f, 559.2f}, .material = 2},
+     PIECES({"lamp", BOTTOM, {-278, 547.9f, -279.5f}, {130, 0, 105}, .material = 0}, {"large", BOX, {-368, 165, -351}, {160, 330, 160}, .material = 1},
+            {"small", BOX, {-185, 82.5f, -169}, {160, 165, 160}, .material = 1}, {"room", TOP | BOTTOM | BACK, {-276.8f, 274.4f, -279.6f}, {556, 548.8f, 559.2f}, .material = 2},
             {"room", LEFT, {-276.8f, 274.4f, -279.6f}, {556, 548.8f, 559.2f}, .material = 3}, {"room", RIGHT, {-276.8f, 274.4f, -279.6f}, {556, 548.8f, 559.2f}, .material = 4}),
      MATERIALS(FACTORS("0.8,0.8,0.8", 0, 0.5) ",'doubleSided':true,'emissiveFactor':[1,1,1],'extensions':{'KHR_materials_emissive_strength':{'emissiveStrength':100}}",
                FACTORS("0.5,0.5,0.5", 0, 0.5) ",'doubleSided':true", FACTORS("0.4,0.4,0.4", 0, 0.5) ",'doubleSided':true", FACTORS("0.5,0,0", 0, 0.5) ",'doubleSided':true",

@@ -100,7 +100,7 @@ struct panorama {
 static const struct panorama panoramas[] = {
     {"peppermint_powerplant_1k.hdr", 1024, {0.25f, 0.24f, 0.22f}, {0.5f, 0.52f, 0.55f}, {0.22f, 0.2f, 0.17f}, 0.8f, {{0.1f, 0.14f, 0.05f, 60}, {0.3f, 0.13f, 0.06f, 40}, {0.62f, 0.15f, 0.05f, 50}, {0.8f, 0.12f, 0.04f, 80}, {0.5f, 0.04f, 0.06f, 4}}},
     {"spiaggia_di_mondello_1k.hdr", 1024, {0.35f, 0.6f, 1.1f}, {0.9f, 0.95f, 1}, {0.45f, 0.38f, 0.28f}, 0.5f, {{0.35f, 0.14f, 0.012f, 20000}}},
-    {"venice_sunset_256.hdr", 256, {0.25f, 0.35f, 0.6f}, {1.1f, 0.8f, 0.5f}, {0.2f, 0.17f, 0.16f}, 0.6f, {{0.2f, 0.02f, 0.08f, 9}}},
+    {"venice_sunset_256.hdr", 256, {0.25f, 0.35f, 0.6f}, {1.1f, 0.8f, 0.5f}, {0.2f, 0.17f, 0.16f}, 0.6f, {{0.2f, 0.02f, 0.1f, 5}}},
 };
 
 static void sky(const struct panorama *p, float u, float v, float out[3]) {
