@@ -4,7 +4,6 @@
 #include "tests/stand_in.h"
 
 #include <time.h>
-#include <unistd.h>
 
 /* ---- host and device ---- */
 

@@ -4,6 +4,7 @@
 
 #include "fanal/trace.h"
 #include "tests/coarse_cases.h"
+#include "tests/stand_in.h"
 
 struct view {
     const char *source;
@@ -85,13 +86,19 @@ static void test_frames_without_shadows(void **state) {
 /* Each extension's sample model: textures of layers, and normals and tangents of their own. */
 static void test_layered_materials_of_files_MA_6(void **state) {
     UNUSED(state);
+    /* Stand-ins (tests/stand_in.h) reach 45.7 and 46.6, 72.9 and 79.4, 68.2 and 69.6, 56.5 and 62.9 dB. */
+    static const double made[][2] = {{43.5, 44.5}, {65, 70}, {60, 62}, {50, 57}};
     static const struct view views[] = {
         {"materials/ClearCoatTest.glb", 35, 38, false, 0, 12},
         {"materials/IridescenceSuzanne.glb", 35, 38, false, 0, 12},
         {"materials/AnisotropyStrengthTest.glb", 35, 38, false, 0, 12},
         {"materials/SheenChair/SheenChair.gltf", 35, 38, false, 0, 12},
     };
-    for (uint32_t i = 0; i < COUNT_OF(views); i++) expect_same(&views[i]);
+    for (uint32_t i = 0; i < COUNT_OF(views); i++) {
+        struct view view = views[i];
+        if (!stand_in_sample(view.source)) view.radiance = made[i][0], view.color = made[i][1];
+        expect_same(&view);
+    }
 }
 
 static void test_animated_frames(void **state) {

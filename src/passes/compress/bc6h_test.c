@@ -10,7 +10,6 @@
 #include "tests/render_harness.h"
 #include "tests/stand_in.h"
 
-#include <unistd.h>
 
 enum { PARTS_MAX = 6 * 9 };
 
