@@ -10,14 +10,21 @@ struct figure {
     const char *name; /* of the sample that it replaces */
     uint32_t rings, segments, joints, animations;
     float length, radius; /* in the sample's units */
+    float turn;           /* of a joint, in radians */
     bool upright;         /* along Y, from 0; else along Z, on a height of two radii */
 };
 
-/** As many triangles as the samples have, or almost. */
-static const struct figure figures[] = {{"Fox.glb", 48, 6, 24, 3, 150, 20, false}, {"CesiumMan.glb", 83, 28, 19, 1, 1.5f, 0.2f, true}};
+/** As many triangles as the samples have, or almost. The first animation is the longest, as in Fox.glb, and
+ * curls the animal over its own back. */
+static const struct figure figures[] = {{"Fox.glb", 48, 6, 24, 3, 150, 20, -0.07f, false}, {"CesiumMan.glb", 83, 28, 19, 1, 1.5f, 0.2f, 0.045f, true}};
 
 static vec3 figure_at(const struct figure *figure, float along, float x, float y) {
     return figure->upright ? vec3_make(x, along * figure->length, y) : vec3_make(x, 2 * figure->radius + y, (along - 0.5f) * figure->length);
+}
+
+/** Bulges are in each other's shadow, and have upper sides, where decals from above show. */
+static float figure_radius(const struct figure *figure, float along) {
+    return figure->radius * (0.05f + 0.95f * sinf(3.1415927f * along)) * (1 + 0.3f * sinf(31.415927f * along));
 }
 
 static void figure_mesh(const struct figure *figure, struct glb *f, uint32_t *vertices, uint32_t *corners) {
@@ -32,10 +39,11 @@ static void figure_mesh(const struct figure *figure, struct glb *f, uint32_t *ve
     for (uint32_t r = 0; r <= figure->rings; r++)
         for (uint32_t s = 0; s < across; s++) {
             const float along = (float)r / (float)figure->rings, angle = 6.2831853f * (float)(s % figure->segments) / (float)figure->segments;
-            const float thick = figure->radius * (0.05f + 0.95f * sinf(3.1415927f * along)), place = along * (float)(figure->joints - 1);
+            const float thick = figure_radius(figure, along), slope = (figure_radius(figure, along + 0.001f) - figure_radius(figure, along - 0.001f)) / 0.002f / figure->length;
+            const float place = along * (float)(figure->joints - 1);
             const uint32_t i = r * across + s, joint = MIN((uint32_t)place, figure->joints - 2);
             positions[i] = figure_at(figure, along, thick * cosf(angle), thick * sinf(angle));
-            normals[i] = figure->upright ? vec3_make(cosf(angle), 0, sinf(angle)) : vec3_make(cosf(angle), sinf(angle), 0);
+            normals[i] = vec3_normalize(figure->upright ? vec3_make(cosf(angle), -slope, sinf(angle)) : vec3_make(cosf(angle), sinf(angle), -slope));
             uv[i] = (vec2){(float)s / (float)figure->segments, along};
             joints[i][0] = (uint8_t)joint, joints[i][1] = (uint8_t)(joint + 1);
             weights[i] = (vec4){1 - (place - (float)joint), place - (float)joint, 0, 0};
@@ -76,7 +84,7 @@ unsigned char *stand_in_figure(const char *name, size_t *size) {
     figure_mesh(figure, f, &vertices, &corners);
     figure_joints(figure, f);
     for (uint32_t a = 0; a < figure->animations; a++) {
-        const float end = 1.2f + 1.1f * (float)a, times[KEYS] = {0, end / 2, end}, angle = (a % 2 ? -0.045f : 0.045f) / 2;
+        const float end = 1.2f + 1.1f * (float)(figure->animations - 1 - a), times[KEYS] = {0, 0.6f, end}, angle = (a % 2 ? -figure->turn : figure->turn) / 2;
         const vec4 turns[KEYS] = {{0, 0, 0, 1}, {sinf(angle), 0, 0, cosf(angle)}, {0, 0, 0, 1}};
         glb_view(f, times, sizeof times);
         glb_view(f, turns, sizeof turns);
