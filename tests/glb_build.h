@@ -39,7 +39,7 @@ static inline uint32_t glb_view(struct glb *g, const void *data, size_t size) {
     return g->view_count++;
 }
 
-/** The JSON starts with this, up to and including the buffer views, all of which must be there. */
+/** Starts the JSON, through the buffer views; add every view first. */
 static inline void glb_begin_json(struct glb *g) {
     glb_add(&g->json, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[%s]", g->size, g->views.text);
 }

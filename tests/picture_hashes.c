@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Prints a hash of the picture of every shading order with every kind of light lists, and of the ways that one order or another has: shadows, views,
- * eyes, environments, probes; and the passes of the frame and the bytes that they move. So a change that must keep all pictures to the bit can be
- * compared with what was before:
+ * Prints a picture hash, pass count and bytes moved for every shading path with every light list, and for options of
+ * some paths: shadows, views, eyes, environments, probes. Compare before and after a change that must keep pictures
+ * bit-identical:
  *   picture_hashes > before.txt; …; picture_hashes | diff before.txt -
  * The hashes belong to one driver and are not kept.
  */

@@ -25,7 +25,7 @@ struct texture {
     uint32_t side;
 };
 
-/** JSON has ' in the place of ". In materials @ is the column's part of the way from 0 to 1, # the row's. Lists end with zeros. */
+/** JSON with ' for ". In materials, @ and # are the column and the row, scaled to 0 .. 1. Lists end with zeros. */
 struct model {
     const char *name;
     const struct piece *pieces;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * For tests: made-up files that replace sample models and panoramas, which not every checkout has. A stand-in has the size of its sample, its number of
- * meshes, materials and images, and the features that tests are about, with fewer triangles and texels. Names are those of samples, relative to
- * stand_in_folder().
+ * For tests: generated files that replace sample models and panoramas missing from a checkout. A stand-in has its
+ * sample's size, its number of meshes, materials and images, and its tested features, with fewer triangles and
+ * texels. Names are relative to stand_in_folder().
  */
 #ifndef FNL_TESTS_STAND_IN_H
 #define FNL_TESTS_STAND_IN_H

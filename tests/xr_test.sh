@@ -133,7 +133,7 @@ is '.sessions.recentered == 1'
 stands() { is "[.last.views[0,1].position] | ((.[0][0] + .[1][0]) / 2 - $1 | fabs) < 1e-4 and ((.[0][1] + .[1][1]) / 2 - $2 | fabs) < 1e-4 and ((.[0][2] + .[1][2]) / 2 - $3 | fabs) < 1e-4"; }
 stands 1 2 3
 is '.last.views[0] | (.target[0] - .position[0]) > 0.999 * (((.target[0] - .position[0]) | . * .) + ((.target[2] - .position[2]) | . * .) | sqrt)'
-# Centred anew elsewhere, the user stays where he walked to: 0.4 m to the right and 0.4 m ahead in LOCAL, turned by -115 degrees to look along +X.
+# After a recenter, the user keeps the position he walked to: 0.4 m right and 0.4 m ahead in LOCAL, turned by -115 degrees to face +X.
 run 0 walked builtin:onetile "${plain[@]}" --frames 12 --eye 1,2,3 --look-at 5,2,3 <<'END'
 no_stage
 head 0.5 1.7 -0.3 25

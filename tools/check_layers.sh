@@ -50,7 +50,7 @@ for folder in src/*/; do
     fi
 done
 
-# No cycles within a layer: a module is what a .c and a .h of one name include, and each other header. Those known are to go.
+# No include cycles within a layer. A module is a .c and .h of one name, or a lone header. Known cycles must go.
 known='graph/graph>graph/graph_internal ray/ray_internal>ray/ray_scene image/bc6h_encode>image/bc6h image/blocks>image/texture image/codec>image/image image/codec>image/texture scene/scene_environment>scene/scene
 passes/shadow/ray_query>passes/shadow/rays passes/shadow/maps>passes/lights/light_list passes/shadow/split>passes/shadow/pages
 passes/visibility/visible>passes/visibility/visibility passes/geometry/occlusion>passes/geometry/cull'

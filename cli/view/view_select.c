@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ICONS_MOST = 2048, ICON_SIZE = 5 }; /* the nearest; pixels from their middle to their edge */
+enum { ICONS_MOST = 2048, ICON_SIZE = 5 }; /* the nearest; half the icon size in pixels */
 enum { PICKED_COLOR = (int)0xffb000ffu, KEY_ESCAPE = 256, KEY_DELETE = 261 };
 
 /* ---- which ---- */
@@ -218,7 +218,7 @@ static void find_icons(struct view *v, const struct maths_eye *eye) {
     qsort(icons->shown, icons->shown_count, sizeof *icons->shown, nearer_first);
 }
 
-/* Of icons that overlap the one in front is picked, where it is drawn; next to all of them, the nearest to the cursor. */
+/* Picks the front icon of those under the cursor; otherwise the icon nearest to the cursor. */
 bool view_select_icon(struct view *v, float x, float y) {
     const struct maths_eye eye = view_select_eye(v);
     struct view_icons *icons = &v->select.icons;

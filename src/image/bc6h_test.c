@@ -229,7 +229,7 @@ static const char *const map_names[] = {"peppermint_powerplant_1k.hdr", "spiaggi
    quality 1; from EXR files of halves). */
 static const struct bc6h_error convection[] = {{0.02098, 0.00625}, {0.01271, 0.00617}, {0.01661, 0.00714}};
 
-/* For stand-ins, which that encoder has not seen: the numbers of our own best, recorded. */
+/* Stand-ins: recorded errors of our own best; that encoder never ran on them. */
 static const struct bc6h_error recorded[] = {{0.00563, 0.00327}, {0.00596, 0.00332}, {0.00887, 0.00518}};
 
 static void load_map(uint32_t index, struct map *out) {

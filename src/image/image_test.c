@@ -875,7 +875,7 @@ static void test_real_hdr_file(void **state) {
     unsigned char *hdr = stand_in_hdr(&made, &size);
     assert_int_equal(image_decode(&host, hdr, size, name, false, &image), FNL_OK);
     check_hdr(&image);
-    /* Three mantissas of 8 bits, cut off, share the exponent of the greatest. */
+    /* RGBE truncates to 8-bit mantissas that share the largest exponent. */
     for (size_t i = 0; i < 1024 * 512; i++) {
         const float *want = (const float *)made.pixels + i * 4, *got = (const float *)image.pixels + i * 4;
         for (int c = 0; c < 3; c++) assert_true(fabsf(got[c] - want[c]) <= fmaxf(want[0], fmaxf(want[1], want[2])) / 128);

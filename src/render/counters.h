@@ -70,7 +70,10 @@ void counters_note_in(const fnl_host *host, struct view_counters *c, const char 
 #define COUNTED_HAS(counted, member) counters_copied(counted, offsetof(struct frame_counts, member))
 bool counters_copied(const struct counted *counted, uint64_t offset);
 
-/** The table at a place: of each step, then of each order. Orders may have one in common: it is the first one's, and `out_shadings` gets the bits of them all. Count 0: it has none. */
+/**
+ * The table at an index: steps first, then shading paths. The first of several paths that share a table returns it; `out_shadings` gets the bits of all.
+ * Count 0: no table.
+ */
 struct counter_table {
     const struct counter *rows;
     uint32_t count;

@@ -15,14 +15,14 @@
 bool eyes_combine(const struct gpu_view *eyes, uint32_t count, float margin, struct gpu_view *out);
 
 /**
- * A camera in the middle of the head that sees all that any of the eyes sees from `distance` metres on; its near plane lies nearer by the part `overlap` of that. Its pixels
- * are those of the first eye for things at infinity, moved by whole ones. False: there is none, as above.
+ * A camera in the middle of the head that sees all that any of the eyes sees from `distance` meters on; its near plane is nearer by `overlap` times that. Its
+ * pixels are those of the first eye for things at infinity, moved by whole ones. False: there is none, as above.
  */
 bool eyes_middle(const struct gpu_view *eyes, uint32_t count, float distance, float overlap, fnl_camera *out, uint32_t *width, uint32_t *height);
 
 /**
- * Of such a view of a head: what lies before the plane across it `distance` metres ahead of the eyes. That takes the place of the near plane, which hardly
- * anything lies before.
+ * The part of a combined view nearer than `distance` meters from the eyes. This plane replaces the near plane, which
+ * culls almost nothing.
  */
 struct gpu_view eyes_before(const struct gpu_view *head, const struct gpu_view *eyes, uint32_t count, float distance);
 

@@ -69,7 +69,7 @@ static void pop_view(const struct frame_state *f) {
 
 /* ---- groups of views ---- */
 
-/* The views of a group while it is declared: `count` of them, and behind them the one of what is far away, if there is one. */
+/* The views of a group while it is declared: `count` views, then the mono view if there is one. */
 struct group_state {
     const struct view_group *group;
     struct frame_display display;
@@ -129,7 +129,7 @@ static fnl_result begin_views(struct group_state *g, const struct frame_parts *p
     return FNL_OK;
 }
 
-/* A display whose eyes look too far apart has the place of such a view, and nothing in it. */
+/* The mono view's slot stays empty if the eyes diverge too far. */
 static fnl_result begin_far(struct group_state *g, const struct frame_parts *parts) {
     const uint32_t count = g->group->count, index = g->group->far_index;
     struct renderer_view *kept = &parts->shared.r->views.data[index];
@@ -150,7 +150,7 @@ static fnl_result begin_far(struct group_state *g, const struct frame_parts *par
     return FNL_OK;
 }
 
-/* Eyes, then what is far away, which their depth, opened again, hides. */
+/* Draws the eyes, then the mono view behind their reopened depth. */
 static void draw_display(struct group_state *g) {
     const uint32_t count = g->group->count;
     for (uint32_t i = 0; i < count; i++) {
@@ -174,7 +174,7 @@ static void draw_display(struct group_state *g) {
     pop_view(far);
 }
 
-/* What is far away, then the eyes that it is put behind; one exposure. */
+/* Shades the mono view, then the eyes over it; one exposure. */
 static void shade_display(struct group_state *g) {
     struct graph *graph = g->views->graph;
     const uint32_t count = g->group->count;
@@ -208,7 +208,7 @@ static fnl_result declare_group(const struct frame_parts *parts, const struct vi
         draw_display(&g);
         shade_display(&g);
     }
-    /* Views that share drawing alone go to the end one by one: at once alive are the targets of that, no more. */
+    /* Views that share only drawing finish one by one, so only their drawing targets are alive at once. */
     for (uint32_t i = 0; i < group->count; i++) {
         struct frame_state *f = &g.views[i];
         push_view(f);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** Light lists in a frame: who asks for them, with what, and how large their pools are. */
+/** Light lists in a frame: users, inputs and pool sizes. */
 #include "render/orders/order.h"
 #include "render/step.h"
 #include "render/stereo.h"

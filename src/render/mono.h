@@ -5,7 +5,7 @@
 
 #include "render/frame_state.h"
 
-/** The frame of the mono view of a display: camera, size, and nothing of what eyes alone have. Of a display that has none: a copy of 1 x 1 pixels. */
+/** The frame of a display's mono view: its camera and size, without eye-only options. A display without a mono view gets a 1 x 1 copy. */
 void mono_frame(const fnl_frame *frame, const struct view_group *group, fnl_frame *out);
 
 /** Begins the depth that a view is drawn into: of an eye (each of several at once) with the plane, of the mono view with what both eyes cover. */

@@ -5,9 +5,9 @@
 
 #include "render/frame_state.h"
 
-/** The plan of a frame of this renderer, on its device. The scene is prepared, nothing is auto but stereo.path and multiview. */
+/** Plans a frame for the renderer's device. The scene is prepared; only stereo.path and multiview may be auto. */
 void multiview_plan(const fnl_renderer *r, const fnl_frame *frame, struct view_plan *out);
-/** The log says once of each renderer that the device lacks what the frame asks for, and that `path` is used. */
+/** Logs once per renderer that the device lacks a requested feature and that `path` is used. */
 void multiview_tell(fnl_renderer *r, const fnl_frame *frame, fnl_stereo_path path);
 /** Draws what needs no lists for the views of a group at once. They have begun; each takes its layer. */
 void multiview_draw(struct frame_state *views, const struct view_group *group);

@@ -3,6 +3,7 @@
 #include "fanal/options.h"
 #include "render/debug_views.h"
 #include "render/orders/order.h"
+#include "render/step.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,6 +27,35 @@ static void test_orders_are_complete(void **state) {
         assert_int_equal(order->views != NULL, order->view_count > 0);
     }
     assert_false(shading_is(FNL_SHADING_AUTO, 0));
+}
+
+/* Each step does something, under a name of its own, and no number has two rows. */
+static void test_steps_are_complete(void **state) {
+    UNUSED(state);
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++) {
+        const struct frame_step *step = frame_step_at(i);
+        assert_true(step && step->name && step->name[0]);
+        if (!step->init && !step->check && !step->prepare && !step->submitted && !step->forget && !step->grow && !step->finish && step->counter_count == 0)
+            fail_msg("%s does nothing", step->name);
+        assert_int_equal(step->counters != NULL, step->counter_count > 0);
+        for (uint32_t k = 0; k < i; k++) assert_string_not_equal(step->name, frame_step_at(k)->name);
+    }
+    assert_null(frame_step_at(FRAME_STEP_COUNT));
+    uint32_t shadings, rows = 0;
+    for (uint32_t t = 0; t < counter_table_count(); t++) {
+        const struct counter_table table = counter_table_at(t, &shadings);
+        for (uint32_t i = 0; i < table.count; i++) {
+            fnl_counter counter;
+            assert_true(fnl_counter_query(rows++, &counter));
+            assert_string_equal(counter.key, table.rows[i].key);
+            for (uint32_t k = 0; k < rows - 1; k++) {
+                fnl_counter other;
+                assert_true(fnl_counter_query(k, &other));
+                assert_string_not_equal(counter.key, other.key);
+            }
+        }
+    }
+    assert_int_equal(rows, counters_total());
 }
 
 static bool is_color(const fnl_vec3 *c) { return c->x >= 0 && c->x <= 1 && c->y >= 0 && c->y <= 1 && c->z >= 0 && c->z <= 1; }
@@ -233,6 +263,7 @@ static void test_supported_triples(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_orders_are_complete),
+        cmocka_unit_test(test_steps_are_complete),
         cmocka_unit_test(test_views_are_complete),
         cmocka_unit_test(test_views_go_with_their_orders),
         cmocka_unit_test(test_options_and_bits_follow_traits),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** What a renderer keeps of the cube maps of probes (probes.h). */
+/** The renderer's state for cubemap shadows (probes.h). */
 #ifndef FNL_RENDER_PROBES_STATE_H
 #define FNL_RENDER_PROBES_STATE_H
 

@@ -498,7 +498,7 @@ static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_fram
     return unsupported(call, "shadow.%s needs deferred shading, not %s", denoised ? "denoise" : "guide", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 
-/* Pages that found no room wait for the next frame. */
+/* Pages without room are drawn in the next frame. */
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 20, (uint64_t)PAIRS_START);
     if (needed > r->shadow_pairs) r->shadow_pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)PAIRS_LIMIT));

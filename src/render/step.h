@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * The steps of a frame, as all sees them that loops over features: a row each, which ends the step's file. frame.c says what they declare, and in which
- * order; shading orders are rows of their own (orders/order.h) behind the step `shading`.
+ * The steps of a frame, one row each, at the end of the step's file. frame.c declares their work in order. Each
+ * shading path has its own row (orders/order.h), called by the step `shading`.
  */
 #ifndef FNL_RENDER_STEP_H
 #define FNL_RENDER_STEP_H
@@ -13,19 +13,19 @@
 /** Members that a step does not need are NULL. */
 struct frame_step {
     const char *name;
-    /** When a renderer is made: what is not zero of what the step keeps. */
+    /** At creation: sets state that does not start at zero. */
     void (*init)(fnl_renderer *r);
-    /** Fails, with a log line, where options do not go together or the device cannot do what they ask for. Nothing is prepared yet. */
+    /** Fails with a log line if options conflict or the device lacks a feature. Nothing is prepared yet. */
     fnl_result (*check)(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
-    /** Outside of the frame, whose options are settled: what lasts longer than it. */
+    /** Prepares what outlives the frame. The frame's options are settled. */
     fnl_result (*prepare)(fnl_renderer *r, const fnl_frame *frame);
-    /** The frame is on its way to the device: what it made can be relied on from now on. */
+    /** After submission: later frames may rely on what this frame made. */
     void (*submitted)(fnl_renderer *r, const fnl_frame *frame);
-    /** A frame failed: nothing is known of what the device has of it. */
+    /** After a failed frame: drops state the device may not have. */
     void (*forget)(fnl_renderer *r);
-    /** Pools, by what a view of an earlier frame counted. */
+    /** Grows pools by the counts of an earlier view. */
     void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
-    /** Before the renderer goes: frees what the step keeps. Nothing is in flight. */
+    /** Frees the step's state. Nothing is in flight. */
     void (*finish)(fnl_renderer *r);
     const struct counter *counters;
     uint32_t counter_count;
@@ -43,7 +43,7 @@ enum { FRAME_STEP_COUNT = 0 FRAME_STEPS(COUNT_FRAME_STEP) };
 /** The row at a place, in the order of a frame. */
 const struct frame_step *frame_step_at(uint32_t index);
 
-/* Each calls all rows: forwards what is begun, backwards what is ended. */
+/* Each calls all rows in frame order; forget and finish in reverse. */
 
 void steps_init(fnl_renderer *r);
 fnl_result steps_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);

@@ -7,7 +7,7 @@
 
 /** Whether there are blended surfaces. */
 bool surfaces_have_blend(const struct frame_state *f);
-/** Whether there are surfaces that show what is behind them. */
+/** Whether there are transmissive surfaces. */
 bool surfaces_have_glass(const struct frame_state *f);
 /** Whether layered materials are drawn over the order's picture. */
 bool surfaces_have_layers_over(const struct frame_state *f);

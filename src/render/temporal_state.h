@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** What a renderer remembers of a view from frame to frame (temporal.h). */
+/** The history of a view (temporal.h). */
 #ifndef FNL_RENDER_TEMPORAL_STATE_H
 #define FNL_RENDER_TEMPORAL_STATE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** What shading orders go with, and what frames ask for, answered from options alone. */
+/** What shading paths support and frames need, from the options only. */
 #ifndef FNL_RENDER_TRAITS_H
 #define FNL_RENDER_TRAITS_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** Which views of a frame go together, known before anything is declared. docs/techniques/views.md and stereo.md tell more. */
+/** Groups the views of a frame before anything is declared. See docs/techniques/views.md and stereo.md. */
 #ifndef FNL_RENDER_VIEW_PLAN_H
 #define FNL_RENDER_VIEW_PLAN_H
 
@@ -10,13 +10,13 @@
 /** Views of a group at most: as many as every device with multiview draws at once. */
 enum { GROUP_MOST = 6, GROUP_FAR = 1 }; /* and one behind them, of what is far away */
 
-/** All that decides. */
+/** Plan input. */
 struct view_plan_input {
-    const fnl_frame *frame;        /* settled: `auto` is left in stereo.path and multiview alone */
+    const fnl_frame *frame;        /* settled: only stereo.path and multiview may be `auto` */
     bool multiview, vertex_layers; /* of the device */
     bool has_decals;               /* of the scene; found in lists of one view */
     struct box bounds;
-    uint32_t asked_together;       /* of a frame of one view, declared for its pipelines alone: its group is drawn with so many; 0: as it is */
+    uint32_t asked_together;       /* views drawn at once in a one-view frame declared only for its pipelines; 0: as planned */
 };
 
 struct view_group {
@@ -25,11 +25,11 @@ struct view_group {
     fnl_stereo_path path;  /* how, if more than one */
     bool is_display;       /* eyes of one viewer: they cull together, and share lists, shadow pages and exposure */
     /*
-     * What is far away has a view of its own. Drawing visits eyes, then it, which is hidden by what they show; shading visits it, then eyes, which are put before it. It has no
-     * exposure, history or outputs.
+     * The mono view holds what is far away. Eyes are drawn first and occlude the mono view; the mono view is shaded
+     * first, and the eyes go over it. It has no exposure, history or outputs.
      */
     bool has_far;
-    uint32_t far_index; /* of its camera and whatever is kept: behind those of all views */
+    uint32_t far_index; /* of its camera and state, after those of all views */
     fnl_camera far_camera;
     uint32_t far_width, far_height;
 };
@@ -45,11 +45,11 @@ void view_plan_make(const struct view_plan_input *input, struct view_plan *out);
 
 /** Views of a frame: 1 where it has no array of them. */
 static inline uint32_t frame_view_count(const fnl_frame *frame) { return MAX(frame->view_count, 1u); }
-/** And views of what is far away (fnl_stereo_options.mono_distance), one for each display, behind them: a display whose eyes look too far apart leaves its place empty. */
+/** Mono views (fnl_stereo_options.mono_distance): one per display, after the views. Its slot stays empty if the eyes diverge too far. */
 static inline uint32_t frame_far_count(const fnl_frame *frame) {
     return frame->stereo.eyes > 0 && frame->stereo.mono_distance > 0 ? frame->view_count / frame->stereo.eyes : 0;
 }
-/** All for which there are cameras, numbers and whatever is kept. */
+/** Views plus mono views; each has a camera, counters and state. */
 static inline uint32_t frame_camera_count(const fnl_frame *frame) { return frame_view_count(frame) + frame_far_count(frame); }
 
 #endif

@@ -99,7 +99,7 @@ static uint64_t scene_hash(const fnl_scene *scene) {
 
 /* ---- what the scenes are ---- */
 
-/** Numbers of a scene, each with another weight, so that order counts; `most`: the same of their amounts. */
+/** Sum of a scene's numbers, with varying weights so that order matters; `most`: absolute, unweighted. */
 struct sum {
     double total, most;
     uint32_t count;
@@ -168,8 +168,9 @@ static void sum_scene(const fnl_scene *scene, struct sum sums[SUMS]) {
 }
 
 /*
- * Pictures and measurements of built-in scenes are compared over years: a change of one shows here, and belongs in the changelog. Each number to 2e-6
- * of all amounts, as functions such as sinf differ in the last bit between systems. On purpose: copy what the test prints.
+ * Pictures of built-in scenes are compared over years, so a scene change fails here and belongs in the changelog.
+ * Tolerance: 2e-6 of the absolute sum, as sinf varies in the last bit between systems. To accept a change, copy the
+ * printed row.
  */
 static void test_scenes_are_what_they_were(void **state) {
     UNUSED(state);

@@ -283,7 +283,7 @@ static void test_broken_animation_times(void **state) {
     }
 }
 
-/* What cannot move is left out: of the channels the second alone stays. */
+/* Invalid channels are skipped; only the second channel remains. */
 static void test_broken_animation_targets(void **state) {
     UNUSED(state);
     static const struct {

@@ -115,7 +115,7 @@ static int visit(const char *path, const struct stat *status, int type, struct F
 static void test_conformance(void **state) {
     UNUSED(state);
     if (access(FOLDER, R_OK) != 0) {
-        print_message("skipped: there is no %s, 177 files of a validator; nothing made up can replace verdicts of another program\n", FOLDER);
+        print_message("skipped: %s is missing; the validator's 177 files and verdicts have no stand-in\n", FOLDER);
         skip();
     }
     assert_int_equal(nftw(FOLDER, visit, 16, FTW_PHYS), 0);

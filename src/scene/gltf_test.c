@@ -357,7 +357,7 @@ static void test_meshopt_views(void **state) {
 
 /* ---- sample models ---- */
 
-/** A sample, or if `made` or where it is missing the stand-in that replaces it. */
+/** A sample, or its stand-in if `made` is set or the sample is missing. */
 static fnl_scene *load_sample(const char *name, bool made) {
     fnl_scene *scene;
     fnl_host host = test_host(&file_log);

@@ -153,7 +153,7 @@ is 'in the left picture' left-moved.tsv picked_position 1 0.5
 picked 'in the right picture' right-board.tsv object 0 board
 
 # ---- icons that overlap: the one in front, though it is the second light, wherever it is drawn ----
-# The lights are at 4 and at 2 metres; the one behind is 6 pixels to the left, and picked where it alone is drawn.
+# The lights are at 4 and 2 meters; the farther icon is 6 pixels to the left, and picked where only it is drawn.
 
 sed -e 's/"translation": \[0, 0.5, 2\]/"translation": [-0.0644073, 0, 2]/; s/"translation": \[-0.5, 0.9, 2\]/"translation": [0, 0, 4]/' scene.gltf >stack.gltf
 { key $L; for x in 320 316 313 325; do pick $x 180; echo "report stack-$x.tsv"; done; } >stack.txt

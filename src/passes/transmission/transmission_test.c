@@ -455,7 +455,7 @@ static void test_transmission_of_strength_0_is_none_MA_20(void **state) {
     shot_free(&shots[1]);
 }
 
-/* Lists in which any place finds its lights serve glass too, and a second one is made for others: to the bit the same light. */
+/* Lists that serve every point also light glass; other lists need a second one. The light is bit-identical. */
 static void test_glass_takes_the_frames_lists(void **state) {
     UNUSED(state);
     fnl_scene *scene = coarse_scene();

@@ -33,7 +33,7 @@ struct order {
     /* Its own numbers; those that several orders have are in shading.c. */
     const struct counter *counters;
     uint32_t counter_count;
-    /* As those of struct frame_step. Of submitted: after frames of this order alone. */
+    /* As in struct frame_step, but `submitted` follows only frames of this path. */
     void (*init)(fnl_renderer *r);
     void (*submitted)(fnl_renderer *r);
     void (*forget)(fnl_renderer *r);
@@ -58,7 +58,7 @@ const struct order *shading_order(fnl_shading shading);
 
 /** Makes the frame's lists; `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
-/** Lists that serve all pixels: those of the frame if they are made and do, else others beside them. */
+/** Lists that serve all pixels: the frame's own if they do, otherwise additional ones. */
 struct light_list order_add_fallback_lists(struct frame_state *f);
 /** Makes tiles beside them for all that `depth` shows. */
 struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth);
