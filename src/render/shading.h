@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * The shading orders seen from outside: what each goes with, and what all of them share. An order is a file of orders/ that ends in a row
- * (struct order of orders/order.h); shading.c lists the rows.
+ * Drawing and shading a view, whichever the path: what all paths share, and the call of the frame's own row (struct order of orders/order.h).
  */
 #ifndef FNL_RENDER_SHADING_H
 #define FNL_RENDER_SHADING_H
