@@ -101,7 +101,6 @@ void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuf
 }
 
 struct light_list order_add_fallback_lists(struct frame_state *f) {
-    if (f->blend_lights.header && lists_serve_places(f->frame->lists) && !f->surface_lights.header) return f->blend_lights; /* the frame's own do */
     struct lists_context context = lists_context(f);
     return lists_add_fallback(&context);
 }

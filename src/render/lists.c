@@ -409,10 +409,6 @@ bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, uint32_t m
     return true;
 }
 
-bool lists_serve_places(fnl_light_lists lists) {
-    return lists == FNL_LISTS_CLUSTERED || lists == FNL_LISTS_CLUSTERED_CPU || lists == FNL_LISTS_BVH || lists == FNL_LISTS_ZBIN || lists == FNL_LISTS_RASTER;
-}
-
 bool lists_cull_on_cpu(fnl_light_lists lists) { return (builders[lists].flags & CULLS_ON_CPU) != 0; }
 
 void lists_add(struct lists_context *c) {

@@ -39,8 +39,6 @@ void lists_init(struct lists_state *state, const fnl_host *host);
 /** The device is idle. */
 void lists_finish(struct lists_state *state, gpu_device *device);
 
-/** Whether every point in the view finds its lights in such a list, visible or not. */
-bool lists_serve_places(fnl_light_lists lists);
 /** Entries that the pool of a list may have. */
 uint32_t lists_pool_limit(const struct fnl_renderer *r);
 

@@ -58,13 +58,17 @@ static bool one_list(const struct frame_state *f) {
     return options->lists == FNL_STEREO_LISTS_HEAD;
 }
 
+static bool has_grid(fnl_light_lists lists) {
+    return lists == FNL_LISTS_CLUSTERED || lists == FNL_LISTS_CLUSTERED_CPU || lists == FNL_LISTS_BVH || lists == FNL_LISTS_ZBIN || lists == FNL_LISTS_RASTER;
+}
+
 bool stereo_shares_list(const struct frame_state *f, fnl_light_lists lists) {
-    return lists_serve_places(lists) && f->display && f->display->head_address && one_list(f) && !f->surface_lights.header;
+    return has_grid(lists) && f->display && f->display->head_address && one_list(f) && !f->surface_lights.header;
 }
 
 bool stereo_asks_list(const struct frame_state *f, fnl_light_lists lists) {
     const fnl_stereo_options *options = &f->frame->stereo;
-    return lists_serve_places(lists) && f->r->asking_together > 0 && options->eyes > 0 && options->lists != FNL_STEREO_LISTS_EYE && !f->surface_lights.header;
+    return has_grid(lists) && f->r->asking_together > 0 && options->eyes > 0 && options->lists != FNL_STEREO_LISTS_EYE && !f->surface_lights.header;
 }
 
 /* ---- numbers ---- */

@@ -455,34 +455,6 @@ static void test_transmission_of_strength_0_is_none_MA_20(void **state) {
     shot_free(&shots[1]);
 }
 
-/* Lists that serve every point also light glass; other lists need a second one. The light is bit-identical. */
-static void test_glass_takes_the_frames_lists(void **state) {
-    UNUSED(state);
-    fnl_scene *scene = coarse_scene();
-    add_wall(scene);
-    fnl_material_params p = glass(0.9f, 0.6f, 0.8f);
-    p.roughness = 0.4f;
-    for (int k = 0; k < 2; k++) add_pane(scene, add_material(scene, &p), 0.1f * (float)k, 0, -0.5f * (float)k, 0.5f, 1);
-    for (int k = 0; k < 8; k++) coarse_add_light(scene, FNL_LIGHT_POINT, (vec3){0.2f * (float)k - 0.8f, 0.3f, 1}, 1);
-    struct stage s = open_view(scene);
-    s.frame.timers = true;
-    s.frame.lists = FNL_LISTS_TILED;
-    struct shot want = stage_shoot(&s, &s.frame);
-    shot_free(&want); /* frames begin with one layer */
-    want = stage_shoot(&s, &s.frame);
-    assert_true(has_pass(&s, "transmission/fallback"));
-    static const fnl_light_lists lists[] = {FNL_LISTS_CLUSTERED, FNL_LISTS_CLUSTERED_CPU, FNL_LISTS_BVH, FNL_LISTS_ZBIN, FNL_LISTS_RASTER};
-    for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
-        s.frame.lists = lists[i];
-        struct shot shot = stage_shoot(&s, &s.frame);
-        if (has_pass(&s, "fallback")) fail_msg("%s: a second list", fnl_value_name(FNL_ENUM_LISTS, lists[i]));
-        assert_memory_equal(want.radiance.pixels, shot.radiance.pixels, WIDTH * HEIGHT * 16);
-        shot_free(&shot);
-    }
-    shot_free(&want);
-    stage_close(&s);
-}
-
 /* Cutouts without a hole are the glass itself, however clear it is. */
 static void test_cutouts_of_glass_are_seen(void **state) {
     UNUSED(state);
@@ -506,7 +478,6 @@ static void test_cutouts_of_glass_are_seen(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_glass_takes_the_frames_lists, harness_check),
         cmocka_unit_test_teardown(test_cutouts_of_glass_are_seen, harness_check),
         cmocka_unit_test_teardown(test_sheets_are_those_of_rays_MA_13, harness_check),
         cmocka_unit_test_teardown(test_volumes_attenuate_MA_14, harness_check),

@@ -58,7 +58,7 @@ const struct order *shading_order(fnl_shading shading);
 
 /** Makes the frame's lists; `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
-/** Lists that serve all pixels: the frame's own if they do, otherwise additional ones. */
+/** Makes lists beside those of the frame, for pixels that those do not serve. */
 struct light_list order_add_fallback_lists(struct frame_state *f);
 /** Makes tiles beside them for all that `depth` shows. */
 struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth);
