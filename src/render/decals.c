@@ -5,9 +5,9 @@
 #include "passes/decals/decals_gbuffer.h"
 #include "passes/decals/decals_redraw.h"
 #include "passes/lights/bvh.h"
+#include "render/step.h"
 #include "render/surfaces.h"
 #include "render/traits.h"
-#include "render/step.h"
 
 static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene->decals; }
 static bool is_on(const struct frame_state *f) {
@@ -66,9 +66,7 @@ static bool needs_list(const struct frame_state *f) {
     /* Materials that a layout cannot hold are lit forward. */
     if (surfaces_layout(f) != FNL_GBUFFER_DEFAULT) return true;
     if (!decals_in_gbuffer(f) || f->frame->debug != FNL_DEBUG_NONE || f->frame->outputs & FNL_OUTPUT_SURFACE) return true;
-    for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
-        if (f->scene->geometry.buckets[i].blend) return true;
-    return false;
+    return surfaces_have_blend(f);
 }
 
 static void add_list(struct frame_state *f) {
@@ -182,6 +180,7 @@ static const struct counter counters[] = {
     {"decals.overflow", "", "cells, or pixels, that tested all decals because the pool was too small",
      .find = find_overflow, .kind = FNL_COUNTER_OVERFLOW},
 };
+
 /* ---- the step ---- */
 
 enum { POOL_START = 1 << 17, POOL_LIMIT = 1 << 28 };

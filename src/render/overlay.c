@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/overlay.h"
-#include "render/step.h"
 
 #include "passes/post/overlay.h"
+#include "render/step.h"
 
 #include <inttypes.h>
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/probes.h"
 
-#include "render/frame_state.h"
 #include "render/orders/order.h"
 #include "render/step.h"
 

@@ -25,6 +25,4 @@ struct renderer_probes {
     bool started;
 };
 
-struct fnl_renderer;
-
 #endif

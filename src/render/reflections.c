@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/reflections.h"
 
-#include "render/frame_state.h"
 #include "render/orders/order.h"
 #include "render/step.h"
 
@@ -110,7 +109,9 @@ static struct gpu_entity_bounds bounds_of(const struct renderer_reflection *prob
                                       .user = index};
 }
 
-fnl_result reflections_prepare(fnl_renderer *r) {
+/* Sends what shaders look up. */
+static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
     if (!r->captures_for) TRY(take_probes(r));
     struct renderer_reflections *p = reflections_of(r);
     const uint32_t count = p->list.count;
@@ -368,10 +369,6 @@ static const struct counter counters[] = {
     {"reflections.entries", "", "entries of the list over their boxes; with 4 probes or fewer all are looked at, without a list",
      COUNTED(reflections.entries)},
 };
-static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
-    UNUSED(frame);
-    return reflections_prepare(r);
-}
 
 const struct frame_step step_reflections = {
     .name = "reflections", .prepare = prepare, .forget = forget, .finish = finish, .counters = counters, .counter_count = COUNT_OF(counters)};

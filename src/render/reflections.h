@@ -11,8 +11,6 @@
 
 /** Before a frame is made: captures what is due. Not inside of a frame. */
 fnl_result reflections_capture(fnl_renderer *r, const fnl_frame *frame);
-/** Outside of frames: sends what shaders look up. */
-fnl_result reflections_prepare(fnl_renderer *r);
 /** Makes the place of the view's set known to it; before the view is sent. */
 fnl_result reflections_begin(struct frame_state *f);
 /** The list over the boxes, and what passes that shade use. After the view was sent, before anything is drawn. */
@@ -21,6 +19,5 @@ void reflections_add_list(struct frame_state *f);
 void reflections_take_face(struct frame_state *f);
 /** The counters of a view. */
 void reflections_note(struct frame_state *f);
-
 
 #endif
