@@ -247,12 +247,6 @@ vec3 area_cos(light_list_block l, uint light, surface s, layers_view b) {
     return sum + layered_base_of(s, b, base, base_toward, max(dot(s.normal, base_toward), 1e-4)) * b.below_coat;
 }
 
-// layers_cos() of any light, `to_light` as illuminate() has it.
-vec3 light_cos(light_list_block l, uint light, surface s, layers_view b, vec3 to_light) {
-    if (light_is_area(l, light, s.position)) return area_cos(l, light, s, b);
-    return layers_cos(s, b, to_light);
-}
-
 // ---- light from all around ----
 
 vec3 radiance_from(view_block v, vec3 direction, float lod) {

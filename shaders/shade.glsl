@@ -6,7 +6,7 @@
 #include "view.glsl"
 #include "brdf.glsl"
 #include "environment.glsl"
-#include "lights/illuminate.glsl"
+#include "lighting/visibility.glsl"
 #include "lights/area.glsl"
 #include "shadows/sampled.glsl"
 
@@ -74,6 +74,7 @@ vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
 }
 
 #include "layers.glsl"
+#include "lighting/light.glsl"
 
 // What is left when all lights are summed up: ambient light (diffuse by the normal, specular by the mirror direction, both dimmed by
 // occlusion) and the surface's own glow. Precise, so that variants of a shader that know some of its input round alike.
@@ -127,15 +128,8 @@ light_apart apart;
 vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
     vec3 to_view = to_viewer(v, s.position);
     layers_view b = layers_prepare(s, v, to_view);
-    precise vec3 sum = vec3(0.0);
-
     shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
-    uint directional_count = lights.list.directional_count;
-    for (uint i = 0u; i < directional_count; i++) {
-        vec3 to_sun = -lights.list.lights.at[i].shape.direction;
-        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_sun);
-        sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, to_sun);
-    }
+    precise vec3 sum = suns_at(lights, s, b, shadowed);
 
     light_point point = light_point(pixel, view_depth, s.position, s.normal, item);
     light_cursor cursor = lights_begin(lights, point);
@@ -158,15 +152,13 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         }
         FOR_EACH_LIGHT(lights, cursor, light) {
             vec3 to_light;
-            vec3 illuminance = illuminate(lights, light, s.position, to_light);
+            vec3 arriving = light_reach(lights, light, s.position, to_light);
             if (COUNT_LIGHTS == 1u) visited++;
-            if (illuminance != vec3(0.0)) {
+            if (arriving != vec3(0.0)) {
                 if (COUNT_LIGHTS == 1u && walk == 1u) useful++;
-                bool area = light_is_area(lights, light, s.position);
-                vec3 of_area;
-                if (area) of_area = area_cos(lights, light, s, b);
+                vec3 lobes = light_lobes(lights, light, s, b, to_light);
                 if (LIST_SAMPLED) {
-                    precise float weight = luminance(illuminance * (area ? of_area : layers_cos(s, b, to_light)));
+                    precise float weight = luminance(arriving * lobes);
                     if (!(weight > 0.0)) continue;
                     if (LIST_GUIDED) {
                         float by = guide_weight(light);
@@ -176,8 +168,8 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     }
                     if (walk == 0u) {
                         if (LIST_DENOISED) {
-                            apart.open += illuminance * (area ? of_area : layers_cos(s, b, to_light));
-                            apart.field += luminance(illuminance) * vec4(to_light, 1.0);
+                            apart.open += arriving * lobes;
+                            apart.field += luminance(arriving) * vec4(to_light, 1.0);
                         }
                         precise float more = weights + weight;
                         weights = more;
@@ -186,17 +178,16 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     }
                     float share = light_draw_next(draw, weight);
                     if (share == 0.0) continue;
-                    illuminance *= share;
+                    arriving *= share;
                 }
-                if (LIST_DENOISED) apart.drawn += illuminance * (area ? of_area : layers_cos(s, b, to_light));
-                if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
+                if (LIST_DENOISED) apart.drawn += arriving * lobes;
                 if (LIST_SHADOWED) {
-                    vec3 open = shadow_visibility(lights, light, shadowed, to_light);
+                    vec3 open = light_visibility(lights, light, shadowed_towards(shadowed, s, to_light), to_light, false);
                     if (LIST_GUIDED) guide_note(light, open.x);
-                    illuminance *= open;
+                    arriving *= open;
                 }
-                if (LIST_DENOISED) apart.seen += illuminance * (area ? of_area : layers_cos(s, b, to_light));
-                else sum += illuminance * (area ? of_area : layers_cos(s, b, to_light));
+                if (LIST_DENOISED) apart.seen += arriving * lobes;
+                else sum += arriving * lobes;
                 if (LIST_SAMPLED && light_draw_done(draw)) break;
             }
         }

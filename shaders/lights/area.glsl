@@ -7,7 +7,7 @@
 #define LIGHTS_AREA_GLSL
 
 #include "brdf.glsl"
-#include "lights/illuminate.glsl"
+#include "lighting/reach.glsl"
 
 // A rectangle, or what is left of it after one plane, seen from the surface. Edges are kept beside the corners: of small ones their differences would round.
 struct area_polygon {
@@ -162,7 +162,7 @@ vec3 area_from_cosine(area_lobe m, vec3 q) {
     return p;
 }
 
-// The lobes of all of a rectangle: n_l and n_l times specular are their integrals over what is illuminate()'s share (light_rectangle_share()), so that they
+// The lobes of all of a rectangle: n_l and n_l times specular are their integrals over what is light_reach()'s share (light_rectangle_share()), so that they
 // take the place of a point's. `mirrored`: of its mirror image behind the surface. `toward`: unit, where most of the diffuse light comes from.
 bool area_lobes_of(light_list_block l, uint light, vec3 position, vec3 normal, brdf_view b, bool mirrored, out brdf_lobes lobes, out vec3 toward) {
     mat3 to_frame = area_frame(normal, b.to_view);
@@ -214,8 +214,8 @@ bool light_is_area(light_list_block l, uint light, vec3 position) {
     return light_rectangle_area(l, light) > 1e-6 * dot(ray, ray);
 }
 
-// brdf_lobes_of() for any light; `to_light` as illuminate() has it.
-bool light_lobes_of(light_list_block l, uint light, vec3 position, vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes) {
+// brdf_lobes_of() for any light; `to_light` as light_reach() has it.
+bool light_brdf_lobes(light_list_block l, uint light, vec3 position, vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes) {
     vec3 toward;
     if (light_is_area(l, light, position)) return area_lobes_of(l, light, position, normal, b, false, lobes, toward);
     return brdf_lobes_of(normal, b, to_light, lobes);

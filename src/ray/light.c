@@ -89,7 +89,7 @@ double ray_light_strength(const struct ray_light *l, dvec3 position, dvec3 *to_l
     *distance = dvec3_length(ray);
     if (*distance == 0 || (*distance >= l->range && l->kind != FNL_LIGHT_RECTANGLE)) return 0;
     *to_light = dvec3_scale(ray, 1 / *distance);
-    if (l->kind == FNL_LIGHT_RECTANGLE) { /* as illuminate() has it */
+    if (l->kind == FNL_LIGHT_RECTANGLE) { /* as light_reach() has it */
         const double x = fmax(fabs(at.x) - l->half_width, 0), y = fmax(fabs(at.y) - l->half_height, 0);
         const double near2 = x * x + y * y + at.z * at.z, distance2 = *distance * *distance, ratio2 = near2 / (l->range * l->range);
         if (l->two_sided ? at.z == 0 : !(at.z > 0)) return 0;

@@ -61,22 +61,20 @@ bool is_outside(uint light, shadowed_point p, vec3 to_light) {
 // What a light gives; false: nothing, its volume does not hold the surface. `p.normal` says by which side shadows are looked for.
 bool evaluate(surface s, layers_view b, uint light, inout shadowed_point p, out gpu_inspect_light g) {
     bool is_sun = light < push.lights.list.directional_count;
-    vec3 to_light = -push.lights.list.lights.at[light].shape.direction, visible = vec3(1.0);
-    vec3 illuminance = push.lights.list.lights.at[light].color;
-    if (!is_sun) illuminance = illuminate(push.lights, light, s.position, to_light);
+    vec3 to_light, visible = vec3(1.0), illuminance = sun_reach(push.lights, light, to_light);
+    if (!is_sun) illuminance = light_reach(push.lights, light, s.position, to_light);
     bool reaches = illuminance != vec3(0.0);
     g.light = light;
     g.shadow = INSPECT_SHADOW_NONE;
     g.listed = 1u;
     if (reaches && LIST_SHADOWED && light_casts(push.lights, light)) {
-        if (LIST_LAYERS) p.normal = lit_normal(s, to_light);
-        if (is_sun) visible = sun_visibility(push.lights, light, p);
-        else visible = shadow_visibility(push.lights, light, p, to_light);
+        p = shadowed_towards(p, s, to_light);
+        visible = light_visibility(push.lights, light, p, to_light, is_sun);
         g.shadow = !light_may_face(push.lights, light, p.normal, to_light) ? INSPECT_SHADOW_BEHIND : LIST_RAYS ? INSPECT_SHADOW_RAYS : INSPECT_SHADOW_NONE;
         if (LIST_CUBEMAP && g.shadow == INSPECT_SHADOW_RAYS && is_outside(light, p, to_light)) g.shadow = INSPECT_SHADOW_CUBEMAP;
     }
     g.visibility = max_component(visible);
-    precise vec3 radiance = illuminance * visible * (is_sun ? layers_cos(s, b, to_light) : light_cos(push.lights, light, s, b, to_light));
+    precise vec3 radiance = illuminance * visible * (is_sun ? layers_cos(s, b, to_light) : light_lobes(push.lights, light, s, b, to_light));
     g.radiance = radiance;
     return reaches;
 }

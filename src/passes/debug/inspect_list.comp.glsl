@@ -4,7 +4,7 @@
 // The cell and the list in which shading looked the lights of a pixel up, whatever kind of list it is. One work group, after inspect_lights.comp.glsl.
 #include "common.glsl"
 #include "view.glsl"
-#include "lights/illuminate.glsl"
+#include "lighting/reach.glsl"
 #include "passes/debug/inspect.glsl"
 
 layout(local_size_x = int(INSPECT_GROUP)) in;

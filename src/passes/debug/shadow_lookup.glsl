@@ -3,7 +3,7 @@
 #ifndef SHADOW_LOOKUP_GLSL
 #define SHADOW_LOOKUP_GLSL
 
-#include "lights/illuminate.glsl"
+#include "lighting/visibility.glsl"
 
 // What a look-up finds.
 struct finding {

@@ -61,7 +61,7 @@ bool look_at_wall(light_list_block l, uint light, shadowed_point p, out gpu_prob
     probe = p.probes.probes.at[p.probe];
     bool endless = light < l.list.directional_count;
     vec3 to_light = -l.list.lights.at[light].shape.direction;
-    if (!endless) illuminate(l, light, p.position, to_light);
+    if (!endless) light_reach(l, light, p.position, to_light);
     float away = endless ? 1.0 : light_distance(l, light, p.position, to_light);
     if (!(dot(p.normal, to_light) > 0.0) || !endless && probe_holds(probe, p.place + probe_turn(probe, to_light) * away)) return false;
     bool parallel = endless || l.list.lights.at[light].shape.kind == GPU_SHAPE_BOX;
@@ -89,8 +89,7 @@ struct tally {
 // `high`: metres to the light.
 void add_light(inout tally t, light_list_block l, uint light, float lux, shadowed_point p, vec3 to_light, float high) {
     if (push.mode == GPU_DEBUG_SHADOW_RAYS) {
-        if (light < l.list.directional_count) sun_visibility(l, light, p);
-        else if (light_reaches(l, light, p.position)) shadow_visibility(l, light, p, to_light);
+        if (light < l.list.directional_count || light_reaches(l, light, p.position)) light_visibility(l, light, p, to_light, light < l.list.directional_count);
         return;
     }
     if (!light_casts(l, light)) return;
@@ -102,7 +101,7 @@ void add_light(inout tally t, light_list_block l, uint light, float lux, shadowe
     t.all += lux;
     float map;
     if (LIST_CUBEMAP)
-        map = max_component(light < l.list.directional_count ? sun_visibility(l, light, p) : shadow_visibility(l, light, p, to_light));
+        map = max_component(light_visibility(l, light, p, to_light, light < l.list.directional_count));
     else
         map = light < l.list.directional_count ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
     if (map < 0.0) return; // rays answer
@@ -127,7 +126,7 @@ vec3 classes_color(light_list_block l, shadowed_point p, bool is_surface, float 
         if (is_surface) {
             uint light = l.list.directional_count + l.list.ids.at[cell.offset + i];
             vec3 to_light;
-            bool open = illuminate(l, light, p.position, to_light) != vec3(0.0) && light_may_face(l, light, p.normal, to_light);
+            bool open = light_reach(l, light, p.position, to_light) != vec3(0.0) && light_may_face(l, light, p.normal, to_light);
             if (open && light_casts(l, light)) open = map_visibility(l, light, p) != 0.0; // -1: rays answer
             if (open) atomicOr(lit, 1u);
             else atomicOr(unlit, 1u);
@@ -172,7 +171,7 @@ void main() {
     FOR_EACH_LIGHT(l, cursor, light) {
         vec3 to_light;
         if (sky) break;
-        float lux = luminance(illuminate(l, light, position.xyz, to_light)) * max(dot(normal.xyz, to_light), 0.0);
+        float lux = luminance(light_reach(l, light, position.xyz, to_light)) * max(dot(normal.xyz, to_light), 0.0);
         add_light(t, l, light, lux, shadowed, to_light, light_distance(l, light, position.xyz, to_light));
     }
     vec3 color = vec3(grey * 0.5);

@@ -83,7 +83,7 @@ void take_positions() {
 
 // ---- whether a shape holds a point ----
 
-// Of a light it is the support of light_strength() (shaders/lights/illuminate.glsl), widened by `slack` metres and by what rounding may do.
+// Of a light it is the support of light_strength() (shaders/lighting/reach.glsl), widened by `slack` metres and by what rounding may do.
 // All threads ask for the same lights at a time. They read them from memory rather than from shared memory: GPUs load what is uniform once, and a
 // CPU gathers from memory in a few instructions, from shared memory in dozens.
 #define VOLUMES fine_volume_array(push.bounds)

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // For the test: asks each light about each of its points, and for its corners.
 #include "common.glsl"
-#include "lights/illuminate.glsl"
+#include "lighting/reach.glsl"
 #include "lights/proxy.glsl"
 
 layout(buffer_reference) buffer answer_array;
@@ -22,7 +22,7 @@ void main() {
     if (index >= push.light_count * push.points_each) return;
     uint light = index / push.points_each;
     vec3 to_light;
-    push.answers.at[index].illuminance = illuminate(push.list, light, push.points.at[index], to_light);
+    push.answers.at[index].illuminance = light_reach(push.list, light, push.points.at[index], to_light);
     push.answers.at[index].to_light = to_light;
     push.answers.at[index].reaches = light_reaches(push.list, light, push.points.at[index]) ? 1u : 0u;
     if (index % push.points_each == 0u) {

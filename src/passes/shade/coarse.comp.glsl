@@ -95,9 +95,10 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     brdf_lobes lobes;
     uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        if (!brdf_lobes_of(s.normal, b, -push.lights.list.lights.at[i].shape.direction, lobes)) continue;
+        vec3 to_sun, color = sun_reach(push.lights, i, to_sun);
+        if (!brdf_lobes_of(s.normal, b, to_sun, lobes)) continue;
         coarse_light f = brdf_parts(s, lobes);
-        vec3 color = sun_illuminance(push.lights, i, shadowed);
+        if (LIST_SHADOWED) color *= light_visibility(push.lights, i, shadowed, to_sun, true);
         sum.by_color += color * f.by_color * diffuse_weight;
         sum.rest += color * f.rest * rest_weight;
     }
@@ -106,12 +107,12 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     FOR_EACH_LIGHT(push.lights, cursor, light) {
         bool wanted = SPLIT != COARSE_SPLIT_SHARP || (parts & (has_edge(light) ? PART_PIXEL : PART_SLOW)) != 0u;
         vec3 to_light, illuminance = vec3(0.0);
-        if (wanted) illuminance = illuminate(push.lights, light, s.position, to_light);
+        if (wanted) illuminance = light_reach(push.lights, light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
-            if (LIST_SHADOWED) illuminance *= shadow_visibility(push.lights, light, shadowed, to_light);
+            if (LIST_SHADOWED) illuminance *= light_visibility(push.lights, light, shadowed, to_light, false);
             if (COUNT_LIGHTS == 1u) useful++;
-            if (!light_lobes_of(push.lights, light, s.position, s.normal, b, to_light, lobes)) continue;
+            if (!light_brdf_lobes(push.lights, light, s.position, s.normal, b, to_light, lobes)) continue;
             coarse_light f = brdf_parts(s, lobes);
             sum.by_color += illuminance * f.by_color * diffuse_weight;
             sum.rest += illuminance * f.rest * rest_weight;

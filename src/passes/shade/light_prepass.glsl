@@ -66,17 +66,21 @@ light_sums light_sums_of(light_surface s, view_block v, light_list_block lights,
     shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
     uint directional_count = lights.list.directional_count;
     brdf_lobes lobes;
-    for (uint i = 0u; i < directional_count; i++)
-        if (brdf_lobes_of(s.normal, b, -lights.list.lights.at[i].shape.direction, lobes)) light_sums_add(sums, s, lobes, sun_illuminance(lights, i, shadowed));
+    for (uint i = 0u; i < directional_count; i++) {
+        vec3 to_sun, illuminance = sun_reach(lights, i, to_sun);
+        if (!brdf_lobes_of(s.normal, b, to_sun, lobes)) continue;
+        if (LIST_SHADOWED) illuminance *= light_visibility(lights, i, shadowed, to_sun, true);
+        light_sums_add(sums, s, lobes, illuminance);
+    }
     light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
     uint visited = 0u, useful = 0u;
     FOR_EACH_LIGHT(lights, cursor, light) {
         vec3 to_light;
-        vec3 illuminance = illuminate(lights, light, s.position, to_light);
+        vec3 illuminance = light_reach(lights, light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
-            if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, shadowed, to_light);
-            if (light_lobes_of(lights, light, s.position, s.normal, b, to_light, lobes)) light_sums_add(sums, s, lobes, illuminance);
+            if (LIST_SHADOWED) illuminance *= light_visibility(lights, light, shadowed, to_light, false);
+            if (light_brdf_lobes(lights, light, s.position, s.normal, b, to_light, lobes)) light_sums_add(sums, s, lobes, illuminance);
             if (COUNT_LIGHTS == 1u) useful++;
         }
     }

@@ -24,22 +24,13 @@ void main() {
         return;
     }
     layers_view b = layers_prepare(s, v, to_view);
-    precise vec3 sum = vec3(0.0);
+    vec3 sum;
     shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
     if (STEP == MULTIPASS_DIRECTIONAL) {
-        uint count = lights.list.directional_count;
-        for (uint i = 0u; i < count; i++) {
-            vec3 to_sun = -lights.list.lights.at[i].shape.direction;
-            if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_sun);
-            sum += sun_illuminance(lights, i, shadowed) * layers_cos(s, b, to_sun);
-        }
+        sum = suns_at(lights, s, b, shadowed);
     } else {
-        vec3 to_light;
-        vec3 illuminance = illuminate(lights, push.light, s.position, to_light);
-        bool reaches = illuminance != vec3(0.0);
-        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
-        if (LIST_SHADOWED && reaches) illuminance *= shadow_visibility(lights, push.light, shadowed, to_light);
-        if (reaches) sum = illuminance * light_cos(lights, push.light, s, b, to_light);
+        bool reaches;
+        sum = light_at(lights, push.light, s, b, shadowed, reaches);
         if (COUNT_LIGHTS == 1u) {
             uint at = (uint(gl_FragCoord.y) * v.view.size.x + uint(gl_FragCoord.x)) * 2u;
             atomicAdd(push.geometry.counters.at[at], 1u);

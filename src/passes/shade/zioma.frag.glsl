@@ -27,13 +27,8 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 to_view = to_viewer(v, s.position);
     layers_view b = layers_prepare(s, v, to_view);
-    precise vec3 sum = vec3(0.0);
     shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
-    for (uint i = 0u; i < l.list.directional_count; i++) {
-        vec3 to_sun = -l.list.lights.at[i].shape.direction;
-        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_sun);
-        sum += sun_illuminance(l, i, shadowed) * layers_cos(s, b, to_sun);
-    }
+    precise vec3 sum = suns_at(l, s, b, shadowed);
     uint stored = 0u, visited = 0u, useful = 0u;
     for (; stored < push.layers; stored++) {
         vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);
@@ -41,7 +36,7 @@ void main() {
         vec4 color = texelFetch(textures[push.colors[stored]], pixel, 0);
         vec3 to_light = ray.xyz;
         // A rectangle's layer names it: its direction is not all there is to know.
-        if (LIST_RECTANGLES && color.a > 0.0) sum += color.rgb * ray.w * light_cos(l, l.list.directional_count + uint(color.a) - 1u, s, b, to_light);
+        if (LIST_RECTANGLES && color.a > 0.0) sum += color.rgb * ray.w * light_lobes(l, l.list.directional_count + uint(color.a) - 1u, s, b, to_light);
         else sum += color.rgb * ray.w * layers_cos(s, b, to_light);
     }
     useful = stored;
@@ -49,14 +44,10 @@ void main() {
         uint last = uint(round((1.0 - texelFetch(textures[push.last], pixel, 0).r) * 16777216.0)); // index + 1
         for (uint i = last; i < l.list.local_count; i++) {
             uint light = l.list.directional_count + i;
-            vec3 to_light;
-            vec3 illuminance = illuminate(l, light, s.position, to_light);
+            bool reaches;
+            sum += light_at(l, light, s, b, shadowed, reaches);
             visited++;
-            if (illuminance == vec3(0.0)) continue;
-            if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
-            if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
-            sum += illuminance * light_cos(l, light, s, b, to_light);
-            useful++;
+            if (reaches) useful++;
         }
     }
     atomicAdd(push.totals.at[1], useful);

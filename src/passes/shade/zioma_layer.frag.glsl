@@ -41,7 +41,7 @@ void main() {
     float strength = light_strength(push.head.list, light, position, to_light);
     vec3 color = push.head.list.list.lights.at[light].color;
     if (strength <= 0.0 || color * strength == vec3(0.0)) discard;
-    if (LIST_SHADOWED) color *= shadow_visibility(push.head.list, light, shadowed_point_of(push.head.list, position, to_light), to_light);
+    if (LIST_SHADOWED) color *= light_visibility(push.head.list, light, shadowed_point_of(push.head.list, position, to_light), to_light, false);
     count_rays(v, push.head.counters);
     out_ray = vec4(to_light, strength);
     out_color = vec4(color, LIST_RECTANGLES && push.head.list.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE ? float(in_light + 1u) : 0.0);

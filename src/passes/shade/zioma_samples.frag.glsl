@@ -29,13 +29,8 @@ void main() {
     ivec2 pixel = ivec2(pixel_of(v, view_position));
     vec3 to_view = to_viewer(v, s.position);
     layers_view b = layers_prepare(s, v, to_view);
-    precise vec3 sum = vec3(0.0);
     shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
-    for (uint i = 0u; i < l.list.directional_count; i++) {
-        vec3 to_sun = -l.list.lights.at[i].shape.direction;
-        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_sun);
-        sum += sun_illuminance(l, i, shadowed) * layers_cos(s, b, to_sun);
-    }
+    precise vec3 sum = suns_at(l, s, b, shadowed);
     bool known = sample_bounds_hold(texelFetch(textures[push.ranges], pixel, 0), -view_position.z);
     uint next = 0u, end = l.list.local_count, stored = 0u, visited = 0u, useful = 0u;
     for (;;) {
@@ -46,16 +41,11 @@ void main() {
             stored++;
         }
         if (next >= end) break;
-        vec3 to_light;
-        uint light = l.list.directional_count + next;
-        vec3 illuminance = illuminate(l, light, s.position, to_light);
+        bool reaches;
+        sum += light_at(l, l.list.directional_count + next, s, b, shadowed, reaches);
         next++;
         visited++;
-        if (illuminance == vec3(0.0)) continue;
-        if (LIST_LAYERS && LIST_SHADOWED) shadowed.normal = lit_normal(s, to_light);
-        if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, shadowed, to_light);
-        sum += illuminance * light_cos(l, light, s, b, to_light);
-        useful++;
+        if (reaches) useful++;
     }
     atomicAdd(push.totals.at[1], useful);
     if (visited > stored) atomicAdd(push.totals.at[2], 1u);

@@ -4,7 +4,7 @@
 #define SHADOW_REQUESTS_GLSL
 
 #include "constants_shared.h"
-#include "lights/illuminate.glsl"
+#include "lighting/visibility.glsl"
 #include "shadows/suns.glsl"
 
 layout(constant_id = SHADOW_WEIGHS_ID) const uint SHADOW_WEIGHS = 0u; // 1: pixels are counted, too

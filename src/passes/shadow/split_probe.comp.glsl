@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
 // A ray from one pixel of each 4x4 to one of its lights: what rays of this scene cost.
-#include "lights/illuminate.glsl"
+#include "lighting/visibility.glsl"
 #include "passes/shadow/split.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

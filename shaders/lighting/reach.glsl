@@ -4,15 +4,13 @@
 //
 // One function, light_strength(), decides whether a light's volume holds a point and how strongly; lists that ask for themselves call
 // light_reaches() and get the answer that shading gets, to the bit.
-#ifndef LIGHTS_ILLUMINATE_GLSL
-#define LIGHTS_ILLUMINATE_GLSL
+#ifndef LIGHTING_REACH_GLSL
+#define LIGHTING_REACH_GLSL
 
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "lights/iterate.glsl"
 #include "lights/profile.glsl"
-#include "shadows/maps.glsl"
-#include "shadows/soft_rays.glsl"
 
 // Which part of the light is left at `part` of the way from the axis to the edge (0 .. 1).
 float light_edge(float part, float scale) {
@@ -72,7 +70,7 @@ float light_rectangle_share(light_list_block l, uint light, vec3 position) {
     return share;
 }
 
-// The falloff of capsules, from the nearest point of the rectangle. Times illuminate()'s share, which layers of shading divide by again (lights/area.glsl).
+// The falloff of capsules, from the nearest point of the rectangle. Times light_reach()'s share, which layers of shading divide by again (lights/area.glsl).
 float light_rectangle_strength(light_list_block l, uint light, vec3 position, vec3 ray, out vec3 to_light) {
     vec3 direction = l.list.lights.at[light].shape.direction, side = l.list.lights.at[light].shape.side;
     precise vec3 up = cross(side, direction);
@@ -103,7 +101,7 @@ bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
 
 // Illuminance at right angles to the ray that a light of colour 1 gives, in lux; `to_light` is unit. Exactly zero where the light's
 // volume does not hold the position. `light` is an index into the light array, not of a directional light. Of a rectangle it is about that, from its
-// middle: light_lobes_of() makes it right.
+// middle: light_lobes() makes it right.
 float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_light) {
     precise vec3 ray = l.list.lights.at[light].shape.position - position;
     precise float distance2 = max(dot(ray, ray), 1e-8);
@@ -132,12 +130,17 @@ float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_
     return attenuation;
 }
 
-// The same with the light's colour.
-vec3 illuminate(light_list_block l, uint light, vec3 position, out vec3 to_light) {
+// The same with the light's colour. Of a directional light: sun_reach().
+vec3 light_reach(light_list_block l, uint light, vec3 position, out vec3 to_light) {
     precise float strength = light_strength(l, light, position, to_light);
     if (strength == 0.0) return vec3(0.0);
     precise vec3 result = l.list.lights.at[light].color * strength;
     return result;
+}
+
+vec3 sun_reach(light_list_block l, uint light, out vec3 to_light) {
+    to_light = -l.list.lights.at[light].shape.direction;
+    return l.list.lights.at[light].color;
 }
 
 // Metres from a position to where light comes from: the light, the nearest point of a capsule, the face of a box.
@@ -152,130 +155,7 @@ float light_distance(light_list_block l, uint light, vec3 position, vec3 to_ligh
 
 bool light_casts(light_list_block l, uint light) { return l.list.lights.at[light].source >= 0.0; }
 
-// How far from their surfaces the positions may be that pixels are shaded at, metres: some ten roundings of floats (6e-8) as large as the distances from the
-// world's origin and from the eye, twice over. Depths of orthographic views are all as coarse as the
-// farthest. With several samples a pixel, positions are interpolated somewhere in it, and may be a pixel's width beside the triangle.
-float shadow_slack(light_list_block l, vec3 position) {
-    view_block v = l.list.view;
-    float seen_from = length(v.view.eye - position), slack = 2e-6 * (length(position) + seen_from);
-    slack += v.view.orthographic * 1.2e-7 * abs(v.view.depth_decode.y);
-    return v.view.samples > 1u ? slack + pixel_width(v, seen_from) : slack;
-}
-
-// What shadow_visibility() needs of a point. Nothing where lists have no shadows.
-shadowed_point shadowed_point_of(light_list_block l, vec3 position, vec3 normal) {
-    shadowed_point p;
-    if (!LIST_SHADOWED) return p;
-    p.position = position;
-    p.normal = normal;
-    p.slack = shadow_slack(l, position);
-    if (LIST_MAPS || LIST_CUBEMAP) {
-        view_block v = l.list.view;
-        p.pixel = pixel_width(v, length(v.view.eye - position));
-    }
-    if (LIST_MAPS) p.maps = shadow_maps_block(l.list.shadow_maps).maps;
-    if (LIST_CUBEMAP) {
-        p.probes = probes_block(l.list.probes).probes;
-        p.probe = probe_find(p.probes, 0u, position);
-        p.other = p.probes.count;
-        if (p.probe < p.probes.count) {
-            p.place = probe_place(p.probes.probes.at[p.probe], position);
-            p.other = probe_find(p.probes, p.probe + 1u, position);
-        }
-        if (p.other < p.probes.count) {
-            gpu_probe other = p.probes.probes.at[p.other];
-            float first = probe_weight(p.probes.probes.at[p.probe], p.place), second = probe_weight(other, probe_place(other, position));
-            p.part = first / (first + second);
-        }
-    }
-    return p;
-}
-
-// What the walls of the point's room let in of a light outside, `away` metres off (1: one that is parallel), and which items else may hide it: all
-// where the point is in no room or the light is in the room too.
-vec3 cubemap_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, bool endless, out ray_scope scope) {
-    scope = ray_everything();
-    if (p.probe >= p.probes.count) return vec3(1.0);
-    gpu_probe probe = p.probes.probes.at[p.probe];
-    vec3 along = probe_turn(probe, to_light);
-    if (!endless && probe_holds(probe, p.place + along * away)) return vec3(1.0);
-    float spread = 0.0;
-    if ((p.probes.flags & PROBES_PHYSICAL) != 0u) {
-        bool parallel = endless || l.list.lights.at[light].shape.kind == GPU_SHAPE_BOX;
-        spread = 2.0 * source_size(l, light, parallel) / (parallel ? 1.0 : max(away, 1e-6));
-    }
-    bool inside = (p.probes.flags & PROBES_INSIDE) != 0u;
-    float room = inside ? box_exit(p.place, along, max(probe.half_size - probe.wall, vec3(0.0))) : 0.0;
-    scope = ray_scope(RAY_SOME, room, p.probes.moving);
-    return probe_light(p.probes, probe, probe_look(probe, p.probes.flags, p.place, along, spread, p.pixel));
-}
-
-// Whether a ray is to be sent for what is left of a light.
-bool cubemap_sends_rays(shadowed_point p, ray_scope scope, vec3 open) {
-    if (scope.kind == RAY_EVERYTHING) return true;
-    return max_component(open) > 0.0 && (scope.high > 0.0 || (p.probes.flags & PROBES_MOVERS) != 0u);
-}
-
-// The part of a light, by its colours, that comes to the point through the walls of its room and what is in there. In the boxes of two probes: that of each
-// by its part, so that nothing jumps where one ends.
-vec3 rooms_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, float margin, bool endless) {
-    bool two = p.other < p.probes.count;
-    vec3 sum = vec3(0.0);
-    for (uint side = 0u; side < 2u; side++) {
-        ray_scope scope;
-        vec3 open = cubemap_visibility(l, light, p, to_light, away, endless, scope);
-        if (cubemap_sends_rays(p, scope, open)) open *= rays_visibility(l, scope, light, p.position, p.normal, to_light, away, margin, p.slack);
-        if (!two) return open;
-        sum += (side == 0u ? p.part : 1.0 - p.part) * open;
-        p.probe = p.other;
-        p.place = probe_place(p.probes.probes.at[p.probe], p.position);
-    }
-    return sum;
-}
-
-// Whether some of a light comes from before the surface, as far as the direction to its middle tells.
-bool light_may_face(light_list_block l, uint light, vec3 normal, vec3 to_light) {
-    return dot(normal, to_light) > 0.0 || LIST_RECTANGLES && l.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
-}
-
-// The part, 0 .. 1, of a light that no surface stops on its way to the point; `to_light` and `light` as illuminate() has them. 0 also for light that
-// comes from behind the surface, which reflects none of it. Its colours differ only with LIST_CUBEMAP.
-vec3 shadow_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light) {
-    if (!LIST_SHADOWED || !light_casts(l, light)) return vec3(1.0);
-    if (!light_may_face(l, light, p.normal, to_light)) return vec3(0.0);
-    if (LIST_MAPS) {
-        float open = map_visibility(l, light, p);
-        if (!LIST_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light
-    }
-    float high = light_distance(l, light, p.position, to_light);
-    if (LIST_CUBEMAP) {
-        float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position));
-        return rooms_visibility(l, light, p, to_light, high, margin, false);
-    }
-    float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
-    return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, high, margin, p.slack));
-}
-
-// The same of a directional light.
-vec3 sun_visibility(light_list_block l, uint light, shadowed_point p) {
-    if (!light_casts(l, light)) return vec3(1.0);
-    vec3 to_light = -l.list.lights.at[light].shape.direction;
-    if (!(dot(p.normal, to_light) > 0.0)) return vec3(0.0);
-    if (LIST_MAPS) {
-        float open = sun_map_visibility(l, light, p);
-        if (!LIST_RAYS || open >= 0.0) return vec3(abs(open));
-    }
-    if (LIST_CUBEMAP) return rooms_visibility(l, light, p, to_light, 1.0, 0.0, true);
-    return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, 1.0, 0.0, p.slack));
-}
-
-// What a directional light gives, in lux.
-vec3 sun_illuminance(light_list_block l, uint light, shadowed_point p) {
-    vec3 color = l.list.lights.at[light].color;
-    return LIST_SHADOWED ? color * sun_visibility(l, light, p) : color;
-}
-
-// Whether the light's volume holds the position: true wherever illuminate() is not zero. Broken positions are held by all lights.
+// Whether the light's volume holds the position: true wherever light_reach() is not zero. Broken positions are held by all lights.
 bool light_reaches(light_list_block l, uint light, vec3 position) {
     vec3 to_light;
     float strength = light_strength(l, light, position, to_light);

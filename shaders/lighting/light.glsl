@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// What one light adds to a surface, in three parts: what reaches it (reach.glsl), how much of that is in no shadow (visibility.glsl), and how much of
+// that the surface sends to the viewer. Paths that have a whole surface at hand call light_at(); others, which know a part of it, or choose by a part,
+// call what they need, and multiply in this order, so that all paths round alike.
+#ifndef LIGHTING_LIGHT_GLSL
+#define LIGHTING_LIGHT_GLSL
+
+#include "lighting/visibility.glsl"
+#include "layers.glsl"
+
+// f(l, v) times the cosine of all lobes of the surface; `to_light` as light_reach() has it.
+vec3 light_lobes(light_list_block l, uint light, surface s, layers_view b, vec3 to_light) {
+    if (light_is_area(l, light, s.position)) return area_cos(l, light, s, b);
+    return layers_cos(s, b, to_light);
+}
+
+// The point as shadows of one light are looked for: surfaces that let light through have them on the light's side.
+shadowed_point shadowed_towards(shadowed_point p, surface s, vec3 to_light) {
+    if (LIST_LAYERS && LIST_SHADOWED) p.normal = lit_normal(s, to_light);
+    return p;
+}
+
+// Radiance towards the viewer, cd/m^2. `reaches`: the light's volume holds the surface.
+vec3 light_at(light_list_block l, uint light, surface s, layers_view b, shadowed_point p, out bool reaches) {
+    vec3 to_light;
+    vec3 arriving = light_reach(l, light, s.position, to_light);
+    reaches = arriving != vec3(0.0);
+    if (!reaches) return vec3(0.0);
+    if (LIST_SHADOWED) arriving *= light_visibility(l, light, shadowed_towards(p, s, to_light), to_light, false);
+    precise vec3 radiance = arriving * light_lobes(l, light, s, b, to_light);
+    return radiance;
+}
+
+// The same of all directional lights together.
+vec3 suns_at(light_list_block l, surface s, layers_view b, shadowed_point p) {
+    precise vec3 sum = vec3(0.0);
+    uint count = l.list.directional_count;
+    for (uint i = 0u; i < count; i++) {
+        vec3 to_sun;
+        vec3 arriving = sun_reach(l, i, to_sun);
+        if (LIST_SHADOWED) arriving *= light_visibility(l, i, shadowed_towards(p, s, to_sun), to_sun, true);
+        sum += arriving * layers_cos(s, b, to_sun);
+    }
+    return sum;
+}
+
+#endif

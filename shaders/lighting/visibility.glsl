@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// The part of a light that no surface stops on its way to a point, by whatever finds shadows.
+#ifndef LIGHTING_VISIBILITY_GLSL
+#define LIGHTING_VISIBILITY_GLSL
+
+#include "lighting/reach.glsl"
+#include "shadows/maps.glsl"
+#include "shadows/soft_rays.glsl"
+
+// How far from their surfaces the positions may be that pixels are shaded at, metres: some ten roundings of floats (6e-8) as large as the distances from the
+// world's origin and from the eye, twice over. Depths of orthographic views are all as coarse as the
+// farthest. With several samples a pixel, positions are interpolated somewhere in it, and may be a pixel's width beside the triangle.
+float shadow_slack(light_list_block l, vec3 position) {
+    view_block v = l.list.view;
+    float seen_from = length(v.view.eye - position), slack = 2e-6 * (length(position) + seen_from);
+    slack += v.view.orthographic * 1.2e-7 * abs(v.view.depth_decode.y);
+    return v.view.samples > 1u ? slack + pixel_width(v, seen_from) : slack;
+}
+
+// What light_visibility() needs of a point. Nothing where lists have no shadows.
+shadowed_point shadowed_point_of(light_list_block l, vec3 position, vec3 normal) {
+    shadowed_point p;
+    if (!LIST_SHADOWED) return p;
+    p.position = position;
+    p.normal = normal;
+    p.slack = shadow_slack(l, position);
+    if (LIST_MAPS || LIST_CUBEMAP) {
+        view_block v = l.list.view;
+        p.pixel = pixel_width(v, length(v.view.eye - position));
+    }
+    if (LIST_MAPS) p.maps = shadow_maps_block(l.list.shadow_maps).maps;
+    if (LIST_CUBEMAP) {
+        p.probes = probes_block(l.list.probes).probes;
+        p.probe = probe_find(p.probes, 0u, position);
+        p.other = p.probes.count;
+        if (p.probe < p.probes.count) {
+            p.place = probe_place(p.probes.probes.at[p.probe], position);
+            p.other = probe_find(p.probes, p.probe + 1u, position);
+        }
+        if (p.other < p.probes.count) {
+            gpu_probe other = p.probes.probes.at[p.other];
+            float first = probe_weight(p.probes.probes.at[p.probe], p.place), second = probe_weight(other, probe_place(other, position));
+            p.part = first / (first + second);
+        }
+    }
+    return p;
+}
+
+#include "lighting/visibility_rooms.glsl"
+
+// Whether some of a light comes from before the surface, as far as the direction to its middle tells.
+bool light_may_face(light_list_block l, uint light, vec3 normal, vec3 to_light) {
+    return dot(normal, to_light) > 0.0 || LIST_RECTANGLES && l.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
+}
+
+// 0 .. 1; `to_light` and `light` as light_reach() has them, or sun_reach() where it `is_sun`. 0 also for light that comes from behind the surface, which
+// reflects none of it. Its colours differ only with LIST_CUBEMAP.
+vec3 light_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, bool is_sun) {
+    if (!LIST_SHADOWED || !light_casts(l, light)) return vec3(1.0);
+    if (!light_may_face(l, light, p.normal, to_light)) return vec3(0.0);
+    if (LIST_MAPS) {
+        float open = is_sun ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
+        if (!LIST_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light
+    }
+    float away = 1.0, margin = 0.0;
+    if (!is_sun) {
+        away = light_distance(l, light, p.position, to_light);
+        margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
+    }
+    if (LIST_CUBEMAP) return rooms_visibility(l, light, p, to_light, away, margin, is_sun);
+    return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, away, margin, p.slack));
+}
+
+#endif
