@@ -20,48 +20,6 @@ double lane_now(void) {
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
-/* ---- what a pass is for ---- */
-
-enum role { ROLE_LISTS, ROLE_SHADING, ROLE_SHADOWS, ROLE_GEOMETRY, ROLE_REST, ROLE_READ, ROLE_COUNT };
-static const char *const role_names[ROLE_COUNT] = {"lists", "shading", "shadows", "geometry", "rest", "read"};
-
-/* By the start of a name, the first that fits. A frame consists of these and of the passes that build light lists. */
-static enum role role_of_part(const char *name) {
-    static const char *const shading[] = {
-        "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
-        "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
-        "dais sha",    "dais spread", "dais gate", "dais rest", "denoise",
-        "lit forward", "coarse", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
-        "visible ",    "texturing sh", NULL};
-    static const char *const shadows[] = {"shadow", "ray ", NULL};
-    static const char *const geometry[] = {"cull",       "sort",           "blend",
-                                           "gbuffer",    "depth prepass",  "skin",
-                                           "morph",      "light surfaces", "inferred surfaces",
-                                           "visibility", "texturing",     "dais",           "keep previous",  "update",
-                                           NULL};
-    static const char *const rest[] = {"meter",   "exposure", "mlaa",           "smaa",  "motion", "taa",
-                                       "tonemap", "resolve",  "clear",          "debug", "encode", "aov", "objects",
-                                       "over",    "layers",   "copy to target", "sky", NULL};
-    static const char *const read[] = {"read ", "to host", "counts to host", NULL};
-    static const struct {
-        enum role role;
-        const char *const *starts;
-    } roles[] = {{ROLE_SHADING, shading}, {ROLE_SHADOWS, shadows}, {ROLE_GEOMETRY, geometry}, {ROLE_REST, rest}, {ROLE_READ, read}};
-    for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
-        for (const char *const *start = roles[i].starts; *start; start++)
-            if (strncmp(name, *start, strlen(*start)) == 0) return roles[i].role;
-    return ROLE_LISTS;
-}
-
-/* A pass may stand in scopes: in "view 1/decals/clustered count" the second part says what it is for. */
-static enum role role_of(const char *name) {
-    enum role role = role_of_part(name);
-    for (const char *scope = name; role == ROLE_LISTS && (scope = strchr(scope, '/'));) role = role_of_part(++scope);
-    return role;
-}
-
-const char *lane_pass_role(const char *name) { return role_names[role_of(name)]; }
-
 /* ---- life ---- */
 
 bool lane_init(struct lane *lane, const struct bench_case *where, const struct bench_candidate *candidate, uint32_t frames) {
@@ -104,7 +62,7 @@ static struct lane_pass *find_pass(struct lane *lane, const char *name, uint32_t
     if (!bigger) return NULL;
     lane->passes = bigger;
     struct lane_pass *pass = &bigger[lane->pass_count];
-    *pass = (struct lane_pass){strdup(name), calloc(lane->capacity, sizeof(double))};
+    *pass = (struct lane_pass){.name = strdup(name), .times = calloc(lane->capacity, sizeof(double))};
     if (pass->name && pass->times) {
         lane->pass_count++;
         return pass;
@@ -117,25 +75,26 @@ static struct lane_pass *find_pass(struct lane *lane, const char *name, uint32_t
 bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats) {
     lane->image_bytes_read = stats->image_bytes_read; /* of frames as they are timed: those that are counted keep more */
     lane->image_bytes_written = stats->image_bytes_written;
-    double sums[ROLE_COUNT] = {0};
+    double sums[FNL_PASS_ROLE_COUNT] = {0};
     for (uint32_t i = 0; i < stats->pass_count; i++) {
         struct lane_pass *pass = find_pass(lane, stats->passes[i].name, i);
         if (!pass) return false;
         pass->times[lane->measured] += stats->passes[i].milliseconds;
-        sums[role_of(pass->name)] += stats->passes[i].milliseconds;
+        pass->role = stats->passes[i].role;
+        sums[pass->role] += stats->passes[i].milliseconds;
     }
     double gpu = 0;
-    for (int role = 0; role < ROLE_COUNT; role++) gpu += role == ROLE_READ ? 0 : sums[role];
+    for (int role = 0; role < FNL_PASS_ROLE_COUNT; role++) gpu += role == FNL_PASS_READ ? 0 : sums[role];
     double values[LANE_METRIC_COUNT] = {[LANE_FRAME] = fmax(gpu, stats->cpu_milliseconds),
                                         [LANE_GPU] = gpu,
                                         [LANE_CPU] = stats->cpu_milliseconds,
                                         [LANE_WALL] = lane->wall,
-                                        [LANE_LISTS] = sums[ROLE_LISTS],
-                                        [LANE_SHADING] = sums[ROLE_SHADING],
-                                        [LANE_SHADOWS] = sums[ROLE_SHADOWS],
-                                        [LANE_GEOMETRY] = sums[ROLE_GEOMETRY],
-                                        [LANE_REST] = sums[ROLE_REST],
-                                        [LANE_WITHOUT_LISTS] = gpu - sums[ROLE_LISTS]};
+                                        [LANE_LISTS] = sums[FNL_PASS_LISTS],
+                                        [LANE_SHADING] = sums[FNL_PASS_SHADING],
+                                        [LANE_SHADOWS] = sums[FNL_PASS_SHADOWS],
+                                        [LANE_GEOMETRY] = sums[FNL_PASS_GEOMETRY],
+                                        [LANE_REST] = sums[FNL_PASS_REST],
+                                        [LANE_WITHOUT_LISTS] = gpu - sums[FNL_PASS_LISTS]};
     for (int m = 0; m < LANE_METRIC_COUNT; m++) lane->times[m][lane->measured] = values[m];
     lane->measured++;
     return true;
@@ -275,7 +234,7 @@ void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_in
     for (uint32_t i = 0; i < lane->pass_count; i++) {
         json_t *pass = summarise(lane->passes[i].times, lane->measured);
         json_object_set_new(pass, "name", json_string(lane->passes[i].name));
-        json_object_set_new(pass, "role", json_string(lane_pass_role(lane->passes[i].name)));
+        json_object_set_new(pass, "role", json_string(fnl_value_name(FNL_ENUM_PASS_ROLE, (uint32_t)lane->passes[i].role)));
         json_array_append_new(passes, pass);
     }
     json_object_set_new(result, "passes", passes);

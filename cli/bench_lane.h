@@ -22,6 +22,7 @@ enum lane_metric {
 
 struct lane_pass {
     char *name;
+    fnl_pass_role role;
     double *times; /* of the frames of the lane; 0 where the pass did not run */
 };
 
@@ -51,8 +52,6 @@ struct lane {
 };
 
 double lane_now(void); /* seconds */
-/** What a pass, which may stand in scopes ("view 1/gbuffer"), is for: "lists", "shading", "shadows", "geometry", "rest" or "read". */
-const char *lane_pass_role(const char *name);
 bool lane_init(struct lane *lane, const struct bench_case *where, const struct bench_candidate *candidate, uint32_t frames);
 void lane_finish(struct lane *lane);
 /** Keeps a timed frame; false when memory ran out. */

@@ -75,7 +75,7 @@ static bool render(struct subject *s, const fnl_frame *frame, fnl_frame_stats *s
 static double frame_time(const fnl_frame_stats *stats) {
     double gpu = 0;
     for (uint32_t i = 0; i < stats->pass_count; i++)
-        if (strcmp(lane_pass_role(stats->passes[i].name), "read") != 0) gpu += stats->passes[i].milliseconds;
+        if (stats->passes[i].role != FNL_PASS_READ) gpu += stats->passes[i].milliseconds;
     return fmax(gpu, stats->cpu_milliseconds);
 }
 

@@ -346,7 +346,9 @@ static void test_shadows_are_cases(void **state) {
 /* ---- frames of an earlier run ---- */
 
 static void note_frame(struct lane *lane, double milliseconds) {
-    fnl_pass_time passes[] = {{.name = "cull items", .milliseconds = 1}, {.name = "tiled fill", .milliseconds = 3}, {.name = "deferred", .milliseconds = milliseconds}};
+    fnl_pass_time passes[] = {{.name = "cull items", .milliseconds = 1, .role = FNL_PASS_GEOMETRY},
+                              {.name = "tiled fill", .milliseconds = 3, .role = FNL_PASS_LISTS},
+                              {.name = "deferred", .milliseconds = milliseconds, .role = FNL_PASS_SHADING}};
     const fnl_counter counter = {.key = "coarse.shared", .value = 5};
     fnl_frame_stats stats = {
         .passes = passes, .pass_count = 3, .triangles_total = 1000, .evaluations = 7, .counters = &counter, .counter_count = 1};
@@ -891,21 +893,6 @@ static void test_orders_are_told_where_they_win(void **state) {
     json_decref(data.root);
 }
 
-/* The first part of a name that says something: scopes of views do not, that of decals does. */
-static void test_roles_of_passes(void **state) {
-    (void)state;
-    static const char *const roles[][2] = {
-        {"tiled count", "lists"},   {"view 1/tiled count", "lists"},      {"fallback/clustered fill", "lists"},
-        {"deferred", "shading"},    {"view 12/deferred", "shading"},      {"view 1/dais shade", "shading"},
-        {"gbuffer", "geometry"},    {"views 0-1/gbuffer", "geometry"},    {"view 0/dais visibility", "geometry"},
-        {"tonemap", "rest"},        {"view 1/tonemap", "rest"},           {"view 1/read counts", "read"},
-        {"shadows/shadow fill", "shadows"}, {"shadows/fallback/clustered fill", "shadows"}, {"view 1/shadows/shadow rows", "shadows"},
-        {"ray items", "shadows"},   {"raster fill", "lists"},
-        {"denoise collect", "shading"}, {"shadow guide", "shadows"},
-        {"decals/bvh keys", "shading"}, {"view 1/decals/bvh keys", "shading"}, {"view 1/unheard of/tiled count", "lists"}};
-    for (size_t i = 0; i < sizeof roles / sizeof *roles; i++) assert_string_equal(lane_pass_role(roles[i][0]), roles[i][1]);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pictures_are_compared_bit_by_bit),
@@ -932,7 +919,6 @@ int main(void) {
         cmocka_unit_test(test_suites_scale_their_clusters),
         cmocka_unit_test(test_geometry_is_set_against_triangles),
         cmocka_unit_test(test_orders_are_told_where_they_win),
-        cmocka_unit_test(test_roles_of_passes),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

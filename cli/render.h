@@ -92,8 +92,11 @@ const char *render_plan_name(int plan);
 /** What took time in each frame: passes, or what the CPU did. */
 struct report_series {
     uint32_t count;
-    const char **names;
-    fnl_queue *queues;      /* passes */
+    struct report_row {
+        const char *name;
+        fnl_queue queue; /* passes, as the next */
+        fnl_pass_role role;
+    } *rows;
     double *times, *begins; /* count * frame_count, milliseconds: those of one name in a row */
 };
 

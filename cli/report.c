@@ -34,8 +34,7 @@ struct report_summary report_summarise(const double *times, uint32_t count) {
 /* ---- times of frames ---- */
 
 static void finish_series(struct report_series *series) {
-    free((void *)series->names);
-    free(series->queues);
+    free(series->rows);
     free(series->times);
     free(series->begins);
     *series = (struct report_series){0};
@@ -43,31 +42,27 @@ static void finish_series(struct report_series *series) {
 
 static bool make_series(struct report_series *series, uint32_t count, uint32_t frame_count) {
     const size_t all = (size_t)count * frame_count + 1;
-    *series = (struct report_series){count, calloc(count + 1, sizeof *series->names), calloc(count + 1, sizeof *series->queues), calloc(all, sizeof(double)),
-                                     calloc(all, sizeof(double))};
-    return series->names && series->queues && series->times && series->begins;
+    *series = (struct report_series){count, calloc(count + 1, sizeof *series->rows), calloc(all, sizeof(double)), calloc(all, sizeof(double))};
+    return series->rows && series->times && series->begins;
 }
 
 /* The row of a name in a series, a new one where no frame has had it so far; false: memory ran out. `place`: where frames mostly have it. */
 static bool find_row(struct report_series *s, uint32_t frame_count, const fnl_pass_time *pass, uint32_t place, uint32_t *out) {
     *out = place;
-    if (place < s->count && strcmp(s->names[place], pass->name) == 0) return true;
+    if (place < s->count && strcmp(s->rows[place].name, pass->name) == 0) return true;
     for (*out = 0; *out < s->count; (*out)++)
-        if (strcmp(s->names[*out], pass->name) == 0) return true;
+        if (strcmp(s->rows[*out].name, pass->name) == 0) return true;
     const size_t before = (size_t)s->count * frame_count, all = before + frame_count + 1;
-    const char **names = realloc((void *)s->names, (s->count + 1) * sizeof *names);
-    if (names) s->names = names;
-    fnl_queue *queues = realloc(s->queues, (s->count + 1) * sizeof *queues);
-    if (queues) s->queues = queues;
+    struct report_row *rows = realloc(s->rows, (s->count + 1) * sizeof *rows);
+    if (rows) s->rows = rows;
     double *times = realloc(s->times, all * sizeof *times);
     if (times) s->times = times;
     double *begins = realloc(s->begins, all * sizeof *begins);
     if (begins) s->begins = begins;
-    if (!names || !queues || !times || !begins) return false;
+    if (!rows || !times || !begins) return false;
     memset(times + before, 0, (frame_count + 1) * sizeof *times);
     memset(begins + before, 0, (frame_count + 1) * sizeof *begins);
-    names[s->count] = pass->name;
-    queues[s->count++] = pass->queue;
+    rows[s->count++] = (struct report_row){pass->name, pass->queue, pass->role};
     return true;
 }
 
@@ -78,10 +73,10 @@ static bool begin_notes(struct render_report *r, const fnl_frame_stats *stats) {
         !make_series(&r->sections, stats->cpu_section_count, r->frame_count))
         return false;
     for (uint32_t i = 0; i < stats->pass_count; i++) {
-        r->passes.names[i] = stats->passes[i].name;
-        r->passes.queues[i] = stats->passes[i].queue;
+        const fnl_pass_time *pass = &stats->passes[i];
+        r->passes.rows[i] = (struct report_row){pass->name, pass->queue, pass->role};
     }
-    for (uint32_t i = 0; i < stats->cpu_section_count; i++) r->sections.names[i] = stats->cpu_sections[i].name;
+    for (uint32_t i = 0; i < stats->cpu_section_count; i++) r->sections.rows[i].name = stats->cpu_sections[i].name;
     return true;
 }
 
@@ -181,7 +176,7 @@ void report_print(const struct render_report *r) {
             small_count++;
             continue;
         }
-        printf("  %-28s %10.3f %10.3f %10.3f\n", r->passes.names[i], p.median, p.low, p.p95);
+        printf("  %-28s %10.3f %10.3f %10.3f\n", r->passes.rows[i].name, p.median, p.low, p.p95);
     }
     char others[32];
     snprintf(others, sizeof others, "%u smaller passes", small_count);
@@ -190,7 +185,7 @@ void report_print(const struct render_report *r) {
     for (uint32_t i = 0; i < r->sections.count; i++) {
         struct report_summary p = summary_of(r, &r->sections, i);
         char name[40];
-        snprintf(name, sizeof name, "CPU: %.30s", r->sections.names[i]);
+        snprintf(name, sizeof name, "CPU: %.30s", r->sections.rows[i].name);
         if (p.median >= 0.05 * cpu.median) printf("  %-28s %10.3f %10.3f %10.3f\n", name, p.median, p.low, p.p95);
     }
     printf("  %-28s %10.3f %10.3f %10.3f\n", "CPU, record and submit", cpu.median, cpu.low, cpu.p95);

@@ -56,8 +56,9 @@ static json_t *make_passes(const struct render_report *r) {
     const bool timed = r->device.timestamps;
     for (uint32_t i = 0; i < r->passes.count; i++) {
         struct report_summary p = row_of(r, r->passes.times, i);
-        json_array_append_new(passes, json_pack("{s:s,s:s,s:o,s:o,s:o,s:o}", "name", r->passes.names[i], "queue",
-                                                fnl_value_name(FNL_ENUM_QUEUE, (uint32_t)r->passes.queues[i]), "begin_ms_median",
+        const struct report_row *row = &r->passes.rows[i];
+        json_array_append_new(passes, json_pack("{s:s,s:s,s:s,s:o,s:o,s:o,s:o}", "name", row->name, "queue", fnl_value_name(FNL_ENUM_QUEUE, (uint32_t)row->queue),
+                                                "role", fnl_value_name(FNL_ENUM_PASS_ROLE, (uint32_t)row->role), "begin_ms_median",
                                                 measured(timed, row_of(r, r->passes.begins, i).median), "gpu_ms_median", measured(timed, p.median),
                                                 "gpu_ms_min", measured(timed, p.low), "gpu_ms_p95", measured(timed, p.p95)));
     }
@@ -67,7 +68,7 @@ static json_t *make_passes(const struct render_report *r) {
 static json_t *make_sections(const struct render_report *r) {
     json_t *sections = json_array();
     for (uint32_t i = 0; i < r->sections.count; i++)
-        json_array_append_new(sections, json_pack("{s:s,s:f,s:f}", "name", r->sections.names[i], "begin_ms_median",
+        json_array_append_new(sections, json_pack("{s:s,s:f,s:f}", "name", r->sections.rows[i].name, "begin_ms_median",
                                                   row_of(r, r->sections.begins, i).median, "ms_median", row_of(r, r->sections.times, i).median));
     return sections;
 }

@@ -68,10 +68,10 @@ static uint32_t number_of(struct trace_history *h, const char *name) {
     return h->last_name = h->name_count++;
 }
 
-static bool add_span(struct trace_history *h, struct trace_frame *frame, enum trace_lane lane, const char *name, double begin, double milliseconds) {
+static bool add_span(struct trace_history *h, struct trace_frame *frame, enum trace_lane lane, const char *name, double begin, double milliseconds, fnl_pass_role role) {
     const uint32_t number = number_of(h, name);
     if (number == TRACE_NAMES) return false;
-    if (frame->span_count < TRACE_SPANS) frame->spans[frame->span_count++] = (struct trace_span){begin, milliseconds, (uint16_t)number, (uint8_t)lane};
+    if (frame->span_count < TRACE_SPANS) frame->spans[frame->span_count++] = (struct trace_span){begin, milliseconds, (uint16_t)number, (uint8_t)lane, (uint8_t)role};
     return true;
 }
 
@@ -82,15 +82,15 @@ static bool add_spans(struct trace_history *h, struct trace_frame *frame, const 
     for (int lane = TRACE_GRAPHICS; lane <= TRACE_COMPUTE; lane++)
         for (uint32_t i = 0; i < s->pass_count && good; i++)
             if ((s->passes[i].queue == FNL_QUEUE_COMPUTE) == (lane == TRACE_COMPUTE))
-                good = add_span(h, frame, (enum trace_lane)lane, s->passes[i].name, s->passes[i].begin_milliseconds, s->passes[i].milliseconds);
+                good = add_span(h, frame, (enum trace_lane)lane, s->passes[i].name, s->passes[i].begin_milliseconds, s->passes[i].milliseconds, s->passes[i].role);
     frame->passes_begin = call;
     for (uint32_t i = 0; i < s->cpu_section_count && good; i++) {
         const fnl_cpu_section *section = &s->cpu_sections[i];
-        good = add_span(h, frame, TRACE_LIBRARY, section->name, call + section->begin_milliseconds, section->milliseconds);
+        good = add_span(h, frame, TRACE_LIBRARY, section->name, call + section->begin_milliseconds, section->milliseconds, FNL_PASS_REST);
         if (strcmp(section->name, "submit") == 0) frame->passes_begin = call + section->begin_milliseconds;
     }
     for (uint32_t i = 0; i < h->mark_count && good; i++)
-        good = add_span(h, frame, TRACE_PROGRAM, h->marks[i].name, (h->marks[i].begin - frame->begin) * 1e3, (h->marks[i].end - h->marks[i].begin) * 1e3);
+        good = add_span(h, frame, TRACE_PROGRAM, h->marks[i].name, (h->marks[i].begin - frame->begin) * 1e3, (h->marks[i].end - h->marks[i].begin) * 1e3, FNL_PASS_REST);
     return good;
 }
 

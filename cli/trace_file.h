@@ -25,6 +25,7 @@ struct trace_span {
     double begin, milliseconds; /**< begin: since the frame began; passes: since the first of them did */
     uint16_t name;              /**< of trace_name */
     uint8_t lane;
+    uint8_t role;               /**< fnl_pass_role; of passes */
 };
 
 struct trace_frame {

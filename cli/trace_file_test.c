@@ -18,8 +18,8 @@ static const fnl_cpu_section sections[] = {{"update", 0, 1}, {"submit", 1, 0.5}}
 
 /* A frame with a pass on each queue, of so many milliseconds. */
 static fnl_frame_stats make_stats(fnl_pass_time passes[2], const char *first, double milliseconds) {
-    passes[0] = (fnl_pass_time){first, milliseconds, 0, FNL_QUEUE_GRAPHICS};
-    passes[1] = (fnl_pass_time){"beside", milliseconds / 2, milliseconds / 4, FNL_QUEUE_COMPUTE};
+    passes[0] = (fnl_pass_time){first, milliseconds, 0, FNL_QUEUE_GRAPHICS, FNL_PASS_SHADOWS};
+    passes[1] = (fnl_pass_time){"beside", milliseconds / 2, milliseconds / 4, FNL_QUEUE_COMPUTE, FNL_PASS_LISTS};
     return (fnl_frame_stats){.pass_count = 2,
                              .passes = passes,
                              .gpu_milliseconds = 1.5 * milliseconds,
@@ -55,6 +55,7 @@ static void test_a_frame_is_kept_as_it_was(void **state) {
     for (uint32_t i = 0; i < 6; i++) {
         assert_string_equal(trace_name(h, frame->spans[i].name), spans[i].name);
         assert_int_equal(frame->spans[i].lane, spans[i].lane);
+        assert_int_equal(frame->spans[i].role, i == 0 ? FNL_PASS_SHADOWS : i == 1 ? FNL_PASS_LISTS : FNL_PASS_REST);
         if (spans[i].milliseconds >= 0) assert_true(frame->spans[i].milliseconds == spans[i].milliseconds);
     }
     assert_true(frame->spans[1].begin == 1 && frame->gpu_milliseconds == 6);
@@ -97,7 +98,7 @@ static void test_the_history_does_not_grow(void **state) {
     assert_true(trace_count(h) < 20);
     /* A frame with more passes than fit keeps those that do. */
     static fnl_pass_time passes[TRACE_SPANS + 100];
-    for (int i = 0; i < TRACE_SPANS + 100; i++) passes[i] = (fnl_pass_time){"one of many", 1, i, FNL_QUEUE_GRAPHICS};
+    for (int i = 0; i < TRACE_SPANS + 100; i++) passes[i] = (fnl_pass_time){"one of many", 1, i, FNL_QUEUE_GRAPHICS, FNL_PASS_REST};
     trace_end_frame(h, &(fnl_frame_stats){.pass_count = TRACE_SPANS + 100, .passes = passes}, trace_now());
     assert_int_equal(trace_find(h, 0)->span_count, TRACE_SPANS);
     trace_destroy(&h);

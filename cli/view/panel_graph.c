@@ -162,6 +162,12 @@ static uint32_t resource_color(const json_t *r) {
     return is_image ? (lives ? 0x48785cff : IMAGE_COLOR) : (lives ? 0x5a5a84ff : BUFFER_COLOR);
 }
 
+/* Of a plan without roles: rest. */
+static uint32_t role_of(const json_t *pass) {
+    uint32_t role;
+    return fnl_value_find(FNL_ENUM_PASS_ROLE, text_of(pass, "role"), &role) ? role : FNL_PASS_REST;
+}
+
 static void draw_passes(struct view_graph *g, const struct ui_canvas *canvas) {
     size_t i;
     json_t *pass;
@@ -171,7 +177,7 @@ static void draw_passes(struct view_graph *g, const struct ui_canvas *canvas) {
         char label[280];
         if (x > canvas->left + canvas->width || x + g->column < canvas->left) continue;
         const bool chosen = strcmp(name, g->pass) == 0, part = g->resource < 0 || use_of(pass, (size_t)g->resource);
-        uint32_t color = chosen ? 0xffffffff : view_pass_color(name);
+        uint32_t color = chosen ? 0xffffffff : view_role_color(role_of(pass));
         if (!contains(name, g->filter) || !part) color = dimmed(color);
         snprintf(label, sizeof label, "pass %s", name);
         /* The heads stay in sight when the rows below are scrolled. */

@@ -2,7 +2,6 @@
 /* What ran when: the passes of a frame and the work of the CPU on an axis of time, the last frames, and the times of one pass. */
 #include "view/view.h"
 
-#include "bench_lane.h"
 #include "print.h"
 #include "view/ui.h"
 
@@ -14,24 +13,23 @@ enum { AXIS = 16, LANE = 20, STRIP = 56, GUTTER = 84 /* with the names of lanes 
 static const uint32_t SPIKE_COLOR = 0xff4030ff, TEXT_COLOR = 0x000000ff, CHOSEN_COLOR = 0xffffffff;
 
 /* What a pass is for, in the order of stacks. */
-enum { ROLES = 6 };
+enum { ROLES = FNL_PASS_ROLE_COUNT };
 static const struct {
-    const char *name;
+    fnl_pass_role role;
     uint32_t color;
-} roles[ROLES] = {{"shadows", 0x9a7fd1ff}, {"geometry", 0x5fa8d3ff}, {"lists", 0xe0b040ff}, {"shading", 0x6fbf73ff}, {"rest", 0xd98a6aff}, {"read", 0x909090ff}};
+} roles[ROLES] = {{FNL_PASS_SHADOWS, 0x9a7fd1ff}, {FNL_PASS_GEOMETRY, 0x5fa8d3ff}, {FNL_PASS_LISTS, 0xe0b040ff}, {FNL_PASS_SHADING, 0x6fbf73ff}, {FNL_PASS_REST, 0xd98a6aff}, {FNL_PASS_READ, 0x909090ff}};
 
-static uint32_t role_of(const char *pass) {
-    const char *role = lane_pass_role(pass);
+static const char *name_of_role(uint32_t r) { return fnl_value_name(FNL_ENUM_PASS_ROLE, (uint32_t)roles[r].role); }
+
+uint32_t view_role_color(uint32_t role) {
     for (uint32_t i = 0; i < ROLES; i++)
-        if (strcmp(roles[i].name, role) == 0) return i;
-    return ROLES - 1;
+        if ((uint32_t)roles[i].role == role) return roles[i].color;
+    return roles[ROLES - 1].color;
 }
-
-uint32_t view_pass_color(const char *pass) { return roles[role_of(pass)].color; }
 
 void view_show_roles(void) {
     for (uint32_t r = 0; r < ROLES; r++) {
-        const char *name = strcmp(roles[r].name, "read") == 0 ? "read back" : roles[r].name;
+        const char *name = roles[r].role == FNL_PASS_READ ? "read back" : name_of_role(r);
         if (r) ui_same_line_if_fits(name);
         ui_key_color(roles[r].color, name);
     }
@@ -182,7 +180,7 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
         if (x > canvas.left + canvas.width || x + wide < canvas.left) continue;
         const bool gpu = span->lane <= TRACE_COMPUTE, chosen = strcmp(v->timeline.pass, name) == 0;
         snprintf(label, sizeof label, "%s %s", gpu ? "pass" : "cpu", name);
-        const uint32_t color = chosen ? CHOSEN_COLOR : gpu ? roles[role_of(name)].color : span->lane == TRACE_LIBRARY ? 0xc0a890ff : 0xa0b0b0ff;
+        const uint32_t color = chosen ? CHOSEN_COLOR : gpu ? view_role_color(span->role) : span->lane == TRACE_LIBRARY ? 0xc0a890ff : 0xa0b0b0ff;
         /* Neighbours of one colour stay apart. */
         if (ui_canvas_rect(label, x, tops[span->lane] + 1, wide > 3 ? wide - 1 : wide, LANE - 2, color)) over = span;
         if (wide > 24) ui_canvas_text(x + 2, tops[span->lane] + 3, wide - 4, TEXT_COLOR, name);
@@ -204,26 +202,12 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
 
 /* ---- the last frames ---- */
 
-static void frame_sums(const struct view *v, const struct trace_frame *frame, double sums[ROLES]) {
-    static struct { /* of names, which are asked for again in each frame */
-        uint8_t role[TRACE_NAMES];
-        bool known[TRACE_NAMES];
-        uint32_t generation;
-    } cache;
-    if (cache.generation != trace_generation(v->timeline.history)) {
-        memset(&cache, 0, sizeof cache);
-        cache.generation = trace_generation(v->timeline.history);
-    }
-    memset(sums, 0, ROLES * sizeof *sums);
-    for (uint32_t i = 0; i < frame->span_count; i++) {
-        const struct trace_span *span = &frame->spans[i];
-        if (span->lane > TRACE_COMPUTE) continue;
-        if (!cache.known[span->name]) {
-            cache.role[span->name] = (uint8_t)role_of(trace_name(v->timeline.history, span->name));
-            cache.known[span->name] = true;
-        }
-        sums[cache.role[span->name]] += span->milliseconds;
-    }
+/* In the order of `roles`. */
+static void frame_sums(const struct trace_frame *frame, double sums[ROLES]) {
+    double of_role[ROLES] = {0};
+    for (uint32_t i = 0; i < frame->span_count; i++)
+        if (frame->spans[i].lane <= TRACE_COMPUTE) of_role[frame->spans[i].role] += frame->spans[i].milliseconds;
+    for (uint32_t r = 0; r < ROLES; r++) sums[r] = of_role[roles[r].role];
 }
 
 static void draw_strip(struct view *v) {
@@ -249,7 +233,7 @@ static void draw_strip(struct view *v) {
             over = frame;
             over_age = age;
         }
-        frame_sums(v, frame, sums);
+        frame_sums(frame, sums);
         float y = STRIP;
         for (uint32_t r = 0; r < ROLES; r++) {
             const float high = fminf((float)(sums[r] / most) * (STRIP - 6), y);
@@ -261,9 +245,9 @@ static void draw_strip(struct view *v) {
     if (over) {
         double sums[ROLES];
         char text[300] = "";
-        frame_sums(v, over, sums);
+        frame_sums(over, sums);
         for (uint32_t r = 0; r < ROLES; r++)
-            if (sums[r] > 0) snprintf(text + strlen(text), sizeof text - strlen(text), "\n%s %.3f ms", roles[r].name, sums[r]);
+            if (sums[r] > 0) snprintf(text + strlen(text), sizeof text - strlen(text), "\n%s %.3f ms", name_of_role(r), sums[r]);
         ui_hint("%u %s back: %.3f ms in passes%s%s", over_age, view_plural(over_age, "frame", "frames"), over->gpu_milliseconds, is_spike(&frames, over->gpu_milliseconds) ? ", a spike" : "", text);
         if (ui_clicked()) freeze(v, over);
     }
@@ -365,8 +349,8 @@ void view_report_timeline(const struct view *v, FILE *file) {
         double sums[ROLES];
         struct summary frames;
         uint32_t spikes = 0;
-        frame_sums(v, shown, sums);
-        for (uint32_t r = 0; r < ROLES; r++) fprintf(file, "purpose\t%s\t%.4f\n", roles[r].name, sums[r]);
+        frame_sums(shown, sums);
+        for (uint32_t r = 0; r < ROLES; r++) fprintf(file, "purpose\t%s\t%.4f\n", name_of_role(r), sums[r]);
         summarise_frames(v, &frames);
         for (uint32_t age = 0; age < trace_count(h); age++) spikes += is_spike(&frames, trace_find(h, age)->gpu_milliseconds);
         fprintf(file, "spikes\t%u\n", spikes);

@@ -448,7 +448,7 @@ void view_panel_wide(struct view *view, struct ui_rectangle at);
 void view_panel_timeline(struct view *view);
 void view_panel_graph(struct view *view);
 /** What a pass is for, as a color; and what these colors mean. */
-uint32_t view_pass_color(const char *pass);
+uint32_t view_role_color(uint32_t role);
 void view_show_roles(void);
 /** Opens the wide panel with this in it; closes it where it shows it. */
 void view_show_wide(struct view *view, enum view_wide what);

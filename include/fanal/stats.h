@@ -18,11 +18,23 @@ typedef enum fnl_queue {
     FNL_QUEUE_COUNT
 } fnl_queue;
 
+/** What a pass is for. */
+typedef enum fnl_pass_role {
+    FNL_PASS_REST = 0,
+    FNL_PASS_GEOMETRY, /**< what is where: skinning, culling, depth, G-buffers */
+    FNL_PASS_LISTS,    /**< which lights reach what */
+    FNL_PASS_SHADOWS,
+    FNL_PASS_SHADING,
+    FNL_PASS_READ, /**< hands results to the CPU */
+    FNL_PASS_ROLE_COUNT
+} fnl_pass_role;
+
 typedef struct fnl_pass_time {
     const char *name; /**< as the frame graph names it */
     double milliseconds;
     double begin_milliseconds; /**< since the first pass of the frame began */
     fnl_queue queue;
+    fnl_pass_role role;
 } fnl_pass_time;
 
 /** A part of what the calling thread does for a frame. They follow one another without gaps. */

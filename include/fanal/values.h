@@ -60,6 +60,7 @@ typedef enum fnl_enum {
     FNL_ENUM_DECAL_BLEND,      /**< fnl_decal_blend */
     FNL_ENUM_DEVICE_TYPE,      /**< fnl_device_type */
     FNL_ENUM_QUEUE,            /**< fnl_queue */
+    FNL_ENUM_PASS_ROLE,        /**< fnl_pass_role */
     FNL_ENUM_COUNT
 } fnl_enum;
 

@@ -128,6 +128,7 @@ static const struct names enums[] = {
     [FNL_ENUM_DECAL_BLEND] = NAMES(fnl_decal_blend, FNL_DECAL_BLEND_COUNT, "alpha", "multiply", "add", "screen", "overlay"),
     [FNL_ENUM_DEVICE_TYPE] = NAMES(fnl_device_type, FNL_DEVICE_OTHER + 1, "discrete", "integrated", "virtual", "cpu", "other"),
     [FNL_ENUM_QUEUE] = NAMES(fnl_queue, FNL_QUEUE_COUNT, "graphics", "compute"),
+    [FNL_ENUM_PASS_ROLE] = NAMES(fnl_pass_role, FNL_PASS_ROLE_COUNT, "rest", "geometry", "lists", "shadows", "shading", "read"),
 };
 _Static_assert(COUNT_OF(enums) == FNL_ENUM_COUNT, "each enum has its names");
 

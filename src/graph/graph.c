@@ -187,6 +187,7 @@ void graph_begin(struct graph *graph) {
     graph->executed = false;
     graph->resources.count = graph->passes.count = 0;
     graph->scope = NULL;
+    graph->role = GRAPH_ROLE_REST;
     graph->puts = NULL;
     graph->names.depth = graph->names.lost = 0;
     memset(&graph->plan, 0, sizeof graph->plan);
@@ -362,6 +363,26 @@ uint64_t graph_buffer_size(const struct graph *graph, graph_buffer buffer) {
 
 /* ---- passes ---- */
 
+fnl_pass_role graph_pass_role(enum graph_role role) {
+    switch (role) {
+    case GRAPH_ROLE_GEOMETRY: return FNL_PASS_GEOMETRY;
+    case GRAPH_ROLE_LISTS: return FNL_PASS_LISTS;
+    case GRAPH_ROLE_SHADOWS:
+    case GRAPH_ROLE_SHADOW_FILL:
+    case GRAPH_ROLE_SHADOW_PROBE: return FNL_PASS_SHADOWS;
+    case GRAPH_ROLE_SHADING: return FNL_PASS_SHADING;
+    case GRAPH_ROLE_READ: return FNL_PASS_READ;
+    case GRAPH_ROLE_REST: break;
+    }
+    return FNL_PASS_REST;
+}
+
+enum graph_role graph_set_role(struct graph *graph, enum graph_role role) {
+    const enum graph_role before = graph->role;
+    graph->role = role;
+    return before;
+}
+
 struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum graph_queue queue, graph_execute *execute,
                                   const void *data, size_t data_size) {
     struct graph_pass *pass = arena_allocate_zero(&graph->arena, sizeof *pass);
@@ -371,7 +392,7 @@ struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum gr
         return NULL;
     }
     *pass = (struct graph_pass){
-        .graph = graph, .name = graph_scoped_name(graph, name), .queue = queue, .execute = execute, .data = copy, .scope = graph->scope};
+        .graph = graph, .name = graph_scoped_name(graph, name), .queue = queue, .execute = execute, .data = copy, .scope = graph->scope, .role = graph->role};
     pass->original = data;
     pass->original_size = copy ? data_size : 0;
     pass->copy = copy;

@@ -9,6 +9,7 @@
 #ifndef FNL_GRAPH_GRAPH_H
 #define FNL_GRAPH_GRAPH_H
 
+#include "fanal/stats.h"
 #include "gpu/gpu.h"
 
 #include <string.h>
@@ -93,6 +94,22 @@ enum graph_queue {
 
 struct graph_context; /* what a pass gets to record with */
 typedef void graph_execute(const struct graph_context *context, const void *data);
+
+/** What a pass is for. Timers are found by it, not by names. */
+enum graph_role {
+    GRAPH_ROLE_REST,
+    GRAPH_ROLE_GEOMETRY, /* what is where: culling, deforming, drawing without light */
+    GRAPH_ROLE_LISTS,    /* which lights reach what */
+    GRAPH_ROLE_SHADOWS,
+    GRAPH_ROLE_SHADOW_FILL,  /* of these: draws pages of maps, whose time hybrid shadows learn */
+    GRAPH_ROLE_SHADOW_PROBE, /* of these: sends rays for their time */
+    GRAPH_ROLE_SHADING,
+    GRAPH_ROLE_READ, /* hands results to the CPU */
+};
+/** The role of passes that are added from now on, REST at the begin of a frame. Returns the one before. */
+enum graph_role graph_set_role(struct graph *graph, enum graph_role role);
+/** What callers see of it. */
+fnl_pass_role graph_pass_role(enum graph_role role);
 
 /**
  * `name` is also the debug label and the timer's name; names must be unique in a frame and live as long as the graph.
@@ -319,6 +336,7 @@ struct graph_timer {
     double begin_milliseconds; /* since the first pass of the frame began */
     double milliseconds;
     enum gpu_queue queue;
+    enum graph_role role; /* of a merged scope that of its first pass */
 };
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count);
 

@@ -274,7 +274,7 @@ static void read_timers(struct graph *graph, uint32_t index) {
     for (uint32_t i = 0; i < count; i++) {
         const struct graph_timed *timed = &slot->names.data[i];
         double nanoseconds = times[2 * i + 1] > times[2 * i] ? (double)(times[2 * i + 1] - times[2 * i]) : 0;
-        slot->results.data[i] = (struct graph_timer){timed->name, (double)times[2 * i] * 1e-6, nanoseconds * 1e-6, timed->queue};
+        slot->results.data[i] = (struct graph_timer){timed->name, (double)times[2 * i] * 1e-6, nanoseconds * 1e-6, timed->queue, timed->role};
     }
     slot->results.count = count;
 }
@@ -290,7 +290,7 @@ static bool name_timers(struct graph *graph, bool timers) {
     uint32_t count = MIN(graph->plan.step_count, (uint32_t)MAX_TIMERS);
     if (!array_reserve(&graph->host, &slot->names, count)) return false;
     for (uint32_t i = 0; i < count; i++)
-        slot->names.data[i] = (struct graph_timed){graph->plan.steps[i].pass->name, graph->plan.steps[i].queue};
+        slot->names.data[i] = (struct graph_timed){graph->plan.steps[i].pass->name, graph->plan.steps[i].queue, graph->plan.steps[i].pass->role};
     slot->names.count = count;
     return true;
 }

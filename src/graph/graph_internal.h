@@ -64,6 +64,7 @@ struct graph_pass {
     struct graph *graph;
     const char *name;
     enum graph_queue queue;
+    enum graph_role role;
     graph_execute *execute;
     void *data;
     const void *original; /* what rows point into: the caller's data, or push constants */
@@ -236,6 +237,7 @@ struct graph_requirements {
 struct graph_timed {
     const char *name;
     enum gpu_queue queue;
+    enum graph_role role;
 };
 
 /** Timers of the latest frame of a slot, and the results of that frame or, until it is over, of the one before. */
@@ -262,6 +264,7 @@ struct graph {
     ARRAY(struct graph_resource) resources;
     ARRAY(struct graph_pass *) passes;
     const struct graph_scope *scope; /* the open one */
+    enum graph_role role;            /* of new passes */
     struct graph_put *puts;
     struct graph_plan plan;
     bool executed;

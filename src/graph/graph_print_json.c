@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The plan as JSON, for programs; docs/frame-graph.md says what the members mean. What the text has is here too, in the same names. */
+#include "fanal/values.h"
 #include "graph/graph_print.h"
 
 #define FORMAT(name) {VK_FORMAT_##name, #name}
@@ -199,7 +200,8 @@ static void put_step(struct printer *p, uint32_t index) {
     const struct graph_merged *merged = step->pass->merged;
     print_put(p, "{\"name\":");
     put_string(p, step->pass->name);
-    print_put(p, ",\"queue\":\"%s\",\"batch\":%u,\"parts\":[", step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics", step->batch);
+    print_put(p, ",\"queue\":\"%s\",\"role\":\"%s\",\"batch\":%u,\"parts\":[", step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics",
+              fnl_value_name(FNL_ENUM_PASS_ROLE, (uint32_t)graph_pass_role(step->pass->role)), step->batch);
     for (uint32_t i = 0; merged && i < merged->part_count; i++) {
         if (i) print_put(p, ",");
         put_string(p, merged->parts[i]->name);

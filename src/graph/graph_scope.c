@@ -132,7 +132,7 @@ struct graph_pass *graph_merge(struct graph *graph, uint32_t first, uint32_t *ne
         graph_fail(graph, FNL_ERROR_MEMORY);
         return NULL;
     }
-    *whole = (struct graph_pass){.graph = graph, .name = scope->name, .scope = scope, .merged = merged, .live = true};
+    *whole = (struct graph_pass){.graph = graph, .name = scope->name, .role = graph->passes.data[first]->role, .scope = scope, .merged = merged, .live = true};
     whole->depth.resource = whole->depth.resolve = GRAPH_NONE;
     uint32_t i = first;
     for (; i < graph->passes.count && graph->passes.data[i]->scope == scope; i++) {

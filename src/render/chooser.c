@@ -549,12 +549,8 @@ void chooser_note(struct chooser *c, uint64_t frame, double cpu_milliseconds) {
 
 uint64_t chooser_wants(const struct chooser *c) { return c->pending_count ? c->pending[0].frame : 0; }
 
-bool chooser_counts(const struct choice *asked, const char *pass) {
-    const char *scopes = strrchr(pass, '/'), *name = scopes ? scopes + 1 : pass;
-    /* Where only lists are chosen, drawing the surfaces costs the same with all of them: its jitter would only blur the comparison. */
-    bool draws = strcmp(name, "gbuffer") == 0 || strcmp(name, "depth prepass") == 0;
-    return asked->shading == FNL_SHADING_AUTO || !draws;
-}
+/* Where only lists are chosen, drawing the surfaces costs the same with all of them: its jitter would only blur the comparison. */
+bool chooser_counts(const struct choice *asked, fnl_pass_role role) { return asked->shading == FNL_SHADING_AUTO || role != FNL_PASS_GEOMETRY; }
 
 void chooser_feed(struct chooser *c, double gpu_milliseconds, double left_out) {
     if (c->pending_count == 0) return;

@@ -120,7 +120,7 @@ void chooser_note(struct chooser *chooser, uint64_t frame, double cpu_millisecon
 /** Oldest frame whose time is still wanted; 0: none. */
 uint64_t chooser_wants(const struct chooser *chooser);
 /** Whether the time of a pass, which may stand in a scope ("view 1/gbuffer"), is part of what is compared. */
-bool chooser_counts(const struct choice *asked, const char *pass);
+bool chooser_counts(const struct choice *asked, fnl_pass_role role);
 /** Time of that frame's passes, negative: it is not known and never will be; and of those among them that are not compared. */
 void chooser_feed(struct chooser *chooser, double gpu_milliseconds, double left_out);
 

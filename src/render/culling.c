@@ -41,6 +41,7 @@ bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame) {
 }
 
 void frame_cull(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_GEOMETRY);
     const fnl_frame *frame = f->frame;
     const struct renderer_tests tests = renderer_tests(f->r);
     const struct geometry_scene *scene = &f->scene->geometry;

@@ -21,14 +21,17 @@ static void add_counters(struct frame_state *f);
 /* Prepares a view before anything is drawn for it; `out` receives its camera. */
 static fnl_result begin_view(struct frame_state *f, struct gpu_view *out) {
     TRY(add_view(f, out));
+    graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     TRY(decals_add_list(f));
     reflections_add_list(f);
+    graph_set_role(f->graph, GRAPH_ROLE_LISTS);
     return fade_lights(f);
 }
 
 static void shade_view(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
     shading_add(f);
+    graph_set_role(f->graph, GRAPH_ROLE_REST);
     if (frame_shows_surfaces(frame))
         f->aov = aov_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
     if (frame->outputs & FNL_OUTPUT_OBJECT)
@@ -39,6 +42,7 @@ static bool wants_color(const struct frame_state *f) { return f->target || (f->f
 
 /* One for all. */
 static void expose(struct frame_state *views, uint32_t count) {
+    graph_set_role(views->graph, GRAPH_ROLE_REST);
     graph_image radiance[GROUP_MOST] = {{0}}, depth[GROUP_MOST] = {{0}};
     const fnl_frame *frame = views->frame;
     if (frame->exposure != FNL_EXPOSURE_AUTO || !(wants_color(views) || frame->aa == FNL_ANTIALIASING_TAA)) return;
@@ -48,12 +52,14 @@ static void expose(struct frame_state *views, uint32_t count) {
 }
 
 static void finish_view(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_REST);
     temporal_add(f);
     if (wants_color(f)) frame_add_picture(f);
     if (f->target) frame_add_target(f);
     inspect_declare(f);
-    frame_add_outputs(f);
     reflections_take_face(f);
+    graph_set_role(f->graph, GRAPH_ROLE_READ);
+    frame_add_outputs(f);
     frame_add_counts(f);
     frame_note_stats(f);
     temporal_end(f);
@@ -119,9 +125,11 @@ static fnl_result begin_views(struct group_state *g, const struct frame_parts *p
         pop_view(f);
     }
     if (!g->group->is_display) return FNL_OK;
+    graph_set_role(g->views->graph, GRAPH_ROLE_GEOMETRY);
     TRY(stereo_begin(g->views, g->group->count));
     for (uint32_t i = 0; i < g->group->count; i++) {
         push_view(&g->views[i]);
+        graph_set_role(g->views->graph, GRAPH_ROLE_GEOMETRY);
         stereo_cull(&g->views[i]);
         add_counters(&g->views[i]);
         pop_view(&g->views[i]);
@@ -221,6 +229,7 @@ static fnl_result declare_group(const struct frame_parts *parts, const struct vi
     }
     if (!group->has_far) return FNL_OK;
     push_view(&g.views[group->count]);
+    graph_set_role(g.views->graph, GRAPH_ROLE_READ);
     frame_add_counts(&g.views[group->count]);
     frame_note_stats(&g.views[group->count]);
     pop_view(&g.views[group->count]);
@@ -232,7 +241,9 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct v
     graph_begin(r->graph);
     multiview_tell(r, frame, plan->path);
     r->vertex_queries = 0;
+    graph_set_role(r->graph, GRAPH_ROLE_GEOMETRY);
     TRY(device_scene_add(&r->scene_user, r->graph, &parts.scene));
+    graph_set_role(r->graph, GRAPH_ROLE_REST);
     TRY(add_shared(&parts.shared, &parts.scene));
     shadows_begin(&parts.shared, &parts.scene);
     parts.cameras = gpu_frame_allocate(r->device, plan->camera_count * sizeof(struct gpu_view));
@@ -304,6 +315,7 @@ static fnl_result fade_lights(struct frame_state *f) {
 }
 
 static void add_counters(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_REST);
     if (!f->frame->count_lights && !shading_shows_volumes(f->frame)) return;
     f->counters = f->frame->count_lights
                       ? graph_import_buffer(f->graph, "light counters", &f->kept->counters)

@@ -83,7 +83,7 @@ static void add_head_lists(struct frame_state *f) {
     f->lights = f->blend_lights = light_list_for_eye(f->graph, f->r->device, &display->lights, &f->scene->lights);
 }
 
-void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
+static void add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
     if (stereo_shares_list(f, f->frame->lists)) {
         add_head_lists(f);
         return;
@@ -98,6 +98,12 @@ void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuf
     if (!f->surface_lights.header) return;
     f->lights = f->surface_lights;
     if (!context.has_blend) f->blend_lights = f->lights;
+}
+
+void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
+    graph_set_role(f->graph, GRAPH_ROLE_LISTS);
+    add_lists(f, depth, gbuffer);
+    graph_set_role(f->graph, GRAPH_ROLE_SHADING);
 }
 
 struct light_list order_add_fallback_lists(struct frame_state *f) {

@@ -28,6 +28,7 @@ void multiview_draw(struct frame_state *views, const struct view_group *group) {
     struct graph *graph = all.graph;
     all.layers = views;
     all.layer_count = count;
+    graph_set_role(graph, GRAPH_ROLE_GEOMETRY);
     graph_push_names(graph, graph_name(graph, "views %u-%u", all.view_index, all.view_index + together - 1));
     if (frame_culls_hidden(all.frame)) {
         const struct geometry_draws *draws[GROUP_MOST];

@@ -101,7 +101,7 @@ static void feed_chooser(fnl_renderer *r) {
             sum = 0;
             for (uint32_t i = 0; i < count; i++) {
                 sum += timers[i].milliseconds;
-                if (!chooser_counts(&r->asked, timers[i].name)) left_out += timers[i].milliseconds;
+                if (!chooser_counts(&r->asked, graph_pass_role(timers[i].role))) left_out += timers[i].milliseconds;
             }
         }
         chooser_feed(&r->chooser, sum, left_out);

@@ -110,7 +110,7 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
         for (uint32_t i = 0; i < count; i++) {
             r->pass_times.data[r->pass_times.count++] =
                 (fnl_pass_time){timers[i].name, timers[i].milliseconds, timers[i].begin_milliseconds,
-                                timers[i].queue == GPU_QUEUE_COMPUTE ? FNL_QUEUE_COMPUTE : FNL_QUEUE_GRAPHICS};
+                                timers[i].queue == GPU_QUEUE_COMPUTE ? FNL_QUEUE_COMPUTE : FNL_QUEUE_GRAPHICS, graph_pass_role(timers[i].role)};
             out->gpu_milliseconds += timers[i].milliseconds;
         }
     }

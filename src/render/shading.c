@@ -165,6 +165,7 @@ static struct geometry_draws begin_depth(struct frame_state *f) {
 }
 
 void shading_draw(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_GEOMETRY);
     const struct order *order = shading_order(f->frame->shading);
     f->radiance = create_target(f, "radiance", shading_format(f));
     f->depth = create_target(f, "depth", GEOMETRY_DEPTH_FORMAT);
@@ -270,6 +271,7 @@ void shading_add(struct frame_state *f) {
     note_environment(f);
     if (!f->drawn) shading_draw(f);
     if (!f->shadowed) shadows_add(f);
+    graph_set_role(f->graph, GRAPH_ROLE_GEOMETRY);
     const struct shade_input input = input_of(f);
     struct shade_input opaque = input;
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
@@ -278,6 +280,7 @@ void shading_add(struct frame_state *f) {
     const struct geometry_draws drawn = hides && !prepass && !order->draw ? begin_depth(f) : f->draws;
     opaque.draws = &drawn;
     order->add(f, &opaque, prepass);
+    graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     if (hides) hidden_area_blacken(f->graph, &f->hidden, f->radiance, f->depth);
     if (f->mono) mono_composite(f);
     add_layered(f, &input);

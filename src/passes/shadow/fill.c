@@ -58,7 +58,9 @@ static void add_draw(struct graph *graph, gpu_device *device, const struct shado
         if (geometry_bucket_clustered(bucket)) data.casts[bucket->mask] = true;
         if (bucket->forward_layouts >> GEOMETRY_TRANSMISSIVE & 1) data.casts[1] = true; /* clear parts are holes */
     }
+    const enum graph_role before = graph_set_role(graph, GRAPH_ROLE_SHADOW_FILL);
     struct graph_pass *pass = graph_add_pass(graph, "shadow fill", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
+    graph_set_role(graph, before);
     graph_use_buffer(pass, in->scene->vertices, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws, GRAPH_INDIRECT);
     graph_use_buffer(pass, fill->totals, GRAPH_INDIRECT);

@@ -39,11 +39,13 @@ void shadow_probe_add(struct graph *graph, const struct shadow_pages *pages, con
     rays.kind &= ~(GPU_LIST_MAPS | GPU_LIST_FILTERED);
     rays.maps = (struct shadow_maps){0};
     struct gpu_shadow_probe_push push = {.list = list->header, .seed = seed};
+    const enum graph_role before = graph_set_role(graph, GRAPH_ROLE_SHADOW_PROBE);
     struct graph_pass *pass =
         graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow probe",
                                                        .pipeline = {&shader_split_probe_comp, 1, {[LISTS_ID] = rays.kind}},
                                                        .groups = {DIVIDE_UP(image.width, 32u), DIVIDE_UP(image.height, 32u)},
                                                        GRAPH_PUSH(push),
                                                        GRAPH_ROWS(graph_changes(&push.counts, pages->split_counts), graph_samples(&push.depth, depth))});
+    graph_set_role(graph, before);
     light_list_use(pass, &rays, GRAPH_READ_COMPUTE);
 }

@@ -37,7 +37,7 @@ graph_buffer shadow_split_add(struct graph *graph, const struct shadow_split_inp
 void shadow_drawn_add(struct graph *graph, const struct shadow_pages *pages, const struct shadow_fill *fill);
 
 /**
- * Sends rays from one pixel of each 4x4 of `depth` to one of its lights, for their time alone: the pass is called "shadow probe". `list` is one of tiles or
+ * Sends rays from one pixel of each 4x4 of `depth` to one of its lights, for their time alone: GRAPH_ROLE_SHADOW_PROBE. `list` is one of tiles or
  * of all lights, and has GPU_LIST_RAYS.
  */
 void shadow_probe_add(struct graph *graph, const struct shadow_pages *pages, const struct light_list *list, graph_image depth, uint32_t seed);

@@ -108,6 +108,7 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
         if (!gbuffer.mask.id) f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
     } else {
         f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+        graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     }
     struct light_input none = f->scene->lights;
     none.local_count = 0;

@@ -61,6 +61,7 @@ static void add_blend_lists(struct frame_state *f) {
         f->lights = f->blend_lights;
     } else {
         f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+        graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     }
 }
 
@@ -149,7 +150,9 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     lights->width = whole.width;
     lights->height = whole.height;
     lights->view = whole.view;
+    graph_set_role(f->graph, GRAPH_ROLE_LISTS);
     f->blend_lights = order_add_fallback_lists(f);
+    graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     input->lights = &f->blend_lights;
     inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
     if (blend) shading_add_sky(f);

@@ -96,6 +96,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     bool by_volumes = frame_is(f->frame, SHADING_VOLUMES), has_blend = surfaces_have_blend(f);
     if (!by_volumes || has_blend)
         order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
+    graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     struct light_list base;
     struct volumes volumes;
     if (by_volumes) {

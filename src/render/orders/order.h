@@ -56,9 +56,9 @@ const struct order *shading_order(fnl_shading shading);
 
 /* ---- what they share ---- */
 
-/** Makes the frame's lists; `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
+/** Makes the frame's lists. What is drawn before them is geometry, what comes after them shading (graph_role); `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
-/** Makes lists beside those of the frame, for pixels that those do not serve. */
+/** Makes lists beside those of the frame, for pixels that those do not serve. Their passes have the role of what asks for them. */
 struct light_list order_add_fallback_lists(struct frame_state *f);
 /** Makes tiles beside them for all that `depth` shows. */
 struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth);
