@@ -4,7 +4,7 @@
 #include "passes/debug/colors_shared.h"
 #include "render/decals.h"
 #include "render/orders/order.h"
-#include "render/shadows.h"
+#include "render/shadows/maps.h"
 #include "render/shading.h"
 #include "render/step.h"
 
@@ -68,27 +68,27 @@ static void add_classes(struct frame_state *f, bool swap) {
 
 static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
-    if (frame->shadows == FNL_SHADOWS_MAPS || frame->shadows == FNL_SHADOWS_HYBRID || (frame->shadows == FNL_SHADOWS_CUBEMAP && frame->debug == FNL_DEBUG_SHADOW_ERRORS)) return FNL_OK;
+    if (shadows_have(frame, SHADOWS_MAPS) || (shadows_have(frame, SHADOWS_ROOMS) && frame->debug == FNL_DEBUG_SHADOW_ERRORS)) return FNL_OK;
     return unsupported(call, "the debug view %s needs shadows maps or hybrid, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
 }
 
 static fnl_result check_rays(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
-    if (frame->shadows != FNL_SHADOWS_OFF && frame->shadows != FNL_SHADOWS_SAMPLED) return FNL_OK;
+    if (shadows_have(frame, SHADOWS_EXACT)) return FNL_OK;
     return unsupported(call, "the debug view %s needs shadows rays, maps, hybrid or cubemap, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
 }
 
 static fnl_result check_classes(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
-    if (shadows_classify(frame)) return FNL_OK;
+    if (shadow_maps_classify(frame)) return FNL_OK;
     return unsupported(call, "the debug view %s needs shadows maps or hybrid, shadow.classify, and a frame that it applies to", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
 }
 
 static fnl_result check_probes(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
-    if (frame->shadows == FNL_SHADOWS_CUBEMAP) return FNL_OK;
+    if (shadows_have(frame, SHADOWS_ROOMS)) return FNL_OK;
     return unsupported(call, "the debug view %s needs shadows cubemap, not %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug),
                        fnl_value_name(FNL_ENUM_SHADOWS, frame->shadows));
 }

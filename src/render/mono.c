@@ -16,8 +16,8 @@ static const char *find_problem(const fnl_frame *frame) {
     if (frame->debug != FNL_DEBUG_NONE) return "does not go together with debug views";
     if (frame->pixel.asked) return "does not go together with queries of pixels";
     if (frame->outputs & ~(uint32_t)(FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE)) return "does not go together with outputs other than COLOR and RADIANCE";
-    if (frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.denoise) return "does not go together with shadow.denoise";
-    if (frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.guide) return "does not go together with shadow.guide";
+    if (shadows_denoised(frame)) return "does not go together with shadow.denoise";
+    if (shadows_guided(frame)) return "does not go together with shadow.guide";
     if (frame->view_count + frame->view_count / frame->stereo.eyes > FNL_VIEWS_MAX) return "needs a view more for each display: there are too many";
     for (uint32_t i = 0; i < frame->view_count; i++)
         if (frame->views[i].orthographic) return "needs perspective cameras";

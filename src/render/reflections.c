@@ -2,6 +2,7 @@
 #include "render/reflections.h"
 
 #include "render/orders/order.h"
+#include "render/shadows/method.h"
 #include "render/step.h"
 
 enum { FACES = 6, DIRECT = 4 /* so few probes need no list */, DIFFUSE_START = 32 };
@@ -145,9 +146,7 @@ static fnl_frame capture_frame(const fnl_frame *shown, const fnl_camera *cameras
     frame.ground = shown->ground;
     frame.msaa = 1;
     frame.aa = FNL_ANTIALIASING_NONE;
-    frame.shadows = shown->shadows == FNL_SHADOWS_SAMPLED  ? FNL_SHADOWS_RAYS /* noise would last */
-                    : shown->shadows == FNL_SHADOWS_HYBRID ? FNL_SHADOWS_MAPS
-                                                           : shown->shadows;
+    frame.shadows = shadow_method(shown->shadows)->captured_as;
     frame.shadow = shown->shadow;
     frame.shadow.denoise = frame.shadow.guide = false;
     frame.shadow.memory = MAX(shown->shadow.memory / FACES, 8u); /* each face has its own */

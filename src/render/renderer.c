@@ -217,7 +217,7 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame, const
 static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32_t slot) {
     const struct frame_counts *last = r->counts[slot].mapped;
     for (uint32_t i = 0; i < r->slot_views[slot]; i++) steps_grow(r, &last[i]);
-    shadows_note(r, slot);
+    steps_counted(r, slot);
     r->slot_views[slot] = 0;
     uint64_t size = frame_camera_count(frame) * sizeof(struct frame_counts);
     TRY(keep_buffer(r, &r->counts[slot], "frame counts", size));

@@ -23,6 +23,11 @@ fnl_result steps_prepare(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
+void steps_counted(fnl_renderer *r, uint32_t slot) {
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
+        if (steps[i]->counted) steps[i]->counted(r, slot);
+}
+
 void steps_submitted(fnl_renderer *r, const fnl_frame *frame) {
     for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
         if (steps[i]->submitted) steps[i]->submitted(r, frame);

@@ -19,6 +19,8 @@ struct frame_step {
     fnl_result (*check)(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
     /** Prepares what outlives the frame. The frame's options are settled. */
     fnl_result (*prepare)(fnl_renderer *r, const fnl_frame *frame);
+    /** Inside a frame, after `grow`: what the last frame of a slot counted is known (fnl_renderer.counts). */
+    void (*counted)(fnl_renderer *r, uint32_t slot);
     /** After submission: later frames may rely on what this frame made. */
     void (*submitted)(fnl_renderer *r, const fnl_frame *frame);
     /** After a failed frame: drops state the device may not have. */
@@ -33,7 +35,7 @@ struct frame_step {
 
 /** In the order of a frame. */
 #define FRAME_STEPS(ROW)                                                                                                                                        \
-    ROW(reflections) ROW(probes) ROW(decals) ROW(temporal) ROW(lists) ROW(culling) ROW(stereo) ROW(mono) ROW(shadows) ROW(shading) ROW(debug_views) ROW(inspect) \
+    ROW(reflections) ROW(decals) ROW(temporal) ROW(lists) ROW(culling) ROW(stereo) ROW(mono) ROW(shadows) ROW(shading) ROW(debug_views) ROW(inspect) \
         ROW(overlay)
 #define DECLARE_FRAME_STEP(name) extern const struct frame_step step_##name;
 FRAME_STEPS(DECLARE_FRAME_STEP)
@@ -48,6 +50,7 @@ const struct frame_step *frame_step_at(uint32_t index);
 void steps_init(fnl_renderer *r);
 fnl_result steps_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
 fnl_result steps_prepare(fnl_renderer *r, const fnl_frame *frame);
+void steps_counted(fnl_renderer *r, uint32_t slot);
 void steps_submitted(fnl_renderer *r, const fnl_frame *frame);
 void steps_forget(fnl_renderer *r);
 void steps_grow(fnl_renderer *r, const struct frame_counts *counts);

@@ -34,9 +34,21 @@ bool shading_is(fnl_shading shading, uint32_t traits);
 /** The same of the order of a frame with its options, which may add traits or take them away. Not auto. */
 bool frame_is(const fnl_frame *frame, uint32_t traits);
 
+enum shadow_trait {
+    SHADOWS_MAPS = 1 << 0,   /* maps, where the device can draw them and there is room */
+    SHADOWS_RAYS = 1 << 1,   /* rays, whatever there is a map for */
+    SHADOWS_SPLIT = 1 << 2,  /* of both, for each light what costs less */
+    SHADOWS_TREES = 1 << 3,  /* rays go through the trees, not the device's structures */
+    SHADOWS_ROOMS = 1 << 4,  /* probes know what the walls of rooms let in */
+    SHADOWS_CHOSEN = 1 << 5, /* some of a pixel's lights, by chance */
+    SHADOWS_EXACT = 1 << 6   /* each light of a pixel is asked for by itself */
+};
+/** Whether what finds the frame's shadows has all of these traits; auto has none. */
+bool shadows_have(const fnl_frame *frame, uint32_t traits);
+
 /** Whether the frame asks for denoised shadows. Its check sees to it that its order has them. */
-static inline bool shadows_denoised(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.denoise; }
+static inline bool shadows_denoised(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_CHOSEN) && frame->shadow.denoise; }
 /** Whether what frames see of lights guides the next one's choice of them. The frame's check sees to it that its order does that. */
-static inline bool shadows_guided(const fnl_frame *frame) { return frame->shadows == FNL_SHADOWS_SAMPLED && frame->shadow.guide; }
+static inline bool shadows_guided(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_CHOSEN) && frame->shadow.guide; }
 
 #endif

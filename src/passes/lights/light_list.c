@@ -65,15 +65,15 @@ struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, co
 }
 
 void light_list_cast(struct light_list *list, const struct light_input *input) {
-    if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->soft ? GPU_LIST_SOFT : 0) | (input->rays.top.id ? GPU_LIST_RAY_QUERY : 0);
-    if (input->maps.address) list->kind |= GPU_LIST_MAPS | (input->filtered ? GPU_LIST_FILTERED : 0);
-    if (input->rays.address && input->shadow_rays > 0) list->kind |= GPU_LIST_SAMPLED;
+    const uint32_t beside_rays = GPU_LIST_SOFT | GPU_LIST_SAMPLED | GPU_LIST_CUBEMAP, beside_maps = GPU_LIST_FILTERED;
+    list->kind |= input->shadow_bits & ~((input->rays.address ? 0 : beside_rays) | (input->maps.address ? 0 : beside_maps));
+    if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->rays.top.id ? GPU_LIST_RAY_QUERY : 0);
+    if (input->maps.address) list->kind |= GPU_LIST_MAPS;
     list->kind |= environment_kind(&input->environment);
     if (input->layered) list->kind |= GPU_LIST_LAYERS;
     if (input->profiles) list->kind |= GPU_LIST_PROFILES;
     if (input->lobes) list->kind |= GPU_LIST_RECTANGLES;
     list->environment = input->environment;
-    if (input->probes.address) list->kind |= GPU_LIST_CUBEMAP;
     list->rays = input->rays;
     list->probes = input->probes;
     list->maps = input->maps;

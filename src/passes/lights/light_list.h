@@ -38,8 +38,8 @@ struct light_input {
     struct environment_light environment; /* that gives ambient light; ids 0: there is none */
     struct probes probes;    /* beside rays */
     bool layered;            /* some material has layers: shaders get GPU_LIST_LAYERS, and the environment's table is there */
-    bool soft, filtered;    /* several rays go to sources with a size; maps are filtered */
-    uint32_t shadow_rays;   /* that a point sends to its lights; 0: one to each */
+    uint32_t shadow_bits;   /* GPU_LIST_… that what finds shadows asks for; those beside rays or maps count only with these */
+    uint32_t shadow_rays;   /* that a point sends to its lights, with GPU_LIST_SAMPLED */
     uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */

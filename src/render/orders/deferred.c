@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/decals.h"
-#include "render/shadows.h"
+#include "render/shadows/sampled.h"
 #include "render/temporal.h"
 #include "render/orders/order.h"
 
@@ -62,7 +62,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     decals_on_gbuffer_add(f, input, gbuffer);
     order_add_lists(f, f->depth, gbuffer);
     const bool sampled = f->lights.kind & GPU_LIST_SAMPLED, denoised = shadows_denoised(f->frame) && sampled;
-    if (shadows_guided(f->frame) && sampled) input->guide = shadows_guide(f);
+    if (shadows_guided(f->frame) && sampled) input->guide = shadow_sampled_guide(f);
     if (denoised) input->apart = denoise_begin(f->graph, f->radiance);
     struct shade_classes classes = {0};
     if (f->frame->deferred.class_blocks) {
@@ -73,7 +73,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
         f->radiance = deferred_screen_add(f->graph, input, gbuffer, f->radiance);
     else
         deferred_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
-    if (denoised) shadows_denoise(f, &input->apart);
+    if (denoised) shadow_sampled_denoise(f, &input->apart);
     add_rest(f, input, gbuffer);
     order_note_gbuffer(f, 0);
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/probes.h"
-
-#include "render/orders/order.h"
+/** Shadows by the cube maps of probes (fanal/probe.h), which know what the walls of their rooms let in. */
+#include "render/shadows/method.h"
 #include "render/step.h"
 
 /* ---- what moves: whatever has moved since it was first seen, what an animation moves, and what deforms. It is not baked, and rays find its shadow ---- */
@@ -120,7 +119,8 @@ static fnl_result take_probe(fnl_renderer *r, uint32_t index, const fnl_probe_pa
     return FNL_OK;
 }
 
-fnl_result probes_prepare(fnl_renderer *r) {
+static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
     struct renderer_probes *p = &r->probes;
     const fnl_scene *scene = r->scene;
     TRY(find_movers(r));
@@ -184,7 +184,7 @@ static uint64_t key_of(const fnl_renderer *r, const struct renderer_probe *probe
     return hash_bytes(&seen, sizeof seen, hash_bytes(words, sizeof words, 1)) | 1;
 }
 
-void probes_add(struct frame_state *shared, struct device_scene_frame *scene) {
+static void begin(struct frame_state *shared, struct device_scene_frame *scene) {
     fnl_renderer *r = shared->r;
     struct renderer_probes *p = &r->probes;
     const fnl_shadow_options *options = &shared->frame->shadow;
@@ -214,6 +214,7 @@ void probes_add(struct frame_state *shared, struct device_scene_frame *scene) {
     ((struct gpu_probes *)baking.data)->flags = p->moves ? PROBES_MOVERS : 0;
     struct probes *out = &scene->lights.probes;
     *out = (struct probes){.count = count, .address = head.address};
+    scene->lights.shadow_bits |= GPU_LIST_CUBEMAP;
     for (uint32_t i = 0; i < count; i++) {
         struct renderer_probe *probe = &p->list.data[i];
         ((struct gpu_probe *)list.data)[i] = probe_of(probe);
@@ -242,8 +243,6 @@ static void finish(fnl_renderer *r) {
     array_free(&r->host, &r->probes.known_generations);
 }
 
-const struct frame_step step_probes = {.name = "probes", .submitted = submitted, .finish = finish};
-
 /* ---- numbers ---- */
 
 static bool holds(const struct renderer_probe *probe, vec3 at) {
@@ -268,7 +267,7 @@ static uint64_t lights_inside(const fnl_renderer *r) {
     return inside;
 }
 
-void probes_note(struct frame_state *f) {
+static void begin_view(struct frame_state *f) {
     const struct renderer_probes *p = &f->r->probes;
     uint64_t baked = 0, bytes = 0;
     for (uint32_t i = 0; i < p->list.count; i++) {
@@ -280,3 +279,20 @@ void probes_note(struct frame_state *f) {
     counters_note(f, "probes.bytes", bytes);
     counters_note(f, "probes.lights-inside", lights_inside(f->r));
 }
+
+static const struct counter counters[] = {
+    {"probes.count", "probes", "probes by whose cube maps shadows are found", NOTED, .needs = "shadows=cubemap"},
+    {"probes.baked", "probes", "of them, baked in this frame", NOTED, .needs = "shadows=cubemap"},
+    {"probes.bytes", "bytes", "memory of their cube maps", NOTED, .needs = "shadows=cubemap"},
+    {"probes.lights-inside", "lights", "lights in a box of a probe, whose shadows rays find", NOTED, .needs = "shadows=cubemap"},
+};
+
+const struct shadow_method shadow_method_cubemap = {.traits = SHADOWS_RAYS | SHADOWS_TREES | SHADOWS_ROOMS | SHADOWS_EXACT,
+                                                    .captured_as = FNL_SHADOWS_CUBEMAP,
+                                                    .prepare = prepare,
+                                                    .submitted = submitted,
+                                                    .finish = finish,
+                                                    .begin = begin,
+                                                    .begin_view = begin_view,
+                                                    .counters = counters,
+                                                    .counter_count = COUNT_OF(counters)};

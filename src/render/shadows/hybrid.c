@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/** Shadows by maps for some lights and by rays for others, whatever costs less. */
+#include "passes/shadow/maps.h"
+#include "render/shadows/maps.h"
+#include "render/shadows/method.h"
+#include "render/step.h"
+
+float shadow_hybrid_page_rays(const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->shadow.page_rays > 0) return frame->shadow.page_rays;
+    return shadow_costs_page_rays(&r->shadow_costs, gpu_info(r->device)->type == FNL_DEVICE_CPU);
+}
+
+static bool timed(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_SPLIT) && !(frame->shadow.page_rays > 0) && !frame->count_lights; }
+
+/* What the next frames decide by. */
+void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct light_list *surfaces, graph_image depth) {
+    struct shadow_costs *costs = &f->r->shadow_costs;
+    shadow_drawn_add(f->graph, pages, filled);
+    if (f->view_index == 0 && f->frame->msaa == 1 && timed(f->frame) && shadow_costs_probe(costs))
+        shadow_probe_add(f->graph, pages, surfaces, depth, costs->frames);
+    COUNTERS_COPY(f, pages->split_counts, 0, split);
+    counters_note(f, "shadows.page-rays", (uint64_t)lroundf(shadow_hybrid_page_rays(f->r, f->frame)));
+}
+
+static void counted(fnl_renderer *r, uint32_t slot) {
+    const struct frame_counts *counts = r->counts[slot].mapped;
+    r->shadow_counts.frame = r->shadow_counts.drawn = 0;
+    if (r->slot_views[slot] == 0 || counts->split.maps + counts->split.rays == 0) return;
+    r->shadow_counts.frame = r->slot_frames[slot];
+    r->shadow_counts.probed = counts->split.probed;
+    for (uint32_t i = 0; i < r->slot_views[slot]; i++) r->shadow_counts.drawn += counts[i].shadows.drawn;
+}
+
+static void submitted(fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
+    const struct graph_timer *timers;
+    uint32_t count;
+    if (r->shadow_counts.frame == 0 || !graph_query_timers(r->graph, r->shadow_counts.frame, &timers, &count)) return;
+    double fill = 0, probe = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (timers[i].role == GRAPH_ROLE_SHADOW_FILL) fill += timers[i].milliseconds;
+        if (timers[i].role == GRAPH_ROLE_SHADOW_PROBE) probe += timers[i].milliseconds;
+    }
+    shadow_costs_feed(&r->shadow_costs, (struct shadow_times){fill, r->shadow_counts.drawn, probe, r->shadow_counts.probed});
+}
+
+#define SPLIT(key, unit, help, member) {"shadows." key, unit, help, COUNTED(split.member), .needs = "shadows=hybrid"}
+static const struct counter counters[] = {
+    SPLIT("by-maps", "lights", "hybrid: local lights that pixels look up in maps", maps),
+    SPLIT("by-rays", "lights", "hybrid: local lights that rays are sent to as that costs less", rays),
+    SPLIT("reached", "pixels", "hybrid: pixels that these may reach, added up: so many rays at most", reached),
+    SPLIT("switched", "lights", "hybrid: lights that went from maps to rays or back in this frame", switched),
+    {"shadows.page-rays", "rays", "hybrid: how many take as long as drawing a page, given or measured", NOTED, .needs = "shadows=hybrid"},
+};
+
+const struct shadow_method shadow_method_hybrid = {.traits = SHADOWS_MAPS | SHADOWS_RAYS | SHADOWS_SPLIT | SHADOWS_EXACT,
+                                                   .captured_as = FNL_SHADOWS_MAPS,
+                                                   .timed = timed,
+                                                   .counted = counted,
+                                                   .submitted = submitted,
+                                                   .prepare_view = shadow_maps_prepare_view,
+                                                   .add = shadow_maps_add,
+                                                   .counters = counters,
+                                                   .counter_count = COUNT_OF(counters)};

@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/shadows/maps.h"
+
+#include "passes/shadow/dark.h"
+#include "passes/shadow/maps.h"
+#include "render/orders/order.h"
+#include "render/shadows/method.h"
+#include "render/step.h"
+#include "render/surfaces.h"
+
+uint64_t shadow_maps_rows(const fnl_renderer *r) {
+    return r->scene->suns.count * (uint64_t)SHADOW_SUN_ROWS + r->scene->light_slot_end;
+}
+
+bool shadow_maps_possible(const fnl_renderer *r, const fnl_frame *frame) {
+    const uint64_t rows = shadow_maps_rows(r);
+    return shadows_have(frame, SHADOWS_MAPS) && gpu_info(r->device)->clip_distances && rows > 0 && rows <= SHADOW_MOST_ROWS;
+}
+
+uint32_t shadow_maps_side(const fnl_frame *frame) {
+    const double cells = frame->shadow.memory * (1048576.0 / (SHADOW_PAGE * SHADOW_PAGE * 4));
+    return SHADOW_PAGE * (uint32_t)sqrt(cells);
+}
+
+fnl_result shadow_maps_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {
+    if (!shadow_maps_possible(r, frame)) return FNL_OK;
+    const struct device_scene *d = r->device_scene;
+    const uint64_t drawn[] = {d->material_version, d->texture_version, d->arrived_before + d->arrived.count, d->ray_key},
+                   placed[] = {d->structure_version, d->scene->transform_version};
+    struct renderer_shadows *s = &view->shadows;
+    const uint64_t bytes = shadow_fill_kept_bytes(d->item_count);
+    s->all_changed |= memcmp(drawn, s->drawn, sizeof drawn) != 0 || s->kept.size < bytes;
+    s->moved |= memcmp(placed, s->placed, sizeof placed) != 0;
+    memcpy(s->drawn, drawn, sizeof drawn);
+    memcpy(s->placed, placed, sizeof placed);
+    if (s->kept.size < bytes) {
+        gpu_buffer_destroy(r->device, &s->kept);
+        TRY(gpu_buffer_create_for(r->device, GPU_USE_SHADOWS, "shadow items", bytes + bytes / 4, GPU_MEMORY_DEVICE, &s->kept));
+    }
+    return shadow_pages_prepare(r->device, &s->pages, (uint32_t)shadow_maps_rows(r), shadow_maps_side(frame));
+}
+
+/* What is shaded without a depth that is known before gets one for this alone. */
+static graph_image depth_of(struct frame_state *f) {
+    if (frame_is(f->frame, SHADING_PREPASS) || shading_order(f->frame->shading)->draw) return f->depth;
+    graph_image depth = frame_create_image(f, "shadow depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
+    geometry_depth_add(f->graph, "shadow depth", &f->scene->geometry, &f->draws, f->view_address, depth);
+    return depth;
+}
+
+/* Lists with which nothing is shaded; requests must know of filters. */
+static struct light_list without_shadows(struct light_list list) {
+    list.kind &= ~GPU_LIST_SHADOWED | GPU_LIST_FILTERED;
+    list.rays = (struct rays){0};
+    list.maps = (struct shadow_maps){0};
+    return list;
+}
+
+/* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
+static void add_requests(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
+    struct light_list list = without_shadows(*surfaces);
+    COUNTERS_COPY(f, list.totals, 0, surface_lights);
+    const bool splits = shadows_have(f->frame, SHADOWS_SPLIT);
+    if (wanted->id)
+        shadow_requests_more_add(f->graph, &list, suns, *wanted, depth, splits);
+    else
+        *wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(&f->scene->lights), depth, splits);
+    const struct geometry_scene *scene = &f->scene->geometry;
+    const bool blend = surfaces_have_blend(f), glass = surfaces_have_glass(f);
+    if (blend || glass) list = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
+    if (blend) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, false, f->view_address, depth, splits);
+    if (glass) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, true, f->view_address, depth, splits);
+}
+
+/* Batches and passes per light draw objects by lists of their own. */
+bool shadow_maps_classify(const fnl_frame *frame) {
+    return shadows_have(frame, SHADOWS_MAPS) && frame->shadow.classify && frame_is(frame, SHADING_SURFACES) && frame->msaa == 1 && frame->shadow.filter == FNL_SHADOW_FILTER_HARD &&
+           frame->lists != FNL_LISTS_BATCHES && frame->lists != FNL_LISTS_MULTIPASS;
+}
+
+/* Pushes the names of a view of several, and pops them. */
+static void push_view(const struct frame_state *f, uint32_t count) {
+    if (count > 1) graph_push_names(f->graph, graph_name(f->graph, "view %u", f->view_index));
+}
+
+static void pop_view(const struct frame_state *f, uint32_t count) {
+    if (count > 1) graph_pop_names(f->graph);
+}
+
+/* Which lights' maps are drawn on request, and which request it is; address 0: no light's. */
+static VkDeviceAddress add_updates(const struct frame_state *f) {
+    const struct light_input *lights = &f->scene->lights;
+    if (!f->r->scene->has_requested) return 0;
+    struct gpu_slice updates = gpu_frame_allocate(f->r->device, (lights->directional_count + lights->local_count) * sizeof(uint32_t));
+    if (updates.data) device_lights_updates(f->r->device_scene, updates.data); /* else the frame fails */
+    return updates.address;
+}
+
+/*
+ * Whether the last frame's pages are this one's as they are: cameras, surfaces, lights and options are the same, and of a frame since they last were not
+ * it is known that it drew and evicted nothing. Counts come back some frames later; in between pages are chosen anew, and stay the same.
+ */
+static bool are_settled(const struct frame_state *views, uint32_t count) {
+    const struct frame_state *f = views;
+    struct renderer_shadows *s = &f->kept->shadows;
+    bool same = !s->all_changed && !s->moved && f->graph != f->r->asking_graph;
+    for (uint32_t i = 0; i < count; i++) same = same && views[i].temporal.same;
+    if (!same) s->changed = gpu_frame_number(f->r->device);
+    return same && s->settled > s->changed && s->pages.known && !shadows_have(f->frame, SHADOWS_SPLIT) && !shadow_maps_classify(f->frame) &&
+           f->frame->debug != FNL_DEBUG_SHADOW_AGE;
+}
+
+/* What a set of maps is made from. */
+struct asked {
+    graph_buffer suns;
+    const struct light_input *lights;
+    uint32_t pairs; /* that there is room for */
+    graph_image depths[GROUP_MOST + GROUP_FAR];
+    struct light_list surfaces[GROUP_MOST + GROUP_FAR];
+};
+
+/* Finds the pages that the views need and draws those that are not there. */
+static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, struct asked *asked, struct shadow_fill *out_filled) {
+    struct frame_state *f = views;
+    graph_buffer wanted = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        push_view(&views[i], count);
+        asked->depths[i] = depth_of(&views[i]);
+        asked->surfaces[i] = order_add_surface_lists(&views[i], asked->depths[i]);
+        add_requests(&views[i], asked->suns, asked->depths[i], &asked->surfaces[i], &wanted);
+        pop_view(&views[i], count);
+    }
+    const struct shadow_split_input split = {.page_rays = shadow_hybrid_page_rays(f->r, f->frame)};
+    const struct shadow_pages_input input = {.wanted = wanted,
+                                             .suns = asked->suns,
+                                             .lights = asked->lights,
+                                             .updates = add_updates(f),
+                                             .split = shadows_have(f->frame, SHADOWS_SPLIT) ? &split : NULL};
+    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &input);
+    const struct shadow_fill_input fill = {.shapes = pages.shapes,
+                                           .scene = &f->scene->geometry,
+                                           .rays = &f->rays,
+                                           .pages = pages.pages,
+                                           .counts = pages.counts,
+                                           .page_limit = pages.page_limit,
+                                           .atlas = pages.atlas,
+                                           .kept = &f->kept->shadows.kept,
+                                           .all_changed = f->kept->shadows.all_changed,
+                                           .moved = f->kept->shadows.moved,
+                                           .pair_capacity = asked->pairs};
+    *out_filled = shadow_fill_add(f->graph, f->r->device, &fill);
+    f->kept->shadows.all_changed = f->kept->shadows.moved = false;
+    shadow_least_add(f->graph, &pages, out_filled);
+    return pages;
+}
+
+/* Takes lights that are in shadow out of the lists of a view. */
+static void add_dark(struct frame_state *f, uint32_t count, const struct shadow_pages *pages, struct light_list *surfaces, graph_image depth) {
+    if (!shadow_maps_classify(f->frame) || list_kind(surfaces) != GPU_LIST_TILES) return;
+    push_view(f, count);
+    if (f->frame->debug == FNL_DEBUG_SHADOW_CLASSES)
+        f->shadow_classes = graph_create_buffer(f->graph, "shadow classes", DIVIDE_UP(f->frame->width, 8u) * DIVIDE_UP(f->frame->height, 8u) * 8ull);
+    shadow_dark_add(f->graph, pages, surfaces, depth, f->shadow_classes);
+    f->surface_lights = *surfaces;
+    pop_view(f, count);
+}
+
+/* One set of maps for `count` views; those of eyes lie as the head's view asks for. The names of the first view's maps are pushed. */
+void shadow_maps_add(struct frame_state *views, uint32_t count) {
+    struct frame_state *f = views;
+    struct light_input *lights = &f->scene->lights, shared = *lights;
+    if (!shadow_maps_possible(f->r, f->frame) || shadow_row_count(lights) == 0) return;
+    struct asked asked = {.lights = &shared, .pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count)};
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
+    struct gpu_shadow_maps *maps = slice.data;
+    if (!maps) return; /* the frame fails */
+    if (f->display && f->display->head_address) shared.view = f->display->head_address;
+    graph_push_names(f->graph, "shadows");
+    const struct gpu_sampler_params point = {.wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                             .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                             .anisotropy = 1};
+    *maps = (struct gpu_shadow_maps){.point = gpu_sampler_index(f->r->device, &point),
+                                     .texel = 1.0f / (float)shadow_maps_side(f->frame),
+                                     .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
+    asked.suns = shadow_suns_add(f->graph, f->r->device, &shared, &f->rays);
+    if (asked.suns.id) graph_put_address(f->graph, &maps->suns, asked.suns);
+    for (uint32_t i = 0; i < count; i++) views[i].scene->lights.maps.address = slice.address;
+    shared.maps.address = slice.address;
+    const bool settled = are_settled(views, count);
+    struct shadow_fill filled = {0};
+    const struct shadow_pages pages = settled ? shadow_pages_again(f->graph, &f->kept->shadows.pages) : add_pages(views, count, &asked, &filled);
+    graph_put_address(f->graph, &maps->held, pages.held);
+    graph_put_address(f->graph, &maps->before, pages.before);
+    graph_put_address(f->graph, &maps->pages, pages.pages);
+    graph_put_address(f->graph, &maps->biases, pages.biases);
+    graph_put_address(f->graph, &maps->shapes, pages.shapes);
+    graph_put_sampled(f->graph, &maps->atlas, pages.atlas);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct shadow_maps made = {.held = pages.held,
+                                         .before = pages.before,
+                                         .pages = pages.pages,
+                                         .biases = pages.biases,
+                                         .shapes = pages.shapes,
+                                         .suns = asked.suns,
+                                         .atlas = pages.atlas,
+                                         .address = slice.address};
+        views[i].scene->lights.maps = made;
+        if (settled) continue;
+        asked.surfaces[i].maps = made;
+        if (i == 0 && pages.split.id) shadow_hybrid_add(f, &pages, &filled, asked.surfaces, asked.depths[0]);
+        add_dark(&views[i], count, &pages, &asked.surfaces[i], asked.depths[i]);
+    }
+    graph_pop_names(f->graph);
+    COUNTERS_COPY(f, pages.counts, 0, shadows);
+    counters_note(f, "shadows.waiting", asked.pairs);
+}
+
+static void counted(fnl_renderer *r, uint32_t slot) {
+    const struct frame_counts *counts = r->counts[slot].mapped;
+    for (uint32_t i = 0; i < r->slot_views[slot]; i++) {
+        const struct gpu_shadow_counts *c = &counts[i].shadows;
+        if ((c->drawn | c->evicted | c->pairs) == 0) r->views.data[i].shadows.settled = r->slot_frames[slot];
+    }
+}
+
+/* ---- numbers ---- */
+
+/* What was noted is the room that there was. */
+static bool find_waiting(const struct counted *counted, uint64_t *value) {
+    const uint64_t pairs = counted->counts->shadows.pairs;
+    *value = pairs > *value ? pairs - *value : 0;
+    return true;
+}
+
+#define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadows.member), .needs = "shadows=maps,hybrid"}
+static const struct counter counters[] = {
+    MAPS("wanted", "pages", "pages of shadow maps that pixels ask for", wanted),
+    MAPS("pages", "pages", "pages that there are: fewer where lights were made coarser", pages),
+    MAPS("drawn", "pages", "of them, drawn in this frame", drawn),
+    MAPS("evicted", "pages", "pages of the last frame that this one does not have", evicted),
+    MAPS("coarsened", "lights", "lights whose maps are coarser than pixels ask for, to fit into shadow.memory", coarsened),
+    MAPS("traced", "lights", "lights whose shadows rays find because there is no room for a map", traced),
+    MAPS("cells", "cells", "squares of 128x128 texels of shadow maps that are in use", cells),
+    MAPS("entries", "lights", "lights in the lists of all tiles before those in shadow leave them; 0 without shadow.classify", entries),
+    MAPS("dark", "lights", "of them, those that left: in shadow all over the tile, or too far away from what it shows", dark),
+    MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
+    {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
+     .find = find_waiting, .needs = "shadows=maps,hybrid", .kind = FNL_COUNTER_OVERFLOW},
+};
+
+/* ---- the method ---- */
+
+enum { PAIRS_START = 1 << 19, PAIRS_LIMIT = 1 << 28 };
+
+static void init(fnl_renderer *r) { r->shadow_pairs = PAIRS_START; }
+
+/* Pages without room are drawn in the next frame. */
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 20, (uint64_t)PAIRS_START);
+    if (needed > r->shadow_pairs) r->shadow_pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)PAIRS_LIMIT));
+}
+
+static void forget(fnl_renderer *r) {
+    for (uint32_t i = 0; i < r->views.count; i++) {
+        shadow_state_forget(&r->views.data[i].shadows.pages);
+        r->views.data[i].shadows.all_changed = true;
+    }
+}
+
+static void finish(fnl_renderer *r) {
+    for (uint32_t i = 0; i < r->views.count; i++) {
+        shadow_state_finish(r->device, &r->views.data[i].shadows.pages);
+        gpu_buffer_destroy(r->device, &r->views.data[i].shadows.kept);
+    }
+}
+
+const struct shadow_method shadow_method_maps = {.traits = SHADOWS_MAPS | SHADOWS_EXACT,
+                                                 .captured_as = FNL_SHADOWS_MAPS,
+                                                 .init = init,
+                                                 .counted = counted,
+                                                 .forget = forget,
+                                                 .grow = grow,
+                                                 .finish = finish,
+                                                 .prepare_view = shadow_maps_prepare_view,
+                                                 .add = shadow_maps_add,
+                                                 .counters = counters,
+                                                 .counter_count = COUNT_OF(counters)};

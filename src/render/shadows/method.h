@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * What finds shadows: a file in this folder, or another, that ends in its row, or in several rows if they share most of their code. SHADOW_METHODS lists
+ * the rows; shadows.c calls them. Other files ask for traits, never for one method.
+ */
+#ifndef FNL_RENDER_SHADOWS_METHOD_H
+#define FNL_RENDER_SHADOWS_METHOD_H
+
+#include "base/check.h"
+#include "render/frame_state.h"
+#include "render/traits.h"
+
+struct shadow_method {
+    uint32_t traits;         /* enum shadow_trait */
+    fnl_shadows captured_as; /* what captures of reflection probes use in its place */
+    /* All below is optional. As in struct frame_step, but `check` and `prepare` are for frames of this method alone. */
+    void (*init)(fnl_renderer *r);
+    fnl_result (*check)(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
+    fnl_result (*prepare)(fnl_renderer *r, const fnl_frame *frame);
+    void (*counted)(fnl_renderer *r, uint32_t slot);
+    void (*submitted)(fnl_renderer *r, const fnl_frame *frame);
+    void (*forget)(fnl_renderer *r);
+    void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
+    void (*finish)(fnl_renderer *r);
+    /* For frames of this method: what lasts longer than the frame, of one view; the eyes of a display share that of the first. */
+    fnl_result (*prepare_view)(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view);
+    /* Whether the times of the frame's passes are wanted. */
+    bool (*timed)(const fnl_frame *frame);
+    /* Adds what all views share to the frame and to `scene`. */
+    void (*begin)(struct frame_state *shared, struct device_scene_frame *scene);
+    /* Before the lists of a view are made. */
+    void (*begin_view)(struct frame_state *f);
+    /* After what is drawn before lists: what `count` views share, so that lists made afterwards cast shadows. */
+    void (*add)(struct frame_state *views, uint32_t count);
+    const struct counter *counters;
+    uint32_t counter_count;
+};
+
+/** All methods: FNL_SHADOWS_… and the row shadow_method_…. */
+#define SHADOW_METHODS(ROW) ROW(OFF, off) ROW(RAYS, rays) ROW(MAPS, maps) ROW(SAMPLED, sampled) ROW(CUBEMAP, cubemap) ROW(HYBRID, hybrid)
+#define DECLARE_SHADOW_METHOD(value, name) extern const struct shadow_method shadow_method_##name;
+SHADOW_METHODS(DECLARE_SHADOW_METHOD)
+
+/** The row of a method; not of auto. */
+const struct shadow_method *shadow_method(fnl_shadows shadows);
+
+#endif
