@@ -10,8 +10,7 @@
 struct renderer_probe {
     fnl_probe_params params;
     struct gpu_image image;
-    uint64_t key;      /* of what the image shows; 0: nothing */
-    uint64_t declared; /* … once the frame that was declared last is submitted */
+    uint64_t key; /* of what the image shows; 0: nothing */
 };
 
 struct renderer_probes {

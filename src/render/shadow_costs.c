@@ -10,9 +10,9 @@ enum {
 #define GPU_PAGE_RAYS 1024.0f
 #define CPU_PAGE_RAYS 64.0f
 
-bool shadow_costs_probe(struct shadow_costs *costs) {
-    costs->frames++;
-    return costs->frames == FIRST_PROBE || costs->frames == 2 * FIRST_PROBE || costs->frames % PROBE_EVERY == 0;
+bool shadow_costs_probe(const struct shadow_costs *costs) {
+    const uint32_t next = costs->frames + 1;
+    return next == FIRST_PROBE || next == 2 * FIRST_PROBE || next % PROBE_EVERY == 0;
 }
 
 /* A quarter of what is new: single frames may be far off. */

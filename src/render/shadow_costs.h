@@ -13,7 +13,7 @@
 struct shadow_costs {
     double page, ray; /* milliseconds; 0: not known */
     uint32_t page_times, ray_times; /* that were told */
-    uint32_t frames;  /* in which rays could have been timed */
+    uint32_t frames;  /* so far in which rays could have been timed */
 };
 
 struct shadow_times {
@@ -23,8 +23,8 @@ struct shadow_times {
     uint64_t rays;
 };
 
-/** Once in each frame: whether this one times rays. */
-bool shadow_costs_probe(struct shadow_costs *costs);
+/** Whether the next frame times rays. It adds one to `frames` once it is submitted. */
+bool shadow_costs_probe(const struct shadow_costs *costs);
 void shadow_costs_feed(struct shadow_costs *costs, struct shadow_times times);
 /** How many rays take as long as a page. */
 float shadow_costs_page_rays(const struct shadow_costs *costs, bool is_cpu);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pipelines that are made before the first frame that needs them. */
+#include "fanal/options.h"
 #include "fanal/vulkan.h"
 #include "tests/render_harness.h"
 
@@ -230,6 +231,81 @@ static void test_the_last_frame_stays(void **state) {
     stage_close(&t);
 }
 
+/* ---- what dry declarations leave alone ---- */
+
+/* All that a renderer keeps, as bytes. */
+struct kept {
+    unsigned char *bytes;
+    size_t size;
+};
+
+static void keep(struct kept *k, const void *data, size_t size) {
+    k->bytes = realloc(k->bytes, k->size + size + 1);
+    assert_non_null(k->bytes);
+    if (size) memcpy(k->bytes + k->size, data, size);
+    k->size += size;
+}
+
+static struct kept kept_by(const fnl_renderer *r) {
+    struct kept k = {0};
+    keep(&k, r, sizeof *r);
+    keep(&k, r->views.data, r->views.count * sizeof *r->views.data);
+    keep(&k, r->probes.list.data, r->probes.list.count * sizeof *r->probes.list.data);
+    keep(&k, r->reflections.list.data, r->reflections.list.count * sizeof *r->reflections.list.data);
+    return k;
+}
+
+/* Frames that are declared for their pipelines alone change nothing that a later frame goes by. */
+static void test_dry_declarations_leave_no_trace(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *scene, *options[6];
+    } all[] = {
+        {"builtin:glass?lights=9", {"shading=deferred", "lists=tiled", "shadows=maps", "shadow.classify=on"}},
+        {"builtin:glass?lights=9", {"shading=forward", "lists=tree", "shadows=hybrid", "transparency=linked"}},
+        {"builtin:spheres?lights=9", {"shading=deferred", "lists=clustered-cpu", "shadows=sampled", "shadow.denoise=on", "shadow.guide=on"}},
+        {"builtin:room?lights=9", {"shading=deferred", "lists=world", "shadows=cubemap", "aa=taa"}},
+        {"builtin:spheres?lights=9", {"shading=visibility", "lists=raster", "shadows=rays", "occlusion=on"}},
+        {"builtin:spheres?lights=9", {"shading=dais", "lists=grid2d", "culling=triangles"}},
+        {"builtin:spheres?lights=9", {"shading=virtual-texturing", "lists=bvh"}},
+        {"builtin:spheres?lights=9", {"shading=mobile", "lists=clustered"}},
+    };
+    for (size_t i = 0; i < COUNT_OF(all); i++) {
+        struct stage s = stage_open(all[i].scene, 0);
+        fnl_probe_params probe = fnl_probe_params_default();
+        probe.half_size = (fnl_vec3){0.5f, 0.5f, 0.5f};
+        probe.reflection = strstr(all[i].options[0], "deferred");
+        assert_int_equal(fnl_scene_add_probe(s.scene, &probe, &(fnl_probe_id){0}), FNL_OK);
+        for (int k = 0; k < 6 && all[i].options[k]; k++) {
+            char key[64];
+            snprintf(key, sizeof key, "%s", all[i].options[k]);
+            char *value = strchr(key, '=');
+            *value++ = 0;
+            assert_int_equal(fnl_frame_set(NULL, &s.frame, key, value), FNL_OK);
+        }
+        /* Once for what is prepared, then for what the frame after a first one does otherwise. */
+        for (int frame = 0; frame < 3; frame++) {
+            assert_int_equal(fnl_renderer_warm(s.renderer, &s.frame, NULL, true, NULL), FNL_OK);
+            struct shot shot = stage_shoot(&s, &s.frame);
+            shot_free(&shot);
+            fnl_frame settled = s.frame;
+            uint64_t ticket;
+            assert_int_equal(renderer_settle(s.renderer, &settled), FNL_OK);
+            assert_int_equal(gpu_frame_begin(harness_device()), FNL_OK);
+            const struct kept before = kept_by(s.renderer);
+            assert_int_equal(renderer_ask_pipelines(s.renderer, &settled, NULL, &ticket), FNL_OK);
+            const struct kept after = kept_by(s.renderer);
+            assert_int_equal(before.size, after.size);
+            for (size_t at = 0; at < before.size; at++)
+                if (before.bytes[at] != after.bytes[at]) fail_msg("%s, case %zu, after frame %d: byte %zu of what the renderer keeps changes", all[i].scene, i, frame, at);
+            free(before.bytes);
+            free(after.bytes);
+            assert_int_equal(gpu_frame_end(harness_device(), NULL, 0, NULL), FNL_OK);
+        }
+        stage_close(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_the_first_frame_makes_no_pipeline, harness_check),
@@ -237,6 +313,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_in_the_background, harness_check),
         cmocka_unit_test_teardown(test_for_a_target, harness_check),
         cmocka_unit_test_teardown(test_the_last_frame_stays, harness_check),
+        cmocka_unit_test_teardown(test_dry_declarations_leave_no_trace, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

@@ -219,19 +219,15 @@ static void begin(struct frame_state *shared, struct device_scene_frame *scene) 
         struct renderer_probe *probe = &p->list.data[i];
         ((struct gpu_probe *)list.data)[i] = probe_of(probe);
         const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-        const uint64_t key = key_of(r, probe);
-        const bool bakes = probe->key != key;
+        const bool bakes = probe->key != key_of(r, probe);
         out->images[i] = graph_import_image(shared->graph, &probe->image, probe->key == 0 ? VK_IMAGE_LAYOUT_UNDEFINED : sampled, sampled);
-        probe->declared = key;
         if (bakes) cubemap_bake_add(shared->graph, &shared->rays, baking.address, i, out->images[i], renderer_tests(r).probe_tap);
     }
 }
 
 static void submitted(fnl_renderer *r, const fnl_frame *frame) {
-    UNUSED(frame);
-    for (uint32_t i = 0; i < r->probes.list.count; i++)
-        if (r->probes.list.data[i].declared) r->probes.list.data[i].key = r->probes.list.data[i].declared;
-    for (uint32_t i = 0; i < r->probes.list.count; i++) r->probes.list.data[i].declared = 0;
+    if (!shadows_have(frame, SHADOWS_ROOMS)) return;
+    for (uint32_t i = 0; i < r->probes.list.count; i++) r->probes.list.data[i].key = key_of(r, &r->probes.list.data[i]);
 }
 
 static void finish(fnl_renderer *r) {
@@ -271,7 +267,7 @@ static void begin_view(struct frame_state *f) {
     const struct renderer_probes *p = &f->r->probes;
     uint64_t baked = 0, bytes = 0;
     for (uint32_t i = 0; i < p->list.count; i++) {
-        baked += p->list.data[i].declared != p->list.data[i].key;
+        baked += p->list.data[i].key != key_of(f->r, &p->list.data[i]);
         bytes += cubemap_bytes(p->list.data[i].params.face_size);
     }
     counters_note(f, "probes.count", p->list.count);

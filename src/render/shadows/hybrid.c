@@ -12,12 +12,13 @@ float shadow_hybrid_page_rays(const fnl_renderer *r, const fnl_frame *frame) {
 
 static bool timed(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_SPLIT) && !(frame->shadow.page_rays > 0) && !frame->count_lights; }
 
+static bool may_probe(const fnl_frame *frame) { return frame->msaa == 1 && timed(frame); }
+
 /* What the next frames decide by. */
 void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct light_list *surfaces, graph_image depth) {
-    struct shadow_costs *costs = &f->r->shadow_costs;
+    const struct shadow_costs *costs = &f->r->shadow_costs;
     shadow_drawn_add(f->graph, pages, filled);
-    if (f->view_index == 0 && f->frame->msaa == 1 && timed(f->frame) && shadow_costs_probe(costs))
-        shadow_probe_add(f->graph, pages, surfaces, depth, costs->frames);
+    if (f->view_index == 0 && may_probe(f->frame) && shadow_costs_probe(costs)) shadow_probe_add(f->graph, pages, surfaces, depth, costs->frames);
     COUNTERS_COPY(f, pages->split_counts, 0, split);
     counters_note(f, "shadows.page-rays", (uint64_t)lroundf(shadow_hybrid_page_rays(f->r, f->frame)));
 }
@@ -32,7 +33,7 @@ static void counted(fnl_renderer *r, uint32_t slot) {
 }
 
 static void submitted(fnl_renderer *r, const fnl_frame *frame) {
-    UNUSED(frame);
+    if (may_probe(frame)) r->shadow_costs.frames++;
     const struct graph_timer *timers;
     uint32_t count;
     if (r->shadow_counts.frame == 0 || !graph_query_timers(r->graph, r->shadow_counts.frame, &timers, &count)) return;
