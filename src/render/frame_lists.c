@@ -56,6 +56,7 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .input = &f->scene->lights,
                                   .shared = &f->r->lists,
                                   .state = &f->kept->lists,
+                                  .fallback = &f->fallback,
                                   .has_blend = surfaces_have_blend(f),
                                   .estimates = f->graph != f->r->asking_graph,
                                   .pool_capacity = f->r->pool_capacity,

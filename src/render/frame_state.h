@@ -79,6 +79,7 @@ struct frame_state {
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer shadow_classes; /* of the debug view shadow-classes: what shadow_dark_add() tells; or id 0 */
+    struct lists_fallback fallback;
     struct light_list surface_lights; /* of what depth shows, without lights that give nothing there; header 0: there is none */
     graph_buffer counters, exposure;
     struct visibility visibility;       /* depth id 0: none */

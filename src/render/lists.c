@@ -165,10 +165,23 @@ static struct clustered_params cluster_params(const struct lists_context *c) {
     return params;
 }
 
+enum { FALLBACK_TREE_LIGHTS = 1024, FALLBACK_TILE = 32 };
+
+static bool has_fallback(const struct lists_context *c) {
+    const struct lists_fallback *f = c->fallback;
+    return f->list.memory && f->width == c->input->width && f->height == c->input->height;
+}
+
 static void add_clustered(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
     struct clustered_params params = cluster_params(c);
+    const bool serves_all = !c->of_head && c->input->local_count < FALLBACK_TREE_LIGHTS; /* it is what the fallback would be */
+    if (serves_all && has_fallback(c)) {
+        c->lights = light_list_again(c->graph, c->device, &c->fallback->list, c->input);
+        return;
+    }
+    struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
+    if (serves_all && !c->fallback->list.memory) *c->fallback = (struct lists_fallback){c->lights, c->input->width, c->input->height};
 }
 
 /* Words of 32 lights: a tile or bin has no more of them than lights, and no more than there are. */
@@ -338,7 +351,6 @@ struct light_list lists_add_surfaces(const struct lists_context *context) {
 }
 
 struct light_list lists_add_fallback(const struct lists_context *context) {
-    enum { TREE_LIGHTS = 1024, TILE = 32 };
     if (context->frame->lists == FNL_LISTS_ALL) return add_all_beside(context);
     struct lists_context copy = *context;
     const struct lists_context *c = &copy;
@@ -348,14 +360,21 @@ struct light_list lists_add_fallback(const struct lists_context *context) {
     input.keep_unseen = !c->frame->list.frustum_cull;
     input.spheres_only = !c->frame->list.cone_tests;
     input.scattered = c->frame->msaa > 1;
+    if (has_fallback(c)) {
+        struct light_list again = light_list_again(c->graph, c->device, &c->fallback->list, &input);
+        mark(&again, &input);
+        return again;
+    }
     graph_push_names(c->graph, "fallback");
     struct lights_in_view visible = lights_in_view_add(c->graph, c->device, &input);
     struct clustered_params params = cluster_params(c);
-    params.tile_size = MIN(params.tile_size, (uint32_t)TILE); /* asked here and there, at edges: small cells pay */
-    struct light_list list = input.local_count < TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
-                                                             : bvh_add(c->graph, c->device, &input, &visible, &params);
+    /* These lists are read here and there, at edges, so small cells pay off. Clusters that the frame makes anyway are free and keep their size. */
+    if (c->frame->lists != FNL_LISTS_CLUSTERED) params.tile_size = MIN(params.tile_size, (uint32_t)FALLBACK_TILE);
+    struct light_list list = input.local_count < FALLBACK_TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
+                                                                      : bvh_add(c->graph, c->device, &input, &visible, &params);
     graph_pop_names(c->graph);
     mark(&list, &input);
+    *c->fallback = (struct lists_fallback){list, input.width, input.height};
     return list;
 }
 

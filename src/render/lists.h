@@ -42,6 +42,12 @@ void lists_finish(struct lists_state *state, gpu_device *device);
 /** Entries that the pool of a list may have. */
 uint32_t lists_pool_limit(const struct fnl_renderer *r);
 
+/** Lists of a view that serve all pixels (lists_add_fallback()), and what they were made for. */
+struct lists_fallback {
+    struct light_list list; /* `memory` NULL: there are none that could be used again */
+    uint32_t width, height;
+};
+
 struct lists_context {
     struct graph *graph;
     gpu_device *device;
@@ -53,6 +59,7 @@ struct lists_context {
     struct light_input *input;
     struct lists_shared *shared;
     struct lists_state *state;
+    struct lists_fallback *fallback; /* of the view: built once */
     graph_image depth;             /* of everything opaque; id 0: not known before shading */
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool of_head; /* the view is not that of the pixels: points are looked up by their places */

@@ -112,6 +112,7 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                                 .background = {0.1f, 0.2f, 0.3f}};
     struct gbuffer gbuffer = {0};
     if (!by_items) gbuffer = gbuffer_add(graph, &shade, true, radiance, depth);
+    struct lists_fallback fallback_made = {.width = 0};
     struct lists_context c = {.graph = graph,
                               .device = device,
                               .frame = &here,
@@ -126,7 +127,8 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                               .gbuffer = by_items ? NULL : &gbuffer,
                               .has_blend = scene->geometry.blend_item_count > 0,
                               .pool_capacity = POOL,
-                              .pool_limit = POOL};
+                              .pool_limit = POOL,
+                              .fallback = &fallback_made};
     lists_add(&c);
     struct light_list fallback = lists_add_fallback(&c);
     shade.lights = &c.lights;

@@ -62,7 +62,36 @@ static void test_paths(void **state) {
     stage_close(&stage);
 }
 
+/* Shadows ask for clusters of blended surfaces, the frame for its own, glass for those of all depths: they are the same. */
+static void test_clusters_are_made_once(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:glass?lights=9", 0);
+    fnl_entity_info entity;
+    fnl_material_params glass;
+    assert_int_equal(fnl_scene_query_entity(s.scene, FNL_ENTITY_MATERIAL, 0, &entity), FNL_OK);
+    assert_int_equal(fnl_scene_query_material(s.scene, 0, &glass), FNL_OK);
+    s.frame.shading = FNL_SHADING_DEFERRED;
+    s.frame.lists = FNL_LISTS_CLUSTERED;
+    for (int i = 0; i < 4; i++) {
+        glass.transmission.strength = i & 1 ? 1 : 0;
+        assert_int_equal(fnl_scene_set_material(s.scene, entity.id.material, &glass), FNL_OK);
+        s.frame.shadows = i & 2 ? FNL_SHADOWS_MAPS : FNL_SHADOWS_OFF;
+        struct shot shot = stage_shoot(&s, &s.frame);
+        const struct graph *graph = s.renderer->graph;
+        uint32_t made = 0, glasses = 0;
+        for (uint32_t k = 0; k < graph->plan.step_count; k++) {
+            made += strstr(graph->plan.steps[k].pass->name, "clustered fill") != NULL;
+            glasses += strstr(graph->plan.steps[k].pass->name, "transmission") != NULL;
+        }
+        assert_int_equal(made, 1);
+        assert_int_equal(glasses > 0, i & 1);
+        shot_free(&shot);
+    }
+    stage_close(&s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {{"passes of all paths", test_paths, NULL, harness_check, "builtin:glass?lights=9"}};
+    const struct CMUnitTest tests[] = {{"passes of all paths", test_paths, NULL, harness_check, "builtin:glass?lights=9"},
+                                       cmocka_unit_test_teardown(test_clusters_are_made_once, harness_check)};
     return cmocka_run_group_tests_name("pass_roles", tests, harness_begin, harness_end);
 }

@@ -64,6 +64,18 @@ struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, co
     return own;
 }
 
+struct light_list light_list_again(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input) {
+    struct light_list again = light_list_for_eye(graph, device, list, input);
+    if (again.header == list->header) return again; /* the error sticks to the device */
+    again.memory->rays = words_of(input->rays.address);
+    again.memory->shadow_maps = words_of(input->maps.address);
+    again.memory->probes = words_of(input->probes.address);
+    again.memory->shadow_rays = input->shadow_rays;
+    again.memory->shadow_seed = input->shadow_seed;
+    again.kind = list_kind(list);
+    return again;
+}
+
 void light_list_cast(struct light_list *list, const struct light_input *input) {
     const uint32_t beside_rays = GPU_LIST_SOFT | GPU_LIST_SAMPLED | GPU_LIST_CUBEMAP, beside_maps = GPU_LIST_FILTERED;
     list->kind |= input->shadow_bits & ~((input->rays.address ? 0 : beside_rays) | (input->maps.address ? 0 : beside_maps));

@@ -38,7 +38,7 @@ struct light_input {
     struct environment_light environment; /* that gives ambient light; ids 0: there is none */
     struct probes probes;    /* beside rays */
     bool layered;            /* some material has layers: shaders get GPU_LIST_LAYERS, and the environment's table is there */
-    uint32_t shadow_bits;   /* GPU_LIST_… that what finds shadows asks for; those beside rays or maps count only with these */
+    uint32_t shadow_bits;   /* GPU_LIST_… bits that the shadow method sets; bits that need rays or maps are ignored without them */
     uint32_t shadow_rays;   /* that a point sends to its lights, with GPU_LIST_SAMPLED */
     uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
@@ -196,6 +196,8 @@ uint32_t zbin_zones(const struct light_input *input, const struct zbin_params *p
  * `list` has GPU_LIST_SCATTERED, and `memory`.
  */
 struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input);
+/** Reuses the cells of `list`, which has `memory`, with the current view, shadows and environment of `input`. Call light_list_cast() next. */
+struct light_list light_list_again(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input);
 
 /** The header of a list, with nothing but lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);
