@@ -312,10 +312,10 @@ static void test_trees_hold_everything_in_small_boxes(void **state) {
             memset(seen, 0, t.count);
             walk(&t, roots[primitive], m->first, NULL, seen, &sum);
             print_message("%u triangles: %.1f times the root's area\n", m->count, sum / area(root));
-            assert_true(sum < 40 * area(root));
+            assert_true(sum < 24 * area(root));
         } else {
             print_message("%u items: %.1f times the root's area\n", t.count, sum / area(&t.nodes[0]));
-            assert_true(sum < 60 * area(&t.nodes[0]));
+            assert_true(sum < 42 * area(&t.nodes[0]));
         }
         free(seen);
         free(bytes);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Virtual texturing: places and frames there and back, levels of detail, residency, an atlas that is too small. */
 #include "passes/texturing/virtual.h"
+#include "graph/graph_internal.h"
 #include "passes/texturing/virtual_test_shared.h"
 #include "shaders.h"
 #include "tests/render_harness.h"
@@ -644,8 +645,29 @@ static void test_views(void **state) {
     stage_close(&stage);
 }
 
+/* Shaders reach the atlas by indices, so nothing else would see a layer that has no barriers. */
+static void test_the_graph_knows_all_layers(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:interior?lights=4", 0);
+    stage.frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
+    struct shot shot = stage_shoot(&stage, &stage.frame);
+    const struct graph *graph = stage.renderer->graph;
+    uint32_t layers = 0, known = 0;
+    for (uint32_t i = 0; i < VIRTUAL_LAYERS; i++) {
+        const struct gpu_image *image = &stage.renderer->atlas.layers[i];
+        if (!image->handle) continue;
+        layers++;
+        for (uint32_t k = 0; k < graph->resources.count; k++) known += graph->resources.data[k].image == image && graph->resources.data[k].first_use;
+    }
+    assert_true(layers > 2);
+    assert_int_equal(known, layers);
+    shot_free(&shot);
+    stage_close(&stage);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        {"the graph knows all layers of the atlas", test_the_graph_knows_all_layers, NULL, harness_check, NULL},
         {"ES-70: coordinates in 2 x 16 bits and frames in 32, in 64 x 64 pages", test_round_trip, NULL, harness_check, NULL},
         {"ES-71: levels are the hardware's inside charts and at seams", test_levels, NULL, harness_check, NULL},
         {"ES-71: levels at the edges of charts", test_levels_at_the_edges_of_charts, NULL, harness_check, NULL},
