@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What one light adds to a surface, in three parts: what reaches it (reach.glsl), how much of that is in no shadow (visibility.glsl), and how much of
-// that the surface sends to the viewer. Paths that have a whole surface at hand call light_at(); others, which know a part of it, or choose by a part,
-// call what they need, and multiply in this order, so that all paths round alike.
+// The contribution of one light to a surface, as a product of three factors: the light that arrives (reach.glsl), the fraction that is not in shadow
+// (visibility.glsl), and the fraction that the surface sends to the viewer. Paths with a complete surface call light_at(). Paths that have only part of
+// the surface, or choose lights by some of the factors, call the functions they need and multiply in this order, so all paths round identically.
 #ifndef LIGHTING_LIGHT_GLSL
 #define LIGHTING_LIGHT_GLSL
 

@@ -99,9 +99,8 @@ bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
     return true;
 }
 
-// Illuminance at right angles to the ray that a light of colour 1 gives, in lux; `to_light` is unit. Exactly zero where the light's
-// volume does not hold the position. `light` is an index into the light array, not of a directional light. Of a rectangle it is about that, from its
-// middle: light_lobes() makes it right.
+// Illuminance perpendicular to the ray from a light of color 1, in lux; `to_light` is a unit vector. Exactly zero outside the light's volume. `light` is
+// an index into the light array, not of a directional light. For a rectangle: an approximation, from its center; light_lobes() corrects it.
 float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_light) {
     precise vec3 ray = l.list.lights.at[light].shape.position - position;
     precise float distance2 = max(dot(ray, ray), 1e-8);

@@ -7,9 +7,9 @@
 #include "shadows/maps.glsl"
 #include "shadows/soft_rays.glsl"
 
-// How far from their surfaces the positions may be that pixels are shaded at, metres: some ten roundings of floats (6e-8) as large as the distances from the
-// world's origin and from the eye, twice over. Depths of orthographic views are all as coarse as the
-// farthest. With several samples a pixel, positions are interpolated somewhere in it, and may be a pixel's width beside the triangle.
+// Largest distance between a shaded position and its surface, in meters: some ten float roundings (6e-8) at the scale of the distances from the world's
+// origin and from the eye, doubled. In orthographic views all depths are as coarse as the farthest. With several samples per pixel, positions are
+// interpolated somewhere in the pixel and may lie up to a pixel's width off the triangle.
 float shadow_slack(light_list_block l, vec3 position) {
     view_block v = l.list.view;
     float seen_from = length(v.view.eye - position), slack = 2e-6 * (length(position) + seen_from);
@@ -53,8 +53,8 @@ bool light_may_face(light_list_block l, uint light, vec3 normal, vec3 to_light) 
     return dot(normal, to_light) > 0.0 || LIST_RECTANGLES && l.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
 }
 
-// 0 .. 1; `to_light` and `light` as light_reach() has them, or sun_reach() where it `is_sun`. 0 also for light that comes from behind the surface, which
-// reflects none of it. Its colours differ only with LIST_CUBEMAP.
+// The unshadowed fraction of a light, 0 .. 1; also 0 for light from behind the surface, which reflects none of it. `light` and `to_light` are those of
+// light_reach(), or of sun_reach() if `is_sun`. The color channels differ only with LIST_CUBEMAP.
 vec3 light_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, bool is_sun) {
     if (!LIST_SHADOWED || !light_casts(l, light)) return vec3(1.0);
     if (!light_may_face(l, light, p.normal, to_light)) return vec3(0.0);

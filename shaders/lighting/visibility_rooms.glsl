@@ -3,8 +3,8 @@
 #ifndef LIGHTING_VISIBILITY_ROOMS_GLSL
 #define LIGHTING_VISIBILITY_ROOMS_GLSL
 
-// What the walls of the point's room let in of a light outside, `away` metres off (1: one that is parallel), and which items else may hide it: all
-// where the point is in no room or the light is in the room too.
+// The fraction, per color, of a light outside the point's room that the walls let in. `away`: distance in meters; 1 for a directional light. `scope`: the
+// other items that may occlude the light; all items if the point is in no room or the light is in the same room.
 vec3 cubemap_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, bool endless, out ray_scope scope) {
     scope = ray_everything();
     if (p.probe >= p.probes.count) return vec3(1.0);
@@ -28,8 +28,8 @@ bool cubemap_sends_rays(shadowed_point p, ray_scope scope, vec3 open) {
     return max_component(open) > 0.0 && (scope.high > 0.0 || (p.probes.flags & PROBES_MOVERS) != 0u);
 }
 
-// The part of a light, by its colours, that comes to the point through the walls of its room and what is in there. In the boxes of two probes: that of each
-// by its part, so that nothing jumps where one ends.
+// The fraction of a light, per color, that reaches the point past the walls of its room and the items inside. In the boxes of two probes, the results of
+// both are blended by weight, so that nothing jumps where a box ends.
 vec3 rooms_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, float margin, bool endless) {
     bool two = p.other < p.probes.count;
     vec3 sum = vec3(0.0);

@@ -106,9 +106,9 @@ enum graph_role {
     GRAPH_ROLE_SHADING,
     GRAPH_ROLE_READ, /* hands results to the CPU */
 };
-/** The role of passes that are added from now on, REST at the begin of a frame. Returns the one before. */
+/** Sets the role of passes added from now on and returns the previous role. Each frame begins with REST. */
 enum graph_role graph_set_role(struct graph *graph, enum graph_role role);
-/** What callers see of it. */
+/** The public value of a role. */
 fnl_pass_role graph_pass_role(enum graph_role role);
 
 /**

@@ -255,7 +255,7 @@ static struct kept kept_by(const fnl_renderer *r) {
     return k;
 }
 
-/* Frames that are declared for their pipelines alone change nothing that a later frame goes by. */
+/* Declaring a frame only for its pipelines changes no state that later frames depend on. */
 static void test_dry_declarations_leave_no_trace(void **state) {
     UNUSED(state);
     static const struct {

@@ -56,9 +56,12 @@ const struct order *shading_order(fnl_shading shading);
 
 /* ---- what they share ---- */
 
-/** Makes the frame's lists. What is drawn before them is geometry, what comes after them shading (graph_role); `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
+/**
+ * Makes the frame's lists, which may read `depth` (id 0: none yet) and `gbuffer` (or NULL). Passes before the lists have the role geometry, passes after
+ * them the role shading (graph_role).
+ */
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
-/** Makes lists beside those of the frame, for pixels that those do not serve. Their passes have the role of what asks for them. */
+/** Makes additional lists, for pixels that the frame's lists do not serve. Their passes get the role that is current at the call. */
 struct light_list order_add_fallback_lists(struct frame_state *f);
 /** Makes tiles beside them for all that `depth` shows. */
 struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth);

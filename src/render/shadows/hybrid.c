@@ -48,8 +48,8 @@ static void submitted(fnl_renderer *r, const fnl_frame *frame) {
 #define SPLIT(key, unit, help, member) {"shadows." key, unit, help, COUNTED(split.member), .needs = "shadows=hybrid"}
 static const struct counter counters[] = {
     SPLIT("by-maps", "lights", "hybrid: local lights that pixels look up in maps", maps),
-    SPLIT("by-rays", "lights", "hybrid: local lights that rays are sent to as that costs less", rays),
-    SPLIT("reached", "pixels", "hybrid: pixels that these may reach, added up: so many rays at most", reached),
+    SPLIT("by-rays", "lights", "hybrid: local lights with shadow rays, because rays cost less", rays),
+    SPLIT("reached", "pixels", "hybrid: sum over these lights of the pixels in reach: the most rays they can need", reached),
     SPLIT("switched", "lights", "hybrid: lights that went from maps to rays or back in this frame", switched),
     {"shadows.page-rays", "rays", "hybrid: how many take as long as drawing a page, given or measured", NOTED, .needs = "shadows=hybrid"},
 };

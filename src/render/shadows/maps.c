@@ -40,7 +40,7 @@ fnl_result shadow_maps_prepare_view(fnl_renderer *r, const fnl_frame *frame, str
     return shadow_pages_prepare(r->device, &s->pages, (uint32_t)shadow_maps_rows(r), shadow_maps_side(frame));
 }
 
-/* What is shaded without a depth that is known before gets one for this alone. */
+/* Paths that shade without a depth image get one, only for shadows. */
 static graph_image depth_of(struct frame_state *f) {
     if (frame_is(f->frame, SHADING_PREPASS) || shading_order(f->frame->shading)->draw) return f->depth;
     graph_image depth = frame_create_image(f, "shadow depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
@@ -97,8 +97,8 @@ static VkDeviceAddress add_updates(const struct frame_state *f) {
 }
 
 /*
- * Whether the last frame's pages are this one's as they are: cameras, surfaces, lights and options are the same, and of a frame since they last were not
- * it is known that it drew and evicted nothing. Counts come back some frames later; in between pages are chosen anew, and stay the same.
+ * Whether this frame can reuse the last frame's pages: cameras, surfaces, lights and options are unchanged, and a frame since the last change is known to
+ * have drawn and evicted nothing. Counts come back a few frames later; until then pages are chosen again, with the same result.
  */
 static bool are_settled(const struct frame_state *views, uint32_t count) {
     const struct frame_state *f = views;
@@ -242,9 +242,9 @@ static const struct counter counters[] = {
     MAPS("traced", "lights", "lights whose shadows rays find because there is no room for a map", traced),
     MAPS("cells", "cells", "squares of 128x128 texels of shadow maps that are in use", cells),
     MAPS("entries", "lights", "lights in the lists of all tiles before those in shadow leave them; 0 without shadow.classify", entries),
-    MAPS("dark", "lights", "of them, those that left: in shadow all over the tile, or too far away from what it shows", dark),
+    MAPS("dark", "lights", "of them, removed: the whole tile is in their shadow, or they are too far from its surfaces", dark),
     MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
-    {"shadows.waiting", "draws", "of them, without room in this frame: until their pages are drawn, coarser ones or rays stand in, or there is no shadow",
+    {"shadows.waiting", "draws", "of them, without room in this frame; until their pages are drawn, coarser pages or rays replace them, or there is no shadow",
      .find = find_waiting, .needs = "shadows=maps,hybrid", .kind = FNL_COUNTER_OVERFLOW},
 };
 

@@ -24,7 +24,7 @@ void shadow_maps_add(struct frame_state *views, uint32_t count);
 
 /** How many rays take as long as drawing a page, given or measured. */
 float shadow_hybrid_page_rays(const fnl_renderer *r, const fnl_frame *frame);
-/** After the pages of a frame's views: what the next frames decide by. */
+/** Collects what later frames decide by; called after the pages of the frame's views are added. */
 void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct light_list *surfaces, graph_image depth);
 
 #endif

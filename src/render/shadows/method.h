@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * What finds shadows: a file in this folder, or another, that ends in its row, or in several rows if they share most of their code. SHADOW_METHODS lists
- * the rows; shadows.c calls them. Other files ask for traits, never for one method.
+ * Each shadow method is a row at the end of the file that implements it, in this folder or another. Methods that share most of their code share a file.
+ * SHADOW_METHODS lists the rows; shadows.c calls their hooks. Other files test traits, never for one method.
  */
 #ifndef FNL_RENDER_SHADOWS_METHOD_H
 #define FNL_RENDER_SHADOWS_METHOD_H
@@ -22,7 +22,7 @@ struct shadow_method {
     void (*forget)(fnl_renderer *r);
     void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
     void (*finish)(fnl_renderer *r);
-    /* For frames of this method: what lasts longer than the frame, of one view; the eyes of a display share that of the first. */
+    /* Only for frames that use this method: prepares what outlives the frame, for one view. The eyes of a display share the first view's. */
     fnl_result (*prepare_view)(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view);
     /* Whether the times of the frame's passes are wanted. */
     bool (*timed)(const fnl_frame *frame);
