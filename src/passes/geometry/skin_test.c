@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Morphing and skinning against vertices that the CPU moves in double precision. */
 #include "passes/geometry/skin_shared.h"
+#include "tests/stand_in.h"
 #include "tests/render_test.h"
 
 struct moved {
@@ -152,6 +153,20 @@ static void check_animated(fnl_scene *scene, const double *times, uint32_t time_
 static void test_fox(void **state) {
     UNUSED(state);
     check_animated(test_load("Fox.glb", true), (double[]){0, 0.31, 1.2, 2.5}, 4);
+}
+
+/* The first has fewer vertices than the second; each has records, influences and matrices of its own. */
+static void test_two_in_a_scene(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_load("Fox.glb", true);
+    fnl_load_params params = fnl_load_params_default();
+    const char *path = stand_in_sample("CesiumMan.glb");
+    unsigned char *model = path ? NULL : stand_in_model("CesiumMan.glb", &params.size);
+    params.data = model;
+    assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0}, path ? path : "CesiumMan.glb", &params, NULL), FNL_OK);
+    free(model);
+    assert_true(scene->skins.count == 2 && scene->primitives.data[0].vertex_count < scene->primitives.data[scene->primitives.count - 1].vertex_count);
+    check_animated(scene, (double[]){0, 0.5, 1.13}, 3);
 }
 
 static void test_cesium_man(void **state) {
@@ -322,6 +337,7 @@ int main(void) {
         cmocka_unit_test(test_morph),          cmocka_unit_test(test_morph_beyond_targets_is_not_culled),
         cmocka_unit_test(test_hand_made_skin), cmocka_unit_test(test_fox),
         cmocka_unit_test(test_cesium_man),
+        cmocka_unit_test(test_two_in_a_scene),
     };
     return cmocka_run_group_tests_name("skin", tests, test_group_begin, test_group_end);
 }
