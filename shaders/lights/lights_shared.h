@@ -50,8 +50,9 @@ struct gpu_light {
 #define GPU_LIST_RAY_QUERY 0x8000u
 /* Beside GPU_LIST_RAYS: cube maps say where light comes into rooms (shadows/cubemap.glsl). */
 #define GPU_LIST_CUBEMAP 0x20000u
-/* Any of the seven above. */
+/* Any of the seven above; and those of them with which lights cast shadows. */
 #define GPU_LIST_SHADOWED 0x2fc00u
+#define GPU_LIST_CASTS (GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_CUBEMAP)
 /* Beside GPU_LIST_SAMPLED: what earlier frames saw of lights guides the choice (shadows/guide_shared.h). Of passes, not of lists. */
 #define GPU_LIST_GUIDED 0x1000000u
 /* Beside GPU_LIST_SAMPLED: what the chosen lights give is kept apart, to be denoised (passes/shadow/denoise.h). Of passes, not of lists. */

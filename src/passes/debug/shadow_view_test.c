@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Debug views of shadow maps: each pixel against the page, the level and the texel that geometry says, and against rays. */
+#include "tests/render_harness.h"
 #include "tests/render_test.h"
 
 enum { SIZE = 200, LEVELS = 8, LEGEND_HEIGHT = 14, LEGEND_WIDTH = 64 };
@@ -555,6 +556,36 @@ static void test_classes_of_tiles_ES_49(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Tiles that no light reaches have none in any class. */
+static void test_tiles_without_lights(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = floor_scene(1.5f);
+    const fnl_light_params light = test_point((vec3){0, 0, 0.1f}, 1, 0.3f); /* reaches those in the middle */
+    add_light(scene, &light);
+    fnl_frame frame = view_frame(FNL_DEBUG_SHADOW_CLASSES);
+    frame.shadow.classify = true;
+    frame.lists = FNL_LISTS_TILED;
+    fnl_renderer *renderer = test_renderer(scene);
+    harness_hooks(renderer)->poison = true;
+    test_render_frame(renderer, &frame);
+    fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+    uint32_t none = 0, some = 0;
+    for (uint32_t y = 0; y < TILES; y++)
+        for (uint32_t x = 0; x < TILES; x++) {
+            const double px = fabs((x + 0.5) * TILE * PIXEL - 1), py = fabs((y + 0.5) * TILE * PIXEL - 1);
+            const bool is_plain = is_color(&image, x * TILE + 3, y * TILE + 3, vec3_scale(plain(), 0.5f));
+            if (fmax(px, py) > 0.3 + 2 * TILE * PIXEL) {
+                if (!is_plain) fail_msg("tile %u, %u shows classes of lights", x, y);
+                none++;
+            } else
+                some += !is_plain;
+        }
+    assert_true(none > TILES && some > 0);
+    free_picture(&image);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- every path ---- */
 
 static void test_views_need_maps(void **state) {
@@ -620,6 +651,7 @@ int main(void) {
         cmocka_unit_test(test_ages_of_pages),
         cmocka_unit_test(test_missing_pages_are_striped),
         cmocka_unit_test(test_classes_of_tiles_ES_49),
+        cmocka_unit_test(test_tiles_without_lights),
         cmocka_unit_test(test_views_need_maps),
         cmocka_unit_test(test_views_are_the_same_in_all_paths),
     };
