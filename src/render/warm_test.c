@@ -101,6 +101,7 @@ static void test_frames_after_it_make_and_upload_nothing(void **state) {
     } all[] = {
         {"builtin:spheres?lights=4", FNL_SHADING_DEFERRED, FNL_LISTS_AUTO, 1, FNL_ANTIALIASING_NONE, FNL_SHADOWS_OFF},
         {"builtin:spheres?lights=4", FNL_SHADING_AUTO, FNL_LISTS_CLUSTERED, 1, FNL_ANTIALIASING_NONE, FNL_SHADOWS_OFF},
+        {"builtin:spheres?lights=4", FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, 1, FNL_ANTIALIASING_NONE, FNL_SHADOWS_HYBRID}, /* times rays in its third frame */
         {"builtin:spheres?lights=0", FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_AUTO, 4, FNL_ANTIALIASING_NONE, FNL_SHADOWS_MAPS},
         {"builtin:room?lights=4", FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_TILED, 4, FNL_ANTIALIASING_SMAA, FNL_SHADOWS_MAPS},
         {"builtin:spheres?lights=20", FNL_SHADING_VISIBILITY, FNL_LISTS_CLUSTERED, 1, FNL_ANTIALIASING_TAA, FNL_SHADOWS_SAMPLED},
