@@ -23,8 +23,8 @@ bool decals_in_gbuffer(const struct frame_state *f) {
 /* The log is told once by each renderer. */
 static void tell_of_lists(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
-    if (frame->decals != FNL_DECALS_GBUFFER || decals_of(f)->count == 0 || decals_in_gbuffer(f) || f->r->told_of_decals) return;
-    f->r->told_of_decals = true;
+    if (frame->decals != FNL_DECALS_GBUFFER || decals_of(f)->count == 0 || decals_in_gbuffer(f)) return;
+    if (!renderer_tells(f->r, &f->r->told_of_decals)) return;
     if (frame->msaa > 1)
         log_warning(&f->r->host, "decals=gbuffer needs 1 sample per pixel: with %u samples, lists are used", frame->msaa);
     else

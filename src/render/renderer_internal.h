@@ -151,7 +151,7 @@ struct fnl_renderer {
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
     bool meshes;              /* mesh shaders draw the frame being made */
-    uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
+    bool mobile_notes[2];     /* what was said once about the order mobile */
     uint32_t shadow_pairs;    /* of a page of shadow maps and an item that is drawn into it; grows after an overflow */
     uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
 
@@ -178,6 +178,12 @@ struct fnl_renderer {
     fnl_candidate candidates[CHOOSER_ROWS]; /* handed out with the stats */
     uint32_t pipelines_made; /* by the frame itself */
 };
+
+/** Whether a message that a renderer logs once is due: never while a frame is declared only for its pipelines. */
+static inline bool renderer_tells(const fnl_renderer *r, bool *told) {
+    if (*told || r->graph == r->asking_graph) return false;
+    return *told = true;
+}
 
 /** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, shadow rays, and those of them that passed. */
 static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + 3; }

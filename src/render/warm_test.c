@@ -271,6 +271,7 @@ static void test_dry_declarations_leave_no_trace(void **state) {
         {"builtin:spheres?lights=9", {"shading=dais", "lists=grid2d", "culling=triangles"}},
         {"builtin:spheres?lights=9", {"shading=virtual-texturing", "lists=bvh"}},
         {"builtin:spheres?lights=9", {"shading=mobile", "lists=clustered"}},
+        {"builtin:glass?lights=9", {"shading=forward-prepass", "lists=multipass", "msaa=4"}},
     };
     for (size_t i = 0; i < COUNT_OF(all); i++) {
         struct stage s = stage_open(all[i].scene, 0);
@@ -288,7 +289,9 @@ static void test_dry_declarations_leave_no_trace(void **state) {
         /* Once for what is prepared, then for what the frame after a first one does otherwise. */
         for (int frame = 0; frame < 3; frame++) {
             assert_int_equal(fnl_renderer_warm(s.renderer, &s.frame, NULL, true, NULL), FNL_OK);
+            if (frame == 0) assert_false(s.renderer->told_of_mesh_lists);
             struct shot shot = stage_shoot(&s, &s.frame);
+            assert_true(s.renderer->told_of_mesh_lists == (s.frame.lists == FNL_LISTS_MULTIPASS));
             shot_free(&shot);
             fnl_frame settled = s.frame;
             uint64_t ticket;

@@ -42,10 +42,8 @@ static void begin(struct frame_state *f) {
     f->shared.light_max = params.scale.most;
 }
 
-static void note_once(fnl_renderer *r, uint32_t bit, const char *text) {
-    if (r->mobile_notes >> bit & 1) return;
-    r->mobile_notes |= 1u << bit;
-    log_warning(&r->host, "mobile shading: %s", text);
+static void note_once(fnl_renderer *r, uint32_t note, const char *text) {
+    if (renderer_tells(r, &r->mobile_notes[note])) log_warning(&r->host, "mobile shading: %s", text);
 }
 
 /* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */
