@@ -14,13 +14,13 @@ vec3 light_lobes(light_list_block l, uint light, surface s, layers_view b, vec3 
     return layers_cos(s, b, to_light);
 }
 
-// The point as shadows of one light are looked for: surfaces that let light through have them on the light's side.
+// The point with the normal for shadows of one light: surfaces that transmit light are tested on the light's side.
 shadowed_point shadowed_towards(shadowed_point p, surface s, vec3 to_light) {
     if (LIST_LAYERS && LIST_SHADOWED) p.normal = lit_normal(s, to_light);
     return p;
 }
 
-// Radiance towards the viewer, cd/m^2. `reaches`: the light's volume holds the surface.
+// Radiance towards the viewer, cd/m^2. `reaches`: whether the surface is inside the light's volume.
 vec3 light_at(light_list_block l, uint light, surface s, layers_view b, shadowed_point p, out bool reaches) {
     vec3 to_light;
     vec3 arriving = light_reach(l, light, s.position, to_light);
@@ -31,7 +31,7 @@ vec3 light_at(light_list_block l, uint light, surface s, layers_view b, shadowed
     return radiance;
 }
 
-// The same of all directional lights together.
+// The same, summed over all directional lights.
 vec3 suns_at(light_list_block l, surface s, layers_view b, shadowed_point p) {
     precise vec3 sum = vec3(0.0);
     uint count = l.list.directional_count;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The part of a light that no surface stops on its way to a point, by whatever finds shadows.
+// The fraction of a light that reaches a point unoccluded, by any shadow method.
 #ifndef LIGHTING_VISIBILITY_GLSL
 #define LIGHTING_VISIBILITY_GLSL
 

@@ -336,7 +336,7 @@ struct graph_timer {
     double begin_milliseconds; /* since the first pass of the frame began */
     double milliseconds;
     enum gpu_queue queue;
-    enum graph_role role; /* of a merged scope that of its first pass */
+    enum graph_role role; /* a merged scope has the role of its first pass */
 };
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count);
 

@@ -173,13 +173,13 @@ static bool has_fallback(const struct lists_context *c) {
 }
 
 static void add_clustered(struct lists_context *c) {
-    struct clustered_params params = cluster_params(c);
     const bool serves_all = !c->of_head && c->input->local_count < FALLBACK_TREE_LIGHTS; /* it is what the fallback would be */
     if (serves_all && has_fallback(c)) {
         c->lights = light_list_again(c->graph, c->device, &c->fallback->list, c->input);
         return;
     }
     struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
+    struct clustered_params params = cluster_params(c);
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
     if (serves_all && !c->fallback->list.memory) *c->fallback = (struct lists_fallback){c->lights, c->input->width, c->input->height};
 }

@@ -36,14 +36,14 @@ bool frame_is(const fnl_frame *frame, uint32_t traits);
 
 enum shadow_trait {
     SHADOWS_MAPS = 1 << 0,   /* maps, where the device can draw them and there is room */
-    SHADOWS_RAYS = 1 << 1,   /* rays, whatever there is a map for */
-    SHADOWS_SPLIT = 1 << 2,  /* of both, for each light what costs less */
+    SHADOWS_RAYS = 1 << 1,   /* rays, even for lights that have maps */
+    SHADOWS_SPLIT = 1 << 2,  /* maps or rays for each light, whichever cost less */
     SHADOWS_TREES = 1 << 3,  /* rays go through the trees, not the device's structures */
-    SHADOWS_ROOMS = 1 << 4,  /* probes know what the walls of rooms let in */
-    SHADOWS_CHOSEN = 1 << 5, /* some of a pixel's lights, by chance */
-    SHADOWS_EXACT = 1 << 6   /* each light of a pixel is asked for by itself */
+    SHADOWS_ROOMS = 1 << 4,  /* probes record what the walls of rooms let in */
+    SHADOWS_CHOSEN = 1 << 5, /* a random choice of each pixel's lights */
+    SHADOWS_EXACT = 1 << 6   /* every light of a pixel, one by one */
 };
-/** Whether what finds the frame's shadows has all of these traits; auto has none. */
+/** Whether the frame's shadow method has all of these traits; auto has none. */
 bool shadows_have(const fnl_frame *frame, uint32_t traits);
 
 /** Whether the frame asks for denoised shadows. Its check sees to it that its order has them. */

@@ -38,7 +38,7 @@ struct light_input {
     struct environment_light environment; /* that gives ambient light; ids 0: there is none */
     struct probes probes;    /* beside rays */
     bool layered;            /* some material has layers: shaders get GPU_LIST_LAYERS, and the environment's table is there */
-    uint32_t shadow_bits;   /* GPU_LIST_… bits that the shadow method sets; bits that need rays or maps are ignored without them */
+    uint32_t shadow_bits;   /* GPU_LIST_… bits set by the shadow method; bits that need rays or maps are ignored without them */
     uint32_t shadow_rays;   /* that a point sends to its lights, with GPU_LIST_SAMPLED */
     uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Each shadow method is a row at the end of the file that implements it, in this folder or another. Methods that share most of their code share a file.
- * SHADOW_METHODS lists the rows; shadows.c calls their hooks. Other files test traits, never for one method.
+ * SHADOW_METHODS lists the rows; shadows.c calls their hooks. Other files test traits, never a method itself.
  */
 #ifndef FNL_RENDER_SHADOWS_METHOD_H
 #define FNL_RENDER_SHADOWS_METHOD_H
