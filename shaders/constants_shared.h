@@ -8,7 +8,7 @@
 #define FNL_SHADERS_CONSTANTS_SHARED_H
 
 /* Everything that shades (shade.glsl, lights/iterate.glsl, brdf.glsl). */
-#define LISTS_ID 0u
+#define LIGHTING_ID 0u
 #define COUNT_LIGHTS_ID 1u
 #define HAS_LIGHTS_ID 2u
 #define HAS_METAL_ID 3u

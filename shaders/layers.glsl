@@ -24,7 +24,7 @@ struct layers_view {
 };
 
 // The normal that says which light comes from behind: with a coat its own, which is nearer to the triangle's.
-vec3 facing_normal(surface s) { return LIST_LAYERS && s.layered && s.layers.clearcoat > 0.0 ? s.layers.clearcoat_normal : s.normal; }
+vec3 facing_normal(surface s) { return LIGHTING_LAYERS && s.layered && s.layers.clearcoat > 0.0 ? s.layers.clearcoat_normal : s.normal; }
 
 // The part of what gets into the base that its own colour reflects.
 float opaque_part(surface s) {
@@ -36,7 +36,7 @@ float opaque_part(surface s) {
 }
 
 // Whether lights behind the surface shine through.
-bool lets_through(surface s) { return LIST_LAYERS && s.layered && opaque_part(s) < 1.0; }
+bool lets_through(surface s) { return LIGHTING_LAYERS && s.layered && opaque_part(s) < 1.0; }
 
 // By which side of the surface shadows of a light are looked for.
 vec3 lit_normal(surface s, vec3 to_light) {
@@ -106,7 +106,7 @@ brdf_view coat_view(surface s, vec3 to_view) {
 layers_view layers_prepare(surface s, view_block v, vec3 to_view) {
     layers_view b;
     b.base = brdf_prepare(s, to_view);
-    if (!LIST_LAYERS || !s.layered) return b;
+    if (!LIGHTING_LAYERS || !s.layered) return b;
     b.n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
     b.coat = coat_view(s, to_view);
     vec3 coat = environment_reflectance(v, clamp(dot(s.layers.clearcoat_normal, to_view), 0.0, 1.0), s.layers.clearcoat_roughness).xyz;
@@ -189,7 +189,7 @@ vec3 layered_behind(surface s, layers_view b, vec3 to_light) {
 
 // f(l, v) times the cosine, as brdf_cos().
 vec3 layers_cos(surface s, layers_view b, vec3 to_light) {
-    if (!LIST_LAYERS || !s.layered) return brdf_cos(s, b.base, to_light);
+    if (!LIGHTING_LAYERS || !s.layered) return brdf_cos(s, b.base, to_light);
     vec3 sum = layered_base(s, b, to_light) * b.below_coat;
     if (lets_through(s) && dot(s.normal, to_light) < 0.0) sum += layered_behind(s, b, to_light) * b.below_coat;
     brdf_lobes coat;
@@ -200,9 +200,9 @@ vec3 layers_cos(surface s, layers_view b, vec3 to_light) {
 
 // layers_cos() of a rectangle. Highlights that are stretched along the tangent are a fan of round ones (see stretched_radiance()); fibres see the rectangle
 // where most of its light comes from. All lobes are integrated in one loop, so that shaders hold its code once.
-vec3 area_cos(light_list_block l, uint light, surface s, layers_view b) {
+vec3 area_cos(light_set_block l, uint light, surface s, layers_view b) {
     const uint BASE = 0u, BEHIND = 1u, COAT = 2u, FAN = 3u, FAN_COUNT = 8u;
-    bool layered = LIST_LAYERS && s.layered, fans = layered && s.layers.anisotropy > 0.0;
+    bool layered = LIGHTING_LAYERS && s.layered, fans = layered && s.layers.anisotropy > 0.0;
     brdf_lobes base = brdf_lobes(0.0, 0.0, 0.0, 0.0);
     vec3 base_toward = s.normal, sum = vec3(0.0);
     float fan = 0.0, weights = 1e-6;
@@ -211,14 +211,14 @@ vec3 area_cos(light_list_block l, uint light, surface s, layers_view b) {
         brdf_view view = b.base;
         float weight = 1.0;
         brdf_lobes lobes;
-        if (LIST_LAYERS && lobe == BEHIND) {
+        if (LIGHTING_LAYERS && lobe == BEHIND) {
             if (!lets_through(s)) continue;
             view = behind_view(s, b);
-        } else if (LIST_LAYERS && lobe == COAT) {
+        } else if (LIGHTING_LAYERS && lobe == COAT) {
             if (!(s.layers.clearcoat > 0.0)) continue;
             normal = s.layers.clearcoat_normal;
             view = b.coat;
-        } else if (LIST_LAYERS && lobe >= FAN) {
+        } else if (LIGHTING_LAYERS && lobe >= FAN) {
             float across = b.alpha_along.y, lean = sqrt(max(b.alpha_along.x * b.alpha_along.x - across * across, 0.0));
             float u = 2.0 * (float(lobe - FAN) + 0.5) / float(FAN_COUNT) - 1.0;
             surface leaning = s;
@@ -233,9 +233,9 @@ vec3 area_cos(light_list_block l, uint light, surface s, layers_view b) {
         if (lobe == BASE) {
             base = lobes;
             base_toward = toward;
-        } else if (LIST_LAYERS && lobe == BEHIND) {
+        } else if (LIGHTING_LAYERS && lobe == BEHIND) {
             sum += layered_behind_of(s, b, lobes) * b.below_coat;
-        } else if (LIST_LAYERS && lobe == COAT) {
+        } else if (LIGHTING_LAYERS && lobe == COAT) {
             sum += s.layers.clearcoat * (COAT_F0 + (1.0 - COAT_F0) * lobes.m5) * (lobes.specular * lobes.n_l);
         } else {
             fan += weight * lobes.specular * lobes.n_l;
@@ -250,7 +250,7 @@ vec3 area_cos(light_list_block l, uint light, surface s, layers_view b) {
 // ---- light from all around ----
 
 vec3 radiance_from(view_block v, vec3 direction, float lod) {
-    return LIST_ENVIRONMENT ? environment_radiance(v, direction, lod) : ambient_radiance(v, normalize(direction));
+    return LIGHTING_ENVIRONMENT ? environment_radiance(v, direction, lod) : ambient_radiance(v, normalize(direction));
 }
 
 // The normal by which highlights that are stretched along the tangent mirror ambient light: microfacets lean that way, so those nearest to the viewer count (Revie 2011, "Implementing Fur Using Deferred Shading", GPU Pro 2).
@@ -277,7 +277,7 @@ vec3 stretched_radiance(surface s, layers_view b, view_block v) {
         float weight = dot(s.normal, reflect(-b.base.to_view, leaning.normal)) > 0.0 ? seen : 0.0;
         vec3 direction = lobe_direction(leaning, b.base.to_view);
         if (weight > 0.0) {
-            if (LIST_REFLECTIONS) sum += weight * reflections_gather(v, s.position, s.normal, direction, lod, s.normal, -1.0).mirrored;
+            if (LIGHTING_REFLECTIONS) sum += weight * reflections_gather(v, s.position, s.normal, direction, lod, s.normal, -1.0).mirrored;
             else sum += weight * environment_radiance(v, direction, lod);
         }
         weights += weight;
@@ -293,13 +293,13 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
     coat.normal = s.layers.clearcoat_normal;
     coat.roughness = s.layers.clearcoat_roughness;
     light_around light_from;
-    if (LIST_REFLECTIONS) {
+    if (LIGHTING_REFLECTIONS) {
         float lod = s.layers.clearcoat > 0.0 ? environment_reflectance(v, 1.0, coat.roughness).z : -1.0;
         light_from = reflections_gather(v, s.position, s.normal, lobe_direction(bent, b.base.to_view), table.z, lobe_direction(coat, b.base.to_view), lod);
         mirrored = s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v) : light_from.mirrored;
         around = light_from.diffuse;
     } else {
-        mirrored = LIST_ENVIRONMENT && s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v)
+        mirrored = LIGHTING_ENVIRONMENT && s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v)
                                                                  : radiance_from(v, lobe_direction(bent, b.base.to_view), table.z);
         around = AMBIENT_DIFFUSE(v, s.normal);
     }
@@ -308,7 +308,7 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
     vec3 light = environment_lobe(f0, f90, table.xy, mirrored, around, taken);
     vec3 below = s.base_color * around;
     if (s.layers.diffuse_transmission > 0.0) {
-        vec3 behind = LIST_REFLECTIONS ? reflections_gather(v, s.position, -s.normal, -s.normal, 0.0, s.normal, -1.0).diffuse : AMBIENT_DIFFUSE(v, -s.normal);
+        vec3 behind = LIGHTING_REFLECTIONS ? reflections_gather(v, s.position, -s.normal, -s.normal, 0.0, s.normal, -1.0).diffuse : AMBIENT_DIFFUSE(v, -s.normal);
         below = mix(below, s.layers.diffuse_transmission_color * behind, s.layers.diffuse_transmission);
     }
     through = vec3(0.0);
@@ -322,7 +322,7 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
     light += s.layers.sheen_color * environment_sheen(v, b.n_v, s.layers.sheen_roughness) * around;
     if (s.layers.clearcoat <= 0.0) return light;
     table = environment_reflectance(v, clamp(dot(coat.normal, b.base.to_view), 0.0, 1.0), coat.roughness);
-    vec3 coat_light = LIST_REFLECTIONS ? light_from.coat : radiance_from(v, lobe_direction(coat, b.base.to_view), table.z);
+    vec3 coat_light = LIGHTING_REFLECTIONS ? light_from.coat : radiance_from(v, lobe_direction(coat, b.base.to_view), table.z);
     return light * b.below_coat + s.layers.clearcoat * (COAT_F0 * table.x + table.y) * coat_light;
 }
 

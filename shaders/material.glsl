@@ -54,7 +54,7 @@ const uint HAS_TEXTURES = 1u, HAS_NORMAL_MAP = 1u;
 #define TEXTURE_DIFFUSE_TRANSMISSION 10
 #define TEXTURE_DIFFUSE_TRANSMISSION_COLOR 11
 
-// Shaders that shade layers include lights/iterate.glsl first, and say LIST_LAYERS.
+// Shaders that shade layers include lights/iterate.glsl first, and say LIGHTING_LAYERS.
 #ifndef MATERIAL_LAYERS
 #define MATERIAL_LAYERS false
 #endif

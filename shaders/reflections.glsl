@@ -69,7 +69,7 @@ light_around reflection_light(reflections_block r, uint index, vec3 position, ve
 #endif
 
 light_around outside_light(view_block v, vec3 normal, vec3 direction, float lod, vec3 coat, float coat_lod) {
-    if (LIST_ENVIRONMENT)
+    if (LIGHTING_ENVIRONMENT)
         return light_around(environment_radiance(v, direction, lod), environment_radiance(v, coat, max(coat_lod, 0.0)), environment_diffuse(v, normal));
     return light_around(ambient_radiance(v, normalize(direction)), ambient_radiance(v, normalize(coat)), ambient_radiance(v, normal));
 }

@@ -24,7 +24,7 @@ vec3 ambient_radiance(view_block v, vec3 direction) {
 #include "reflections.glsl"
 
 // What a white diffuse surface reflects of light from all around, where no reflection probe is.
-vec3 ambient_diffuse(view_block v, vec3 normal) { return LIST_ENVIRONMENT ? environment_diffuse(v, normal) : ambient_radiance(v, normal); }
+vec3 ambient_diffuse(view_block v, vec3 normal) { return LIGHTING_ENVIRONMENT ? environment_diffuse(v, normal) : ambient_radiance(v, normal); }
 
 // Shaders that know that already say so before they include this.
 #ifndef AMBIENT_DIFFUSE
@@ -56,7 +56,7 @@ vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
     vec3 table = environment_reflectance(v, n_v, s.roughness);
     vec2 reflectance = table.xy;
     vec3 mirrored, around, taken;
-    if (LIST_REFLECTIONS) {
+    if (LIGHTING_REFLECTIONS) {
         light_around light = reflections_gather(v, s.position, s.normal, lobe_direction(s, to_view), table.z, s.normal, -1.0);
         mirrored = light.mirrored;
         around = light.diffuse;
@@ -79,9 +79,9 @@ vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
 // What is left when all lights are summed up: ambient light (diffuse by the normal, specular by the mirror direction, both dimmed by
 // occlusion) and the surface's own glow. Precise, so that variants of a shader that know some of its input round alike.
 vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
-    if (LIST_LAYERS && s.layered) return layers_rest(s, v, to_view, sum);
+    if (LIGHTING_LAYERS && s.layered) return layers_rest(s, v, to_view, sum);
     float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
-    if (LIST_ENVIRONMENT || LIST_REFLECTIONS) {
+    if (LIGHTING_ENVIRONMENT || LIGHTING_REFLECTIONS) {
         precise vec3 lit = sum + environment_light(s, v, to_view, n_v) * s.occlusion + s.emissive;
         return lit;
     }
@@ -107,13 +107,13 @@ float shade_cost(view_block v, float seed) {
 
 // Where COUNT_LIGHTS is 1: the rays since the last call.
 void count_rays(view_block v, uint_array counters) {
-    if (COUNT_LIGHTS != 1u || !LIST_RAYS) return;
+    if (COUNT_LIGHTS != 1u || !LIGHTING_RAYS) return;
     atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u + 1u], rays_sent);
     atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u + 2u], rays_passed);
     rays_sent = rays_passed = 0u;
 }
 
-// With LIST_DENOISED shade_surface() leaves here what it did not add to the radiance.
+// With LIGHTING_DENOISED shade_surface() leaves here what it did not add to the radiance.
 struct light_apart {
     vec3 open;   // what all local lights give without shadows, cd/m^2: exact
     vec3 drawn;  // the same, estimated by the chosen ones; where guides choose them unevenly, the same
@@ -125,49 +125,49 @@ light_apart apart;
 
 // Outgoing radiance in cd/m^2. `counters` holds two uints per pixel; it is touched only where COUNT_LIGHTS is 1. `item` is the draw item,
 // or LIGHT_NO_ITEM.
-vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
+vec3 shade_surface(surface s, view_block v, lighting_block l, uint_array counters, uvec2 pixel, float view_depth, uint item) {
     vec3 to_view = to_viewer(v, s.position);
     layers_view b = layers_prepare(s, v, to_view);
-    shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
-    precise vec3 sum = suns_at(lights, s, b, shadowed);
+    shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
+    precise vec3 sum = suns_at(l, s, b, shadowed);
 
     light_point point = light_point(pixel, view_depth, s.position, s.normal, item);
-    light_cursor cursor = lights_begin(lights, point);
+    light_cursor cursor = lights_begin(list_of(l), point);
     uint visited = 0u, useful = 0u;
-    // With LIST_SAMPLED a first walk sums up what the lights give without shadows, and a second one chooses some of them by it (shadows/sampled.glsl).
+    // With LIGHTING_SAMPLED a first walk sums up what the lights give without shadows, and a second one chooses some of them by it (shadows/sampled.glsl).
     // Both are one loop, so that shaders hold its code once.
     light_draw draw;
     float weights = 0.0;
     uint weighed = 0u;
-    float expected = 0.0; // with LIST_GUIDED: of what the lights give, what is likely to be seen
+    float expected = 0.0; // with LIGHTING_GUIDED: of what the lights give, what is likely to be seen
     bool even = true;     // and guides say nothing
-    if (LIST_SAMPLED) one_point = true;
-    if (LIST_DENOISED) apart = light_apart(vec3(0.0), vec3(0.0), vec3(0.0), vec4(0.0), 0.0);
-    for (uint walk = LIST_SAMPLED ? 0u : 1u; walk < 2u && HAS_LIGHTS == 1u; walk++) {
-        if (LIST_SAMPLED && walk == 1u) {
-            draw = light_draw_begin(lights, pixel, weights, weighed);
-            if (LIST_DENOISED && draw.scale != 0.0) apart.noise = 1.0 / float(lights.list.shadow_rays);
-            if (LIST_DENOISED && LIST_GUIDED) apart.noise *= guided_noise(weights, expected, luminance(apart.open));
-            cursor = lights_begin(lights, point);
+    if (LIGHTING_SAMPLED) one_point = true;
+    if (LIGHTING_DENOISED) apart = light_apart(vec3(0.0), vec3(0.0), vec3(0.0), vec4(0.0), 0.0);
+    for (uint walk = LIGHTING_SAMPLED ? 0u : 1u; walk < 2u && HAS_LIGHTS == 1u; walk++) {
+        if (LIGHTING_SAMPLED && walk == 1u) {
+            draw = light_draw_begin(l, pixel, weights, weighed);
+            if (LIGHTING_DENOISED && draw.scale != 0.0) apart.noise = 1.0 / float(l.scope.shadows.ray_count);
+            if (LIGHTING_DENOISED && LIGHTING_GUIDED) apart.noise *= guided_noise(weights, expected, luminance(apart.open));
+            cursor = lights_begin(list_of(l), point);
         }
-        FOR_EACH_LIGHT(lights, cursor, light) {
+        FOR_EACH_LIGHT(list_of(l), cursor, light) {
             vec3 to_light;
-            vec3 arriving = light_reach(lights, light, s.position, to_light);
+            vec3 arriving = light_reach(lights_of(l), light, s.position, to_light);
             if (COUNT_LIGHTS == 1u) visited++;
             if (arriving != vec3(0.0)) {
                 if (COUNT_LIGHTS == 1u && walk == 1u) useful++;
-                vec3 lobes = light_lobes(lights, light, s, b, to_light);
-                if (LIST_SAMPLED) {
+                vec3 lobes = light_lobes(lights_of(l), light, s, b, to_light);
+                if (LIGHTING_SAMPLED) {
                     precise float weight = luminance(arriving * lobes);
                     if (!(weight > 0.0)) continue;
-                    if (LIST_GUIDED) {
+                    if (LIGHTING_GUIDED) {
                         float by = guide_weight(light);
                         weight *= by;
                         even = even && by == 1.0;
-                        if (LIST_DENOISED && walk == 0u) expected += weight * by;
+                        if (LIGHTING_DENOISED && walk == 0u) expected += weight * by;
                     }
                     if (walk == 0u) {
-                        if (LIST_DENOISED) {
+                        if (LIGHTING_DENOISED) {
                             apart.open += arriving * lobes;
                             apart.field += luminance(arriving) * vec4(to_light, 1.0);
                         }
@@ -180,20 +180,20 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
                     if (share == 0.0) continue;
                     arriving *= share;
                 }
-                if (LIST_DENOISED) apart.drawn += arriving * lobes;
-                if (LIST_SHADOWED) {
-                    vec3 open = light_visibility(lights, light, shadowed_towards(shadowed, s, to_light), to_light, false);
-                    if (LIST_GUIDED) guide_note(light, open.x);
+                if (LIGHTING_DENOISED) apart.drawn += arriving * lobes;
+                if (LIGHTING_SHADOWED) {
+                    vec3 open = light_visibility(l, light, shadowed_towards(shadowed, s, to_light), to_light, false);
+                    if (LIGHTING_GUIDED) guide_note(light, open.x);
                     arriving *= open;
                 }
-                if (LIST_DENOISED) apart.seen += arriving * lobes;
+                if (LIGHTING_DENOISED) apart.seen += arriving * lobes;
                 else sum += arriving * lobes;
-                if (LIST_SAMPLED && light_draw_done(draw)) break;
+                if (LIGHTING_SAMPLED && light_draw_done(draw)) break;
             }
         }
     }
-    if (LIST_DENOISED && LIST_GUIDED && !even) apart.drawn = apart.open;
-    if (LIST_DENOISED && LIST_SOFT && point_chosen && apart.noise == 0.0) apart.noise = 1.0 / float(weighed);
+    if (LIGHTING_DENOISED && LIGHTING_GUIDED && !even) apart.drawn = apart.open;
+    if (LIGHTING_DENOISED && LIGHTING_SOFT && point_chosen && apart.noise == 0.0) apart.noise = 1.0 / float(weighed);
     if (COUNT_LIGHTS == 1u) {
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);

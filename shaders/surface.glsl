@@ -3,7 +3,7 @@
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 
-// What lies over the material, or changes how it mirrors; read only by shaders of lists with GPU_LIST_LAYERS (layers.glsl).
+// What lies over the material, or changes how it mirrors; read only by shaders of lists with GPU_LIGHTING_LAYERS (layers.glsl).
 struct surface_layers {
     vec3 clearcoat_normal;
     float clearcoat, clearcoat_roughness;

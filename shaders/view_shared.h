@@ -23,7 +23,7 @@ struct gpu_frame {
     uint shadow_samples; /* shadow rays to a source with a size */
     float light_radius;  /* of sources that have none of their own, as gpu_light.source has them: metres */
     float sun_tangent;   /* and of directional lights and boxes */
-    /* The environment; of lists with GPU_LIST_ENVIRONMENT. */
+    /* The environment; of lists with GPU_LIGHTING_ENVIRONMENT. */
     ADDRESS(environment_block) environment;
     uint environment_cube;      /* sampled: GGX lobes by mips */
     uint environment_table;     /* sampled: reflectance */
@@ -56,12 +56,10 @@ struct gpu_view {
     uint samples;        /* of a pixel */
     uint turn;           /* another number in each frame that is collected with others (TAA); else 0 */
     ADDRESS(frame_block) frame;
-    uint glass;          /* sampled: what is drawn lies behind this depth, that of the nearest glass; of lists with GPU_LIST_BEHIND_GLASS */
-    uint pad;
     uvec2 decals;        /* address of a struct gpu_decal_set, whose list is of this view; read only where a shader's features say that there is one */
-    uvec2 reflections;   /* of a struct gpu_reflection_set; of lists with GPU_LIST_REFLECTIONS */
+    uvec2 reflections;   /* of a struct gpu_reflection_set; of lists with GPU_LIGHTING_REFLECTIONS */
 };
-#define GPU_VIEW_BYTES 456
+#define GPU_VIEW_BYTES 448
 #ifndef GL_core_profile
 _Static_assert(sizeof(struct gpu_view) == GPU_VIEW_BYTES, "views stand one after the other as view_at() of view.glsl expects");
 #endif

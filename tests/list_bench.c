@@ -121,7 +121,7 @@ static struct list_copy build_on_cpu(const struct list_request *request) {
     struct clustered_cpu builder;
     clustered_cpu_init(&builder, gpu_host(device));
     struct light_input input = {.kinds = 1u << GPU_ENTITY_LIGHT,
-                                .local_count = request->light_count,
+                                .set.local_count = request->light_count,
                                 .width = v->size.x,
                                 .height = v->size.y};
     struct gpu_entity_bounds *bounds = list_bounds_of(request->lights, request->light_count);
@@ -158,11 +158,11 @@ struct list_lab list_lab_open(const struct gpu_view *view, const struct list_lig
         memcpy(mapped + placed.user * sizeof light, &light, sizeof light);
     }
     graph_begin(lab.graph);
-    lab.input = (struct light_input){.entities = lab.lights.address + bounds,
-                                     .shapes = lab.lights.address + shapes,
-                                     .lights = lab.lights.address,
+    lab.input = (struct light_input){.set = {.entities = lab.lights.address + bounds,
+                                             .shapes = lab.lights.address + shapes,
+                                             .lights = lab.lights.address,
+                                             .local_count = light_count},
                                      .kinds = 1u << GPU_ENTITY_LIGHT,
-                                     .local_count = light_count,
                                      .width = view->size.x,
                                      .height = view->size.y};
     return lab;
@@ -195,7 +195,7 @@ void list_lab_begin(struct list_lab *lab) {
     struct gpu_slice view = gpu_frame_allocate(device, sizeof lab->view);
     assert_non_null(view.data);
     memcpy(view.data, &lab->view, sizeof lab->view);
-    lab->input.buffer = graph_import_buffer(lab->graph, "test lights", &lab->lights);
+    lab->input.set.buffer = graph_import_buffer(lab->graph, "test lights", &lab->lights);
     lab->input.view = view.address;
     lab->in_view = lights_in_view_add(lab->graph, device, &lab->input);
 }

@@ -133,9 +133,9 @@ static bool is_wanted(const VkPipelineShaderStageCreateInfo *stages, uint32_t co
 }
 
 /*
- * Shaders that light come in kinds, which have a row each: for lights of all shapes or for spheres and cones alone (GPU_LIST_SIMPLE, a bit beside
- * the kind of list in constant 0), without shadows or with (GPU_LIST_RAYS, GPU_LIST_MAPS, GPU_LIST_SOFT, GPU_LIST_FILTERED,
- * GPU_LIST_SAMPLED, GPU_LIST_RAY_QUERY, GPU_LIST_GUIDED). The worst of all would hide what the others gain.
+ * Shaders that light come in kinds, which have a row each: for lights of all shapes or for spheres and cones alone (GPU_LIGHTING_SIMPLE, a bit beside
+ * the kind of list in constant 0), without shadows or with (GPU_LIGHTING_RAYS, GPU_LIGHTING_MAPS, GPU_LIGHTING_SOFT, GPU_LIGHTING_FILTERED,
+ * GPU_LIGHTING_SAMPLED, GPU_LIGHTING_RAY_QUERY, GPU_LIGHTING_GUIDED). The worst of all would hide what the others gain.
  */
 static void name_kind(struct row *row) {
     enum { KINDS = 0xff, LAST_KIND = 12, LAST_BIT = 0x8000, GUIDED = 0x1000000 };

@@ -10,27 +10,27 @@
 // Largest distance between a shaded position and its surface, in meters: some ten float roundings (6e-8) at the scale of the distances from the world's
 // origin and from the eye, doubled. In orthographic views all depths are as coarse as the farthest. With several samples per pixel, positions are
 // interpolated somewhere in the pixel and may lie up to a pixel's width off the triangle.
-float shadow_slack(light_list_block l, vec3 position) {
-    view_block v = l.list.view;
+float shadow_slack(lighting_block l, vec3 position) {
+    view_block v = l.scope.view;
     float seen_from = length(v.view.eye - position), slack = 2e-6 * (length(position) + seen_from);
     slack += v.view.orthographic * 1.2e-7 * abs(v.view.depth_decode.y);
     return v.view.samples > 1u ? slack + pixel_width(v, seen_from) : slack;
 }
 
 // What light_visibility() needs of a point. Nothing where lists have no shadows.
-shadowed_point shadowed_point_of(light_list_block l, vec3 position, vec3 normal) {
+shadowed_point shadowed_point_of(lighting_block l, vec3 position, vec3 normal) {
     shadowed_point p;
-    if (!LIST_SHADOWED) return p;
+    if (!LIGHTING_SHADOWED) return p;
     p.position = position;
     p.normal = normal;
     p.slack = shadow_slack(l, position);
-    if (LIST_MAPS || LIST_CUBEMAP) {
-        view_block v = l.list.view;
+    if (LIGHTING_MAPS || LIGHTING_CUBEMAP) {
+        view_block v = l.scope.view;
         p.pixel = pixel_width(v, length(v.view.eye - position));
     }
-    if (LIST_MAPS) p.maps = shadow_maps_block(l.list.shadow_maps).maps;
-    if (LIST_CUBEMAP) {
-        p.probes = probes_block(l.list.probes).probes;
+    if (LIGHTING_MAPS) p.maps = shadow_maps_block(l.scope.shadows.maps).maps;
+    if (LIGHTING_CUBEMAP) {
+        p.probes = probes_block(l.scope.shadows.rooms).probes;
         p.probe = probe_find(p.probes, 0u, position);
         p.other = p.probes.count;
         if (p.probe < p.probes.count) {
@@ -49,25 +49,25 @@ shadowed_point shadowed_point_of(light_list_block l, vec3 position, vec3 normal)
 #include "lighting/visibility_rooms.glsl"
 
 // Whether some of a light comes from before the surface, as far as the direction to its middle tells.
-bool light_may_face(light_list_block l, uint light, vec3 normal, vec3 to_light) {
-    return dot(normal, to_light) > 0.0 || LIST_RECTANGLES && l.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
+bool light_may_face(light_set_block l, uint light, vec3 normal, vec3 to_light) {
+    return dot(normal, to_light) > 0.0 || LIGHTING_RECTANGLES && l.set.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
 }
 
 // The unshadowed fraction of a light, 0 .. 1; also 0 for light from behind the surface, which reflects none of it. `light` and `to_light` are those of
-// light_reach(), or of sun_reach() if `is_sun`. The color channels differ only with LIST_CUBEMAP.
-vec3 light_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, bool is_sun) {
-    if (!LIST_SHADOWED || !light_casts(l, light)) return vec3(1.0);
-    if (!light_may_face(l, light, p.normal, to_light)) return vec3(0.0);
-    if (LIST_MAPS) {
+// light_reach(), or of sun_reach() if `is_sun`. The color channels differ only with LIGHTING_CUBEMAP.
+vec3 light_visibility(lighting_block l, uint light, shadowed_point p, vec3 to_light, bool is_sun) {
+    if (!LIGHTING_SHADOWED || !light_casts(lights_of(l), light)) return vec3(1.0);
+    if (!light_may_face(lights_of(l), light, p.normal, to_light)) return vec3(0.0);
+    if (LIGHTING_MAPS) {
         float open = is_sun ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
-        if (!LIST_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light
+        if (!LIGHTING_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light
     }
     float away = 1.0, margin = 0.0;
     if (!is_sun) {
-        away = light_distance(l, light, p.position, to_light);
-        margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
+        away = light_distance(lights_of(l), light, p.position, to_light);
+        margin = max(p.slack, 1e-6 * length(l.scope.lights.lights.at[light].shape.position)); // a lamp on a surface shines
     }
-    if (LIST_CUBEMAP) return rooms_visibility(l, light, p, to_light, away, margin, is_sun);
+    if (LIGHTING_CUBEMAP) return rooms_visibility(l, light, p, to_light, away, margin, is_sun);
     return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, away, margin, p.slack));
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// GPU_LIST_CUBEMAP: the walls of the room that holds the point, as its probe saw them, and rays for what is in there.
+// GPU_LIGHTING_CUBEMAP: the walls of the room that holds the point, as its probe saw them, and rays for what is in there.
 #ifndef LIGHTING_VISIBILITY_ROOMS_GLSL
 #define LIGHTING_VISIBILITY_ROOMS_GLSL
 
 // The fraction, per color, of a light outside the point's room that the walls let in. `away`: distance in meters; 1 for a directional light. `scope`: the
 // other items that may occlude the light; all items if the point is in no room or the light is in the same room.
-vec3 cubemap_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, bool endless, out ray_scope scope) {
+vec3 cubemap_visibility(lighting_block l, uint light, shadowed_point p, vec3 to_light, float away, bool endless, out ray_scope scope) {
     scope = ray_everything();
     if (p.probe >= p.probes.count) return vec3(1.0);
     gpu_probe probe = p.probes.probes.at[p.probe];
@@ -13,7 +13,7 @@ vec3 cubemap_visibility(light_list_block l, uint light, shadowed_point p, vec3 t
     if (!endless && probe_holds(probe, p.place + along * away)) return vec3(1.0);
     float spread = 0.0;
     if ((p.probes.flags & PROBES_PHYSICAL) != 0u) {
-        bool parallel = endless || l.list.lights.at[light].shape.kind == GPU_SHAPE_BOX;
+        bool parallel = endless || l.scope.lights.lights.at[light].shape.kind == GPU_SHAPE_BOX;
         spread = 2.0 * source_size(l, light, parallel) / (parallel ? 1.0 : max(away, 1e-6));
     }
     bool inside = (p.probes.flags & PROBES_INSIDE) != 0u;
@@ -30,7 +30,7 @@ bool cubemap_sends_rays(shadowed_point p, ray_scope scope, vec3 open) {
 
 // The fraction of a light, per color, that reaches the point past the walls of its room and the items inside. In the boxes of two probes, the results of
 // both are blended by weight, so that nothing jumps where a box ends.
-vec3 rooms_visibility(light_list_block l, uint light, shadowed_point p, vec3 to_light, float away, float margin, bool endless) {
+vec3 rooms_visibility(lighting_block l, uint light, shadowed_point p, vec3 to_light, float away, float margin, bool endless) {
     bool two = p.other < p.probes.count;
     vec3 sum = vec3(0.0);
     for (uint side = 0u; side < 2u; side++) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Light from a whole rectangle (GPU_LIST_RECTANGLES): the BRDF's lobes, integrated over the part of it that lies above the surface's horizon. The diffuse
+// Light from a whole rectangle (GPU_LIGHTING_RECTANGLES): the BRDF's lobes, integrated over the part of it that lies above the surface's horizon. The diffuse
 // one by Lambert's formula; the specular one as a cosine that is stretched and sheared (Heitz, Dupuy, Hill and Neubelt 2016, "Real-Time Polygonal-Light
 // Shading with Linearly Transformed Cosines"), by the table of tools/area_lobes.c. Where the rectangle takes little of the lobe, the lobe itself
 // corrects the fit: at the direction that most light comes from. So a small or distant rectangle gives what a point does.
@@ -73,11 +73,11 @@ vec3 area_flux(area_polygon p) {
 }
 
 // The rectangle of a light, seen from a point by three axes.
-area_polygon area_rectangle(light_list_block l, uint light, vec3 position, mat3 to_frame) {
-    precise vec3 ray = l.list.lights.at[light].shape.position - position;
-    vec3 direction = l.list.lights.at[light].shape.direction, side = l.list.lights.at[light].shape.side;
+area_polygon area_rectangle(light_set_block l, uint light, vec3 position, mat3 to_frame) {
+    precise vec3 ray = l.set.lights.at[light].shape.position - position;
+    vec3 direction = l.set.lights.at[light].shape.direction, side = l.set.lights.at[light].shape.side;
     precise vec3 up = cross(side, direction);
-    precise vec3 x = side * l.list.lights.at[light].shape.spot_scale, y = up * abs(l.list.lights.at[light].shape.spot_offset);
+    precise vec3 x = side * l.set.lights.at[light].shape.spot_scale, y = up * abs(l.set.lights.at[light].shape.spot_offset);
     precise vec3 middle = to_frame * ray, right = to_frame * x, above = to_frame * y;
     area_polygon p;
     p.count = 4u;
@@ -110,8 +110,8 @@ struct area_lobe {
     float scale, above;
 };
 
-area_lobe area_look_up(light_list_block l, float alpha2, float n_v) {
-    lobe_array t = l.list.lobes;
+area_lobe area_look_up(light_set_block l, float alpha2, float n_v) {
+    lobe_array t = l.set.lobes;
     precise float alpha = sqrt(alpha2), row = clamp(sqrt(alpha), 0.0, 1.0) * float(AREA_LOBE_ROWS - 1), column = sqrt(max(1.0 - n_v, 0.0)) * float(AREA_LOBE_COLUMNS - 1);
     uint i = min(uint(row), uint(AREA_LOBE_ROWS - 2)), k = min(uint(column), uint(AREA_LOBE_COLUMNS - 2));
     precise float down = row - float(i), right = column - float(k);
@@ -164,7 +164,7 @@ vec3 area_from_cosine(area_lobe m, vec3 q) {
 
 // The lobes of all of a rectangle: n_l and n_l times specular are their integrals over what is light_reach()'s share (light_rectangle_share()), so that they
 // take the place of a point's. `mirrored`: of its mirror image behind the surface. `toward`: unit, where most of the diffuse light comes from.
-bool area_lobes_of(light_list_block l, uint light, vec3 position, vec3 normal, brdf_view b, bool mirrored, out brdf_lobes lobes, out vec3 toward) {
+bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, brdf_view b, bool mirrored, out brdf_lobes lobes, out vec3 toward) {
     mat3 to_frame = area_frame(normal, b.to_view);
     precise float n_v = clamp(abs(dot(normal, b.to_view)), 1e-3, 1.0);
     area_lobe m = area_look_up(l, b.alpha2, n_v);
@@ -208,14 +208,14 @@ bool area_lobes_of(light_list_block l, uint light, vec3 position, vec3 normal, b
 }
 
 // Whether a light is a rectangle that looks like one: what is but a thousandth of a radian wide is a point.
-bool light_is_area(light_list_block l, uint light, vec3 position) {
-    if (!LIST_RECTANGLES || l.list.lights.at[light].shape.kind != GPU_SHAPE_RECTANGLE) return false;
-    precise vec3 ray = l.list.lights.at[light].shape.position - position;
+bool light_is_area(light_set_block l, uint light, vec3 position) {
+    if (!LIGHTING_RECTANGLES || l.set.lights.at[light].shape.kind != GPU_SHAPE_RECTANGLE) return false;
+    precise vec3 ray = l.set.lights.at[light].shape.position - position;
     return light_rectangle_area(l, light) > 1e-6 * dot(ray, ray);
 }
 
 // brdf_lobes_of() for any light; `to_light` as light_reach() has it.
-bool light_brdf_lobes(light_list_block l, uint light, vec3 position, vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes) {
+bool light_brdf_lobes(light_set_block l, uint light, vec3 position, vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes) {
     vec3 toward;
     if (light_is_area(l, light, position)) return area_lobes_of(l, light, position, normal, b, false, lobes, toward);
     return brdf_lobes_of(normal, b, to_light, lobes);

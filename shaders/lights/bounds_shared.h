@@ -29,7 +29,7 @@ struct gpu_shape {
     vec3 side;           /* unit, at right angles to the direction: across a wedge or box; of spheres only those with a profile */
     vec3 size;           /* capsule: half length, radius; wedge: tangents of the half angles across and up;
                             box, rectangle: half sizes across, up and along; of lights that are spheres or cones x is the place of their profile, or 0 */
-    uint hull_first;     /* of its first plane in gpu_light_list.planes */
+    uint hull_first;     /* of its first plane in gpu_light_set.planes */
 };
 
 /* Planes of hulls: xyz is unit and points outward, w the distance of the plane from the shape's position; inside is
@@ -53,7 +53,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer pl
 struct gpu_entity_bounds {
     vec3 center;  /* world-space sphere that holds all of it */
     float radius; /* 0: it reaches nothing, and is in no list */
-    uint shape;   /* bytes from gpu_light_list.shapes to its gpu_shape; GPU_NO_SHAPE: the sphere is all there is */
+    uint shape;   /* bytes from gpu_light_set.shapes to its gpu_shape; GPU_NO_SHAPE: the sphere is all there is */
     uint kind;    /* GPU_ENTITY_… */
     uint user;    /* which one of its kind */
 };

@@ -2,51 +2,15 @@
 // The one loop over the lights of a pixel. Shading never knows which list it got:
 //
 //     light_cursor cursor = lights_begin(list, point);
-//     FOR_EACH_LIGHT(list, cursor, light) { sum += ...list.list.lights.at[light]...; }
+//     FOR_EACH_LIGHT(list, cursor, light) { sum += ...list.list.lights.set.lights.at[light]...; }
 //
-// The kind of list is the specialisation constant LIST_KIND. Every kind gives the lights in ascending order, so the sums are
+// The kind of list is the specialization constant LIST_KIND. Every kind gives the lights in ascending order, so the sums are
 // equal to the bit.
 #ifndef LIGHTS_ITERATE_GLSL
 #define LIGHTS_ITERATE_GLSL
 
-#include "common.glsl"
+#include "lighting/scopes.glsl"
 
-#include "view.glsl"
-
-layout(buffer_reference) buffer light_array;
-layout(buffer_reference) buffer entity_array;
-layout(buffer_reference) buffer shape_block;
-layout(buffer_reference) buffer cell_array;
-layout(buffer_reference) buffer bounds_array;
-
-#include "lights/lights_shared.h"
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_array { gpu_light at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer entity_array { gpu_entity_bounds at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer shape_block { gpu_shape shape; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer cell_array { gpu_cell at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array { gpu_cell_bounds at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_list_block { gpu_light_list list; };
-
-layout(constant_id = LISTS_ID) const uint LIST_BITS = GPU_LIST_ALL;
-const uint LIST_KIND = LIST_BITS & GPU_LIST_KINDS;
-const bool LIST_SCATTERED = (LIST_BITS & GPU_LIST_SCATTERED) != 0u;
-const bool LIST_RAYS = (LIST_BITS & GPU_LIST_RAYS) != 0u;
-const bool LIST_RAY_QUERY = (LIST_BITS & GPU_LIST_RAY_QUERY) != 0u;
-const bool LIST_MAPS = (LIST_BITS & GPU_LIST_MAPS) != 0u;
-const bool LIST_SAMPLED = (LIST_BITS & GPU_LIST_SAMPLED) != 0u;
-const bool LIST_DENOISED = (LIST_BITS & GPU_LIST_DENOISED) != 0u;
-const bool LIST_ENVIRONMENT = (LIST_BITS & GPU_LIST_ENVIRONMENT) != 0u;
-const bool LIST_LAYERS = (LIST_BITS & GPU_LIST_LAYERS) != 0u;
-const bool LIST_BEHIND_GLASS = (LIST_BITS & GPU_LIST_BEHIND_GLASS) != 0u;
-const bool LIST_PROFILES = (LIST_BITS & GPU_LIST_PROFILES) != 0u;
-const bool LIST_RECTANGLES = (LIST_BITS & GPU_LIST_RECTANGLES) != 0u;
-const bool LIST_REFLECTIONS = (LIST_BITS & GPU_LIST_REFLECTIONS) != 0u;
-const bool LIST_CUBEMAP = (LIST_BITS & GPU_LIST_CUBEMAP) != 0u;
-const bool LIST_SHADOWED = (LIST_BITS & GPU_LIST_CASTS) != 0u;
-const bool LIST_SOFT = (LIST_BITS & GPU_LIST_SOFT) != 0u;
-const bool LIST_FILTERED = (LIST_BITS & GPU_LIST_FILTERED) != 0u;
-const bool LIST_SIMPLE = (LIST_BITS & GPU_LIST_SIMPLE) != 0u;
 // Items: turns of the loop, whatever the number of lights up to this; 0: as many as there are lights.
 layout(constant_id = FIXED_LIGHTS_ID) const uint FIXED_LIGHTS = 0u;
 
@@ -158,7 +122,7 @@ light_cursor lights_begin_as(uint kind, light_list_block l, light_point p) {
     vec3 seen = vec3(0.0);
     bool served = true;
     if (LIST_SCATTERED && kind != GPU_LIST_WORLD) {
-        view_block v = l.list.cells_view;
+        view_block v = l.list.view;
         seen = (v.view.world_to_view * vec4(p.position, 1.0)).xyz;
         served = seen_on(v, seen, p.pixel);
         p.view_depth = served ? -seen.z : 1.0;
@@ -194,7 +158,7 @@ light_cursor lights_begin_as(uint kind, light_list_block l, light_point p) {
     return c;
 }
 
-// Moves on; false at the end. `light` is an index into list.lights.
+// Moves on; false at the end. `light` is an index into the set's lights.set.lights.
 bool lights_next_as(uint kind, light_list_block l, inout light_cursor c, out uint light) {
     light = 0u;
     if (kind == GPU_LIST_ITEMS && FIXED_LIGHTS != 0u) {

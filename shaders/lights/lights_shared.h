@@ -1,24 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/** Lights, and the lists that say which of them reach a pixel. */
+/** Lists that say which lights reach a pixel. */
 #ifndef FNL_SHADERS_LIGHTS_SHARED_H
 #define FNL_SHADERS_LIGHTS_SHARED_H
 
 #include "lights/bounds_shared.h"
 
-/* Directional lights come first in the light array; all others follow and are what lists index. Each of those keeps its index from when it is
-   added until it is removed; an index that no light has, or a hidden one, holds a light without range, whose bounds have no radius. */
-struct gpu_light {
-    STRUCT(gpu_shape) shape; /* what it lights: exactly no light outside. The angular ramp of KHR_lights_punctual is
-                                sat(cos * spot_scale + spot_offset)^2; of wedges and boxes sat((1 - part) * spot_scale)^2 of the part of the
-                                way from axis to edge */
-    vec3 color;              /* colour times intensity: cd, or lux */
-    float source;            /* radius of what casts its shadows, metres; of directional lights and boxes the tangent of half the angle that it
-                                fills; 0: a point; or GPU_LIGHT_UNSHADOWED */
-};
-
-#define GPU_LIGHT_UNSHADOWED -1.0f /* it casts none */
-
-/* How a pixel finds its lights; a specialisation constant of every shader that iterates. */
+/* How a pixel finds its lights; part of the specialization constant LIGHTING_ID. */
 #define GPU_LIST_ALL 0u     /* every light, every pixel: the oracle */
 #define GPU_LIST_TILES 1u   /* cells of the screen */
 #define GPU_LIST_CLUSTERS 2u /* cells of the screen times slices of depth */
@@ -35,55 +22,6 @@ struct gpu_light {
 #define GPU_LIST_KINDS 0xffu /* the bits of the kind */
 /* Beside the kind: points may be shaded off their pixel and off the surfaces that depth shows (MSAA); each is looked up where it is itself. */
 #define GPU_LIST_SCATTERED 0x100u
-/* Beside the kind: every light is a sphere or a cone without a hull. Shaders then have no code for other shapes, which costs registers. */
-#define GPU_LIST_SIMPLE 0x200u
-/* Beside the kind: lights cast shadows, which rays find, or maps. With both bits rays find those that have no map. */
-#define GPU_LIST_RAYS 0x400u
-#define GPU_LIST_MAPS 0x800u
-/* Beside GPU_LIST_RAYS: lights have a size, and several rays find how much of it is seen. */
-#define GPU_LIST_SOFT 0x1000u
-/* Beside GPU_LIST_MAPS: gpu_frame.shadow_filter smooths their edges. */
-#define GPU_LIST_FILTERED 0x2000u
-/* Beside GPU_LIST_RAYS: of a point's lights only some are sent a ray (shadows/sampled.glsl). */
-#define GPU_LIST_SAMPLED 0x4000u
-/* Beside GPU_LIST_RAYS: rays go through the device's own structures, not the trees (shadows/ray_query.glsl). */
-#define GPU_LIST_RAY_QUERY 0x8000u
-/* Beside GPU_LIST_RAYS: cube maps say where light comes into rooms (shadows/cubemap.glsl). */
-#define GPU_LIST_CUBEMAP 0x20000u
-/* Any of the seven above; and those of them with which lights cast shadows. */
-#define GPU_LIST_SHADOWED 0x2fc00u
-#define GPU_LIST_CASTS (GPU_LIST_RAYS | GPU_LIST_MAPS | GPU_LIST_CUBEMAP)
-/* Beside GPU_LIST_SAMPLED: what earlier frames saw of lights guides the choice (shadows/guide_shared.h). Of passes, not of lists. */
-#define GPU_LIST_GUIDED 0x1000000u
-/* Beside GPU_LIST_SAMPLED: what the chosen lights give is kept apart, to be denoised (passes/shadow/denoise.h). Of passes, not of lists. */
-#define GPU_LIST_DENOISED 0x10000u
-/* Beside the kind: ambient light comes from the environment (shaders/environment.glsl). */
-#define GPU_LIST_ENVIRONMENT 0x40000u
-/* Beside the kind: some surfaces have layers (shaders/layers.glsl). */
-#define GPU_LIST_LAYERS 0x80000u
-/* Blended surfaces that are drawn before glass: those in front of gpu_view.glass are left out. */
-#define GPU_LIST_BEHIND_GLASS 0x400000u
-/* Beside the kind: some spheres and cones have a profile (lights/profile.glsl). */
-#define GPU_LIST_PROFILES 0x100000u
-
-/* Beside the kind: some lights are rectangles (lights/area.glsl). */
-#define GPU_LIST_RECTANGLES 0x800000u
-
-/* Light profiles, one after the other: steps of the vertical angle, steps of the horizontal one, and the values, a row for each vertical angle. */
-#ifdef GL_core_profile
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer profile_array { float at[]; };
-#endif
-/* Of rectangles: how the specular lobe is made of a cosine, by roughness and then by the viewer's angle (tools/area_lobes.c). In alphas, the stretch along
-   the plane of the normal and the viewer, and across; the sine of the angle from the mirror direction to the axis; shear; what the transformed cosine is
-   multiplied by; and the part of it above the surface. */
-#define AREA_LOBE_ROWS 16
-#define AREA_LOBE_COLUMNS 32
-#define AREA_LOBE_VALUES 6
-#ifdef GL_core_profile
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lobe_array { float at[]; };
-#endif
-/* Beside the kind: in the boxes of reflection probes ambient light comes from these (shaders/reflections.glsl). */
-#define GPU_LIST_REFLECTIONS 0x200000u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu
@@ -138,7 +76,7 @@ struct gpu_cell_bounds {
 };
 
 struct gpu_light_list {
-    uint directional_count;
+    uint directional_count; /* of `lights`, as the next; where the local lights begin */
     uint local_count;    /* lights that are not directional, or whatever bounds the list is over */
     uint tile_size;      /* pixels */
     uint tiles_x;
@@ -151,10 +89,7 @@ struct gpu_light_list {
     uint linear;
     uint zone_slices;    /* bins: that a tile's mask is for */
     uint nodes;          /* GPU_NODES_…, of GPU_LIST_LINKS */
-    ADDRESS(light_array) lights; /* directional ones first */
-    ADDRESS(entity_array) entities; /* bounds of what the list is over: local lights, decals … */
-    ADDRESS(shape_block) shapes; /* see gpu_entity_bounds */
-    ADDRESS(plane_array) planes; /* of hulls */
+    ADDRESS(light_set_block) lights; /* what the list is over: lights, decals … */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */
     ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights. Items: the scene. Fine: masks and
@@ -166,8 +101,7 @@ struct gpu_light_list {
     uint positions;      /* fine: where in extra the tested positions begin; 0: they are those of shading */
     float eye_distance;  /* fine: of the eye from the world's origin, metres */
     uint packed;         /* fine: 1: cells are GPU_PACKED_WORDS words each, without masks */
-    ADDRESS(view_block) view;       /* what is shaded for */
-    ADDRESS(view_block) cells_view; /* what the cells and the spare list are of: the same, or the view of a head for its eyes */
+    ADDRESS(view_block) view; /* of the cells and the spare list; that of a head where its eyes share the list */
     ADDRESS(bounds_array) bounds; /* of the cells, where kinds built from depth or boxes of items serve scattered points; or 0 */
     uint masks_depth;    /* tiles: 1: extra has a mask of occupied depth cells for each */
     ADDRESS(const_uint_array) spare; /* the spare list; or 0 */
@@ -176,13 +110,6 @@ struct gpu_light_list {
     uvec2 spare_tiles;
     uint buckets;        /* sparse: keys of a cluster, 1 or one for each range of normals. In extra: the occupied ones before each, and one more */
     uint cell_limit;     /* sparse: cells that there is memory for */
-    uvec2 rays;          /* address of a struct gpu_rays; of lists with GPU_LIST_RAYS */
-    uvec2 shadow_maps;   /* address of a struct gpu_shadow_maps; of lists with GPU_LIST_MAPS */
-    uvec2 probes;        /* address of a struct gpu_probes; of lists with GPU_LIST_CUBEMAP */
-    uint shadow_rays;    /* that a point sends; of lists with GPU_LIST_SAMPLED, as the next */
-    ADDRESS(profile_array) profiles; /* of lists with GPU_LIST_PROFILES */
-    uint shadow_seed;    /* what the choice of lights depends on, besides the pixel */
-    ADDRESS(lobe_array) lobes; /* of lists with GPU_LIST_RECTANGLES */
 };
 
 #endif

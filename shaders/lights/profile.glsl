@@ -23,11 +23,11 @@ float profile_acos(float x) {
 }
 
 // `to_light` is unit.
-float light_profile(light_list_block l, uint light, vec3 to_light) {
-    uint place = uint(l.list.lights.at[light].shape.size.x);
+float light_profile(light_set_block l, uint light, vec3 to_light) {
+    uint place = uint(l.set.lights.at[light].shape.size.x);
     if (place == 0u) return 1.0;
-    profile_array p = l.list.profiles;
-    vec3 direction = l.list.lights.at[light].shape.direction, side = l.list.lights.at[light].shape.side;
+    profile_array p = l.set.profiles;
+    vec3 direction = l.set.lights.at[light].shape.direction, side = l.set.lights.at[light].shape.side;
     precise vec3 up = cross(side, direction);
     precise vec2 across = vec2(-dot(to_light, side), -dot(to_light, up));
     precise float along = -dot(to_light, direction);

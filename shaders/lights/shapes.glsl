@@ -8,8 +8,8 @@
 #include "lights/iterate.glsl"
 
 // `offset` is gpu_entity_bounds.shape, not GPU_NO_SHAPE.
-shape_block shape_at(light_list_block l, uint offset) {
-    uvec2 base = uvec2(l.list.shapes);
+shape_block shape_at(light_set_block l, uint offset) {
+    uvec2 base = uvec2(l.set.shapes);
     uint carry, low = uaddCarry(base.x, offset, carry);
     return shape_block(uvec2(low, base.y + carry));
 }
@@ -18,7 +18,7 @@ gpu_shape sphere_shape(vec3 center, float radius) {
     return gpu_shape(center, radius, GPU_SHAPE_SPHERE, 0u, vec3(0.0, 0.0, -1.0), 0.0, 0.0, vec3(0.0), vec3(0.0), 0u);
 }
 
-gpu_shape shape_of(light_list_block l, gpu_entity_bounds b) {
+gpu_shape shape_of(light_set_block l, gpu_entity_bounds b) {
     if (b.shape == GPU_NO_SHAPE) return sphere_shape(b.center, b.radius);
     return shape_at(l, b.shape).shape;
 }

@@ -26,7 +26,7 @@ struct spare_cursor {
 bool spare_begin(light_list_block l, vec3 position, out spare_cursor c) {
     c = spare_cursor(0u, 0u, 0u, 0u);
     if (l.list.spare_words == 0u || l.list.spare.at[0] == 0u) return false;
-    view_block v = l.list.cells_view;
+    view_block v = l.list.view;
     vec3 seen = (v.view.world_to_view * vec4(position, 1.0)).xyz;
     uvec2 pixel;
     if (!seen_on(v, seen, pixel)) return false;

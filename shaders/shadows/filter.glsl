@@ -66,8 +66,8 @@ float shadow_search_radius(gpu_shape shape, shadow_receiver r) {
 }
 
 // The coarsest level in which a point is looked up whose pixel asks for `level`: that in which all possible blockers are within reach.
-uint shadow_coarsest_level(light_list_block l, uint light, gpu_shape shape, uint face, vec4 clip, vec3 ray, uint level) {
-    if (!LIST_FILTERED || l.list.view.view.frame.frame.shadow_filter != GPU_SHADOW_FILTER_PCSS) return level;
+uint shadow_coarsest_level(lighting_block l, uint light, gpu_shape shape, uint face, vec4 clip, vec3 ray, uint level) {
+    if (!LIGHTING_FILTERED || l.scope.view.view.frame.frame.shadow_filter != GPU_SHADOW_FILTER_PCSS) return level;
     float size = source_size(l, light, shape.kind == GPU_SHAPE_BOX);
     if (!(size > 0.0)) return level;
     return shadow_level_within(level, size * shadow_search_radius(shape, shadow_receiver_of(shape, face, clip, ray, -normalize(ray))));
@@ -117,10 +117,10 @@ vec2 shadow_taps(gpu_shadow_maps maps, uint place, shadow_page at, gpu_shape sha
 // 2005) first look where there may be blockers, and make the disk as large as the penumbra of their mean. Disks reach three texels; where the penumbra is
 // wider, coarser levels are looked up, whose texels are larger. Where no blocker is found the page itself decides: it may show a contact that coarse
 // texels miss.
-float shadow_filtered(light_list_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at, uint place, shadow_receiver r,
+float shadow_filtered(lighting_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at, uint place, shadow_receiver r,
                       bool hidden) {
     float open = hidden ? 0.0 : 1.0;
-    bool is_soft = l.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS;
+    bool is_soft = l.scope.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS;
     float size = is_soft ? source_size(l, light, shape.kind == GPU_SHAPE_BOX) : 0.0, radius = SHADOW_PCF_REACH, reach = 1.0, turn = 0.0;
     uint wanted = at.level;
     if (is_soft) {

@@ -27,7 +27,7 @@ float shadow_across(gpu_shape shape, float along, float pixel) {
     return 2.0 * (shape.kind == GPU_SHAPE_BOX ? max(shape.size.x, shape.size.y) : along) / pixel;
 }
 
-bool shadow_has_map(gpu_shape shape) { return shape.kind != GPU_SHAPE_CAPSULE && !(LIST_RECTANGLES && shape.kind == GPU_SHAPE_RECTANGLE); }
+bool shadow_has_map(gpu_shape shape) { return shape.kind != GPU_SHAPE_CAPSULE && !(LIGHTING_RECTANGLES && shape.kind == GPU_SHAPE_RECTANGLE); }
 
 // Where in the atlas a page lies, if it is there and drawn.
 bool shadow_find(gpu_shadow_maps maps, uint row, uint bit, out uint place) {
@@ -97,7 +97,7 @@ bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, fl
 
 // What part of a light reaches a point, by the map of a row: without a filter 0 or 1; or -1 where no map tells. Pages of at.level are looked up, and of
 // coarser levels where there are none: pixels asked for the first, what is beside them may have to look farther.
-float row_visibility(light_list_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at) {
+float row_visibility(lighting_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at) {
     vec3 ray = p.position - shape.position;
     vec4 clip = shadow_face_clip(shape, at.face, ray);
     vec2 ndc = clip.xy / clip.w;
@@ -112,15 +112,15 @@ float row_visibility(light_list_block l, uint light, shadowed_point p, uint row,
         depth = along > 0.0 ? SHADOW_NEAR / along : 2.0; // nothing is nearer
     }
     bool hidden = shadow_hides(p.maps, place, at, ndc, depth, shadow_plane_slope(shape, at.face, ray, p.normal, 1e-3));
-    if (!LIST_FILTERED) return hidden ? 0.0 : 1.0;
+    if (!LIGHTING_FILTERED) return hidden ? 0.0 : 1.0;
     return shadow_filtered(l, light, p, row, shape, at, place, shadow_receiver_of(shape, at.face, clip, ray, p.normal), hidden);
 }
 
 // The same of a light. What is nearer by less than half a texel's width casts no shadow, or there would be lines in corners, whose depth lies
 // between texels.
-float map_visibility(light_list_block l, uint light, shadowed_point p) {
-    gpu_shape shape = l.list.lights.at[light].shape;
-    if (LIST_SIMPLE) shape.kind = GPU_SHAPE_SPHERE; // or a cone, whose map is alike: no code for other shapes
+float map_visibility(lighting_block l, uint light, shadowed_point p) {
+    gpu_shape shape = l.scope.lights.lights.at[light].shape;
+    if (LIGHTING_SIMPLE) shape.kind = GPU_SHAPE_SPHERE; // or a cone, whose map is alike: no code for other shapes
     uint row = light + p.maps.first_row;
     uint bias = shadow_has_map(shape) ? p.maps.biases.at[row] : SHADOW_TRACED;
     if (bias == SHADOW_TRACED) return -1.0;
@@ -146,7 +146,7 @@ bool shadow_sun_find(gpu_shadow_maps maps, uint light, vec3 position, inout int 
 }
 
 // map_visibility() of a directional light.
-float sun_map_visibility(light_list_block l, uint light, shadowed_point p) {
+float sun_map_visibility(lighting_block l, uint light, shadowed_point p) {
     int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
     uint row;
     for (; shadow_sun_find(p.maps, light, p.position, grid, row); grid++) {

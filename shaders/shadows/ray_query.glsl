@@ -58,11 +58,11 @@ float ray_counted(float open) {
 // The part of light, 0 .. 1, that comes from `origin` + `high` metres along the unit `direction`. What holds the origin within `slack` metres casts no
 // shadow on it.
 float ray_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
-    return ray_counted(LIST_RAY_QUERY ? query_visibility(b, origin, direction, high, slack)
+    return ray_counted(LIGHTING_RAY_QUERY ? query_visibility(b, origin, direction, high, slack)
                                       : tree_visibility(b, ray_everything(), origin, direction, high, slack));
 }
 
-// The same through some items; not with LIST_RAY_QUERY.
+// The same through some items; not with LIGHTING_RAY_QUERY.
 float ray_visibility_in(rays_block b, ray_scope scope, vec3 origin, vec3 direction, float high, float slack) {
     return ray_counted(tree_visibility(b, scope, origin, direction, high, slack));
 }

@@ -59,7 +59,7 @@ struct gpu_rays {
     ADDRESS(ray_box_array) primitive_boxes; /* round the triangles of each, in the space of its mesh, as it is deformed */
     ADDRESS(scene_block) scene;
     ADDRESS(const_uint_array) indices;
-    uvec2 top; /* with GPU_LIST_RAY_QUERY: address of the device's structure of the instances, whose custom indices are numbers of draw items */
+    uvec2 top; /* with GPU_LIGHTING_RAY_QUERY: address of the device's structure of the instances, whose custom indices are numbers of draw items */
 };
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Chooses lights by chance (GPU_LIST_SAMPLED). Their weights, what each gives without shadows, stand side by side on a line as long as their sum, and
+// Chooses lights by chance (GPU_LIGHTING_SAMPLED). Their weights, what each gives without shadows, stand side by side on a line as long as their sum, and
 // shadow_rays marks at equal distances are laid on it, all shifted by one random number: systematic sampling (W. G. Madow, "On the Theory of Systematic
 // Sampling, II", 1949). A light under a mark is sent one ray. Its chance to be chosen is p = min(1, shadow_rays * weight / sum), so that what it
 // gives times visibility / p has the right mean, whatever the weights are, as long as they are positive where there is light.
@@ -14,10 +14,10 @@
 
 // Shaders that can do it define SHADOWS_GUIDED.
 #ifdef SHADOWS_GUIDED
-const bool LIST_GUIDED = (LIST_BITS & GPU_LIST_GUIDED) != 0u;
+const bool LIGHTING_GUIDED = (LIGHTING_BITS & GPU_LIGHTING_GUIDED) != 0u;
 layout(set = 0, binding = 2, r32ui) uniform uimage2D images_counted[];
 #else
-const bool LIST_GUIDED = false;
+const bool LIGHTING_GUIDED = false;
 #endif
 
 struct light_draw {
@@ -37,9 +37,9 @@ float light_draw_number(uvec2 pixel, uint seed) {
 }
 
 // `sum` of the weights of `count` lights.
-light_draw light_draw_begin(light_list_block l, uvec2 pixel, float sum, uint count) {
-    uint rays = l.list.shadow_rays;
-    return light_draw(count <= rays ? 0.0 : float(rays) / sum, light_draw_number(pixel, l.list.shadow_seed), 0.0, -1.0, float(rays) - 1.0);
+light_draw light_draw_begin(lighting_block l, uvec2 pixel, float sum, uint count) {
+    uint rays = l.scope.shadows.ray_count;
+    return light_draw(count <= rays ? 0.0 : float(rays) / sum, light_draw_number(pixel, l.scope.shadows.seed), 0.0, -1.0, float(rays) - 1.0);
 }
 
 // For each of the lights, in the order of the first walk, with its weight: what its light counts, 1 / p, or 0 where it is not chosen.
@@ -56,7 +56,7 @@ float light_draw_next(inout light_draw d, float weight) {
 // Whether all marks are passed.
 bool light_draw_done(light_draw d) { return d.scale != 0.0 && d.mark == d.last; }
 
-// ---- guided (LIST_GUIDED): weights are also by what the tile saw of the light (guide_shared.h) ----
+// ---- guided (LIGHTING_GUIDED): weights are also by what the tile saw of the light (guide_shared.h) ----
 
 struct light_guide {
     uint weights, seen; // images

@@ -12,42 +12,42 @@ bool one_point = false;
 bool point_chosen = false; // it was so
 
 // 0 < x < 1, another one in each frame.
-float point_number(light_list_block l, float turn) {
-    uint n = (uint(turn * 16777216.0) << 8) + l.list.shadow_seed * 3242174889u;
+float point_number(lighting_block l, float turn) {
+    uint n = (uint(turn * 16777216.0) << 8) + l.scope.shadows.seed * 3242174889u;
     return (float(n >> 9) + 0.5) * (1.0 / 8388608.0);
 }
 
 // The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
 // `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer
 // to the source than `margin` hides nothing. Of a rectangle the rays go to points of it. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
-// `scope`: which items hide it, with LIST_CUBEMAP.
-float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
-    uint kind = l.list.lights.at[light].shape.kind;
+// `scope`: which items hide it, with LIGHTING_CUBEMAP.
+float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
+    uint kind = l.scope.lights.lights.at[light].shape.kind;
     bool endless = kind == GPU_SHAPE_NONE;
     float size = 0.0, turn = 0.0;
     uint count = 1u;
     vec3 side = vec3(0.0), up = vec3(0.0);
-    if (LIST_SOFT) {
+    if (LIGHTING_SOFT) {
         bool parallel = endless || kind == GPU_SHAPE_BOX;
         size = source_size(l, light, parallel) * (parallel ? away : 1.0);
         if (size > 0.0) {
-            count = l.list.view.view.frame.frame.shadow_samples;
+            count = l.scope.view.view.frame.frame.shadow_samples;
             turn = source_turn(l, light, position);
             source_axes(to_light, side, up);
         }
     }
     // A rectangle's points count by what they give a matt surface. One ray alone goes to its middle, or to the corner that is highest where that is below
     // the horizon.
-    bool area = LIST_RECTANGLES && kind == GPU_SHAPE_RECTANGLE;
+    bool area = LIGHTING_RECTANGLES && kind == GPU_SHAPE_RECTANGLE;
     gpu_shape shape;
     if (area) {
-        shape = l.list.lights.at[light].shape;
+        shape = l.scope.lights.lights.at[light].shape;
         side = shape.side * shape.spot_scale;
         up = cross(shape.side, shape.direction) * abs(shape.spot_offset);
-        count = LIST_SOFT ? l.list.view.view.frame.frame.shadow_samples : 1u;
-        turn = LIST_SOFT ? source_turn(l, light, position) : 0.0;
+        count = LIGHTING_SOFT ? l.scope.view.view.frame.frame.shadow_samples : 1u;
+        turn = LIGHTING_SOFT ? source_turn(l, light, position) : 0.0;
     }
-    bool one = LIST_SOFT && LIST_SAMPLED && one_point && !endless && count > 1u;
+    bool one = LIGHTING_SOFT && LIGHTING_SAMPLED && one_point && !endless && count > 1u;
     uint first = 0u, end = count;
     float number = 0.0;
     vec4 chosen = vec4(0.0); // of a rectangle: direction and distance
@@ -68,9 +68,9 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
             high = chosen.w;
         } else if (area) {
             vec2 at = vec2(0.0);
-            if (LIST_SOFT) at = 2.0 * rectangle_point(k, count, turn) - 1.0;
+            if (LIGHTING_SOFT) at = 2.0 * rectangle_point(k, count, turn) - 1.0;
             vec3 ray = shape.position - position;
-            if (!LIST_SOFT && !(dot(normal, ray) > 0.0)) at = vec2(dot(normal, side) > 0.0 ? 0.999 : -0.999, dot(normal, up) > 0.0 ? 0.999 : -0.999);
+            if (!LIGHTING_SOFT && !(dot(normal, ray) > 0.0)) at = vec2(dot(normal, side) > 0.0 ? 0.999 : -0.999, dot(normal, up) > 0.0 ? 0.999 : -0.999);
             ray += side * at.x + up * at.y;
             high = length(ray);
             direction = ray / high;
@@ -84,12 +84,12 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
                 number = taken ? number / chance : (number - chance) / (1.0 - chance);
                 continue;
             }
-        } else if (LIST_SOFT && size > 0.0) {
+        } else if (LIGHTING_SOFT && size > 0.0) {
             vec2 at = source_point(k, count, turn) * size;
             vec3 ray = to_light * away;
-            if (!LIST_SIMPLE && kind == GPU_SHAPE_CAPSULE) { // R1, the golden ratio's sequence of another dimension
+            if (!LIGHTING_SIMPLE && kind == GPU_SHAPE_CAPSULE) { // R1, the golden ratio's sequence of another dimension
                 float along = 2.0 * fract(turn + 0.7548777 * float(k)) - 1.0;
-                gpu_shape segment = l.list.lights.at[light].shape;
+                gpu_shape segment = l.scope.lights.lights.at[light].shape;
                 ray = segment.position + segment.direction * (along * segment.size.x) - position;
             }
             ray += side * at.x + up * at.y;
@@ -98,8 +98,8 @@ float rays_visibility(light_list_block l, ray_scope scope, uint light, vec3 posi
             if (!(dot(normal, direction) > 0.0)) continue;
         }
         float stop = endless ? 1e30 : high - margin;
-        float seen = LIST_CUBEMAP ? ray_visibility_in(rays_block(l.list.rays), scope, position, direction, stop, slack)
-                                  : ray_visibility(rays_block(l.list.rays), position, direction, stop, slack);
+        float seen = LIGHTING_CUBEMAP ? ray_visibility_in(rays_block(l.scope.shadows.rays), scope, position, direction, stop, slack)
+                                  : ray_visibility(rays_block(l.scope.shadows.rays), position, direction, stop, slack);
         open += area ? weight * seen : seen;
     }
     if (area && !one) return weights > 0.0 ? open / weights : 0.0;

@@ -6,9 +6,9 @@
 #include "lights/iterate.glsl"
 
 // Of the disk that stands for a source: its radius in metres, of parallel light (directional, boxes) the tangent of half the angle it fills; 0: a point.
-float source_size(light_list_block l, uint light, bool parallel) {
-    float own = l.list.lights.at[light].source;
-    return own != 0.0 ? own : parallel ? l.list.view.view.frame.frame.sun_tangent : l.list.view.view.frame.frame.light_radius;
+float source_size(lighting_block l, uint light, bool parallel) {
+    float own = l.scope.lights.lights.at[light].source;
+    return own != 0.0 ? own : parallel ? l.scope.view.view.frame.frame.sun_tangent : l.scope.view.view.frame.frame.light_radius;
 }
 
 // Two unit vectors at right angles to a unit vector and each other.
@@ -19,8 +19,8 @@ void source_axes(vec3 axis, out vec3 side, out vec3 up) {
 
 // 0 .. 1, by which each pixel, light and frame turns its points: interleaved gradient noise, far apart in neighbours (Jimenez 2014, "Next Generation
 // Post Processing in Call of Duty: Advanced Warfare").
-float source_turn(light_list_block l, uint light, vec3 position) {
-    view_block v = l.list.view;
+float source_turn(lighting_block l, uint light, vec3 position) {
+    view_block v = l.scope.view;
     vec2 at = vec2(pixel_of(v, (v.view.world_to_view * vec4(position, 1.0)).xyz)) + 5.588238 * float(v.view.turn);
     return fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715))) + 0.618034 * float(light & 1023u));
 }

@@ -11,7 +11,7 @@
 /* ---- views that go with every order ---- */
 
 static void add_view(struct frame_state *f, struct debug_counts counts, graph_image metal, bool swap) {
-    debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, metal, f->view_address, f->color, swap);
+    debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights.list, counts, metal, f->view_address, f->color, swap);
 }
 
 void debug_views_add_counts(struct frame_state *f, struct debug_counts counts, bool swap) {
@@ -56,14 +56,18 @@ static void add_motion(struct frame_state *f, bool swap) { motion_view_add(f->gr
 /* By lists of its own: some orders have theirs for other points than pixels. */
 static void add_shadows(struct frame_state *f, bool swap) {
     graph_push_names(f->graph, "debug view");
-    const struct light_list lights = order_add_fallback_lists(f);
+    const struct lighting lights = order_add_fallback_lists(f);
     graph_pop_names(f->graph);
     shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, (graph_buffer){0}, f->view_address, f->color, swap);
 }
 
 static void add_classes(struct frame_state *f, bool swap) {
-    if (f->shadow_classes.id) shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->surface_lights, f->shadow_classes, f->view_address, f->color, swap);
-    else add_plain(f, swap); /* no lights, or more than may have maps: black */
+    if (!f->shadow_classes.id) { /* no lights, or more than may have maps: black */
+        add_plain(f, swap);
+        return;
+    }
+    const struct lighting lights = lighting_add(f->r->device, &f->lighting, &f->surface_lights);
+    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, f->shadow_classes, f->view_address, f->color, swap);
 }
 
 static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
@@ -94,7 +98,7 @@ static fnl_result check_probes(const struct call *call, const fnl_renderer *r, c
 }
 
 static void add_reflections(struct frame_state *f, bool swap) {
-    reflections_view_add(f->graph, &f->aov, &f->scene->lights.environment, f->view_address, f->color, swap);
+    reflections_view_add(f->graph, &f->aov, &f->lighting.environment, f->view_address, f->color, swap);
 }
 
 static void add_denoise(struct frame_state *f, bool swap) {

@@ -74,10 +74,8 @@ static void add_list(struct frame_state *f) {
     counters_note(f, "decals.total", all->order.count);
     struct geometry_scene *geometry = &f->scene->geometry;
     struct frame_decals *d = &f->decals;
-    struct light_input input = {.buffer = d->buffers.bounds,
-                                .entities = all->bounds.address,
+    struct light_input input = {.set = {.buffer = d->buffers.bounds, .entities = all->bounds.address, .local_count = all->count},
                                 .kinds = 1u << GPU_ENTITY_DECAL,
-                                .local_count = all->count,
                                 .view = f->view_address,
                                 .width = f->frame->width,
                                 .height = f->frame->height,

@@ -245,6 +245,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct v
     TRY(device_scene_add(&r->scene_user, r->graph, &parts.scene));
     graph_set_role(r->graph, GRAPH_ROLE_REST);
     TRY(add_shared(&parts.shared, &parts.scene));
+    parts.shared.lighting = (struct lighting){.lights = parts.scene.lights, .layered = parts.scene.layered, .environment = parts.scene.environment};
     shadows_begin(&parts.shared, &parts.scene);
     parts.cameras = gpu_frame_allocate(r->device, plan->camera_count * sizeof(struct gpu_view));
     if (!parts.cameras.data) return gpu_status(r->device);
@@ -277,9 +278,9 @@ static fnl_result add_shared(struct frame_state *f, const struct device_scene_fr
     shading_begin(f);
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->shared);
     if (!slice.data) return gpu_status(f->r->device);
-    if (scene->lights.environment.table.id) environment_tell(f->r->device, &f->shared);
+    if (scene->environment.table.id) environment_tell(f->r->device, &f->shared);
     memcpy(slice.data, &f->shared, sizeof f->shared);
-    if (scene->lights.environment.table.id) environment_put(f->graph, &scene->lights.environment, slice.data);
+    if (scene->environment.table.id) environment_put(f->graph, &scene->environment, slice.data);
     f->shared_address = slice.address;
     TRY(decals_send(f));
     return f->frame->outputs & FNL_OUTPUT_OBJECT ? name_objects(f) : FNL_OK;
@@ -299,9 +300,7 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
     TRY(decals_begin(f));
     TRY(reflections_begin(f));
     *out = f->view;
-    f->scene->lights.view = f->view_address;
-    f->scene->lights.width = f->frame->width;
-    f->scene->lights.height = f->frame->height;
+    f->lighting.view = f->view_address;
     return FNL_OK;
 }
 
@@ -309,8 +308,8 @@ static fnl_result fade_lights(struct frame_state *f) {
     struct device_scene_user *user = &f->r->scene_user;
     float lod = f->frame->light_lod;
     TRY(device_lights_fade(user, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
-    f->whole_lights = f->scene->lights;
-    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &user->faded_lights, &user->faded_bounds, lod);
+    f->whole_lights = f->lighting.lights;
+    if (lod > 0) light_fade_add(f->graph, f->r->device, f->view_address, &f->lighting.lights, &user->faded_lights, &user->faded_bounds, lod);
     return FNL_OK;
 }
 

@@ -45,7 +45,14 @@ const struct frame_step step_lists = {.name = "lists", .init = init, .check = ch
 
 /* ---- lists of a view ---- */
 
-static struct lists_context lists_context(struct frame_state *f) {
+static struct light_input input_of(const struct frame_state *f) {
+    struct light_input input = lighting_input(&f->lighting);
+    input.width = f->frame->width;
+    input.height = f->frame->height;
+    return input;
+}
+
+static struct lists_context lists_context(struct frame_state *f, struct light_input *input) {
     return (struct lists_context){.graph = f->graph,
                                   .device = f->r->device,
                                   .frame = f->frame,
@@ -53,11 +60,12 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .device_scene = f->r->device_scene,
                                   .scene = &f->scene->geometry,
                                   .draws = &f->draws,
-                                  .input = &f->scene->lights,
+                                  .input = input,
                                   .shared = &f->r->lists,
                                   .state = &f->kept->lists,
                                   .fallback = &f->fallback,
                                   .has_blend = surfaces_have_blend(f),
+                                  .layered = f->lighting.layered,
                                   .estimates = f->graph != f->r->asking_graph,
                                   .pool_capacity = f->r->pool_capacity,
                                   .pool_limit = lists_pool_limit(f->r)};
@@ -67,21 +75,20 @@ static struct lists_context lists_context(struct frame_state *f) {
 static void add_head_lists(struct frame_state *f) {
     struct frame_display *display = f->display;
     if (!display->lights.header) {
-        struct lists_context context = lists_context(f);
+        struct light_input input = input_of(f);
+        struct lists_context context = lists_context(f, &input);
         fnl_frame frame = *f->frame;
-        struct light_input input = f->scene->lights;
         frame.width = input.width = display->head.size.x;
         frame.height = input.height = display->head.size.y;
         frame.camera.near_distance = display->head.near_distance;
         input.view = display->head_address;
         context.frame = &frame;
         context.view = &display->head;
-        context.input = &input;
         context.of_head = true;
         lists_add(&context);
         display->lights = context.lights;
     }
-    f->lights = f->blend_lights = light_list_for_eye(f->graph, f->r->device, &display->lights, &f->scene->lights);
+    f->lights = f->blend_lights = lighting_add(f->r->device, &f->lighting, &display->lights);
 }
 
 static void add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
@@ -89,16 +96,15 @@ static void add_lists(struct frame_state *f, graph_image depth, const struct gbu
         add_head_lists(f);
         return;
     }
-    struct lists_context context = lists_context(f);
+    struct light_input input = input_of(f);
+    struct lists_context context = lists_context(f, &input);
     context.depth = depth;
     context.gbuffer = gbuffer;
     context.of_head = stereo_asks_list(f, f->frame->lists);
     lists_add(&context);
-    f->lights = context.lights;
-    f->blend_lights = context.blend_lights;
-    if (!f->surface_lights.header) return;
-    f->lights = f->surface_lights;
-    if (!context.has_blend) f->blend_lights = f->lights;
+    const bool one = context.blend_lights.header == context.lights.header, dark = f->surface_lights.header != 0;
+    f->lights = lighting_add(f->r->device, &f->lighting, dark ? &f->surface_lights : &context.lights);
+    f->blend_lights = (dark ? !context.has_blend : one) ? f->lights : lighting_add(f->r->device, &f->lighting, &context.blend_lights);
 }
 
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
@@ -107,13 +113,30 @@ void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuf
     graph_set_role(f->graph, GRAPH_ROLE_SHADING);
 }
 
-struct light_list order_add_fallback_lists(struct frame_state *f) {
-    struct lists_context context = lists_context(f);
-    return lists_add_fallback(&context);
+struct lighting order_light_by_all(struct frame_state *f) {
+    const struct light_input input = input_of(f);
+    const struct light_list list = light_list_all_add(f->graph, f->r->device, &input);
+    return lighting_add(f->r->device, &f->lighting, &list);
+}
+
+struct lighting order_light_by_suns(struct frame_state *f) {
+    struct lighting scopes = f->lighting;
+    scopes.lights.local_count = 0;
+    const struct light_input input = lighting_input(&scopes);
+    const struct light_list list = light_list_all_add(f->graph, f->r->device, &input);
+    return lighting_add(f->r->device, &scopes, &list);
+}
+
+struct lighting order_add_fallback_lists(struct frame_state *f) {
+    struct light_input input = input_of(f);
+    const struct lists_context context = lists_context(f, &input);
+    const struct light_list list = lists_add_fallback(&context);
+    return lighting_add(f->r->device, &f->lighting, &list);
 }
 
 struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth) {
-    struct lists_context context = lists_context(f);
+    struct light_input input = input_of(f);
+    struct lists_context context = lists_context(f, &input);
     context.depth = depth;
     return lists_add_surfaces(&context);
 }

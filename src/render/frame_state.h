@@ -73,11 +73,12 @@ struct frame_state {
     uint32_t opaque_draws;    /* draw calls of the opaque set without a prepass: of one draw unless the order says more */
     uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
     struct gbuffer gbuffer;                 /* depth id 0: none */
-    struct light_input whole_lights;        /* before small ones were faded */
+    struct lighting lighting;               /* without a list: what lights the view, as far as it is known yet */
+    struct light_set whole_lights;          /* before small ones were faded */
     bool shadowed;                          /* shadows_add() has been called */
     struct rays rays;                       /* of items at least, where maps are drawn; address 0: there are none */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
-    struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
+    struct lighting lights, blend_lights;   /* by the frame's lists: of opaque and of blended surfaces; the same list except for tiles with depth bounds */
     graph_buffer shadow_classes; /* of the debug view shadow-classes: what shadow_dark_add() tells; or id 0 */
     struct lists_fallback fallback;
     struct light_list surface_lights; /* of what depth shows, without lights that give nothing there; header 0: there is none */

@@ -41,7 +41,7 @@ void inspect_declare(struct frame_state *f) {
     const fnl_pixel_query *query = &f->frame->pixel;
     if (!query->asked || query->view != f->view_index) return;
     graph_push_names(f->graph, "pixel");
-    const struct light_list whole = order_add_fallback_lists(f);
+    const struct lighting whole = order_add_fallback_lists(f);
     const bool volumes = frame_is(f->frame, SHADING_VOLUMES);
     inspect_add(f->graph, f->r->device,
                 &(struct inspect_input){.scene = &f->scene->geometry,
@@ -50,7 +50,7 @@ void inspect_declare(struct frame_state *f) {
                                         .view_address = f->view_address,
                                         .x = query->x,
                                         .y = query->y,
-                                        .layered = f->scene->lights.layered,
+                                        .layered = f->lighting.layered,
                                         .whole = &whole,
                                         .own = volumes ? NULL : &f->lights,
                                         .own_skips_layered = surfaces_have_layers_over(f),

@@ -375,7 +375,7 @@ static void test_core_materials_keep_their_pipelines_MA_25(void **state) {
     for (uint32_t i = 0; i < count[1]; i++) {
         bool known = false;
         for (uint32_t k = 0; k < count[0]; k++) known |= beside[i] == alone[k];
-        assert_int_equal((spy_graphics_params(beside[i])->constants[LISTS_ID] & GPU_LIST_LAYERS) != 0, !known);
+        assert_int_equal((spy_graphics_params(beside[i])->constants[LIGHTING_ID] & GPU_LIGHTING_LAYERS) != 0, !known);
         same += known;
     }
     assert_int_equal(same, count[0]);

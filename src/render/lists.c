@@ -56,21 +56,21 @@ static uint32_t pool_for(const struct lists_context *c, double entries) {
 static bool estimates_room(struct lists_context *c) {
     const fnl_frame *frame = c->frame;
     struct lists_room *room = c->room;
-    bool known = room->light_count == c->input->local_count && room->width == frame->width &&
+    bool known = room->light_count == c->input->set.local_count && room->width == frame->width &&
                  room->height == frame->height && room->tile_size == frame->tiles.size &&
                  memcmp(&room->clusters, &frame->clusters, sizeof room->clusters) == 0;
     if (!known)
-        *room = (struct lists_room){frame->clusters, frame->tiles.size, c->input->local_count, frame->width, frame->height, 0};
+        *room = (struct lists_room){frame->clusters, frame->tiles.size, c->input->set.local_count, frame->width, frame->height, 0};
     return !known;
 }
 
 static const struct gpu_entity_bounds *local_bounds(const struct lists_context *c) {
-    return c->input->local_count ? c->device_scene->light_bounds.data : NULL;
+    return c->input->set.local_count ? c->device_scene->light_bounds.data : NULL;
 }
 
 static struct light_reach reach_of(const struct lists_context *c, const struct clustered_params *grid) {
     if (!c->estimates) return (struct light_reach){0};
-    return light_reach_estimate(c->view, local_bounds(c), c->input->local_count, grid);
+    return light_reach_estimate(c->view, local_bounds(c), c->input->set.local_count, grid);
 }
 
 static uint32_t tile_pool(const struct lists_context *c, uint32_t tile_size, double lists) {
@@ -169,19 +169,20 @@ enum { FALLBACK_TREE_LIGHTS = 1024, FALLBACK_TILE = 32 };
 
 static bool has_fallback(const struct lists_context *c) {
     const struct lists_fallback *f = c->fallback;
-    return f->list.memory && f->width == c->input->width && f->height == c->input->height;
+    return f->list.header && f->width == c->input->width && f->height == c->input->height;
 }
 
 static void add_clustered(struct lists_context *c) {
-    const bool serves_all = !c->of_head && c->input->local_count < FALLBACK_TREE_LIGHTS; /* it is what the fallback would be */
+    const bool serves_all = !c->of_head && c->input->set.local_count < FALLBACK_TREE_LIGHTS; /* it is what the fallback would be */
     if (serves_all && has_fallback(c)) {
-        c->lights = light_list_again(c->graph, c->device, &c->fallback->list, c->input);
+        c->lights = c->fallback->list;
+        c->lights.kind = list_kind(&c->lights);
         return;
     }
     struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
     struct clustered_params params = cluster_params(c);
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
-    if (serves_all && !c->fallback->list.memory) *c->fallback = (struct lists_fallback){c->lights, c->input->width, c->input->height};
+    if (serves_all && !c->fallback->list.header) *c->fallback = (struct lists_fallback){c->lights, c->input->width, c->input->height};
 }
 
 /* Words of 32 lights: a tile or bin has no more of them than lights, and no more than there are. */
@@ -292,7 +293,7 @@ static void add_mesh(struct lists_context *c) {
     struct mesh_lists_params params = mesh_lists_params_default();
     params.grid = cluster_params(c);
     double pairs = 0;
-    if (c->estimates) pairs = light_reach_items(c->view, local_bounds(c), c->input->local_count, c->device_scene->scene);
+    if (c->estimates) pairs = light_reach_items(c->view, local_bounds(c), c->input->set.local_count, c->device_scene->scene);
     params.grid.pool_capacity = pool_for(c, pairs);
     c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, &params);
 }
@@ -303,7 +304,7 @@ _Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_
 
 static void add_backface(struct lists_context *c) {
     /* No normals are known before shading; and a coat has others, and paper shows lights behind it. */
-    if (!c->gbuffer || c->input->layered) {
+    if (!c->gbuffer || c->layered) {
         add_tiled(c);
         return;
     }
@@ -317,17 +318,12 @@ static void add_backface(struct lists_context *c) {
     add_blend_tiles(c, &visible, &params.tiles);
 }
 
-/* The bits beside the kind. */
 static void mark(struct light_list *list, const struct light_input *input) {
     if (input->scattered && list_kind(list) != GPU_LIST_ALL) list->kind |= GPU_LIST_SCATTERED;
-    if (input->simple) list->kind |= GPU_LIST_SIMPLE;
-    light_list_cast(list, input);
 }
 
 static struct light_list add_all_beside(const struct lists_context *c) {
-    struct light_list all = light_list_all_add(c->graph, c->device, c->input);
-    mark(&all, c->input);
-    return all;
+    return light_list_all_add(c->graph, c->device, c->input);
 }
 
 struct light_list lists_add_surfaces(const struct lists_context *context) {
@@ -361,7 +357,8 @@ struct light_list lists_add_fallback(const struct lists_context *context) {
     input.spheres_only = !c->frame->list.cone_tests;
     input.scattered = c->frame->msaa > 1;
     if (has_fallback(c)) {
-        struct light_list again = light_list_again(c->graph, c->device, &c->fallback->list, &input);
+        struct light_list again = c->fallback->list;
+        again.kind = list_kind(&again);
         mark(&again, &input);
         return again;
     }
@@ -370,7 +367,7 @@ struct light_list lists_add_fallback(const struct lists_context *context) {
     struct clustered_params params = cluster_params(c);
     /* These lists are read here and there, at edges, so small cells pay off. Clusters that the frame makes anyway are free and keep their size. */
     if (c->frame->lists != FNL_LISTS_CLUSTERED) params.tile_size = MIN(params.tile_size, (uint32_t)FALLBACK_TILE);
-    struct light_list list = input.local_count < FALLBACK_TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
+    struct light_list list = input.set.local_count < FALLBACK_TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
                                                                       : bvh_add(c->graph, c->device, &input, &visible, &params);
     graph_pop_names(c->graph);
     mark(&list, &input);

@@ -44,7 +44,7 @@ uint32_t lists_pool_limit(const struct fnl_renderer *r);
 
 /** Lists of a view that serve all pixels (lists_add_fallback()), and what they were made for. */
 struct lists_fallback {
-    struct light_list list; /* `memory` NULL: there are none that could be used again */
+    struct light_list list; /* header 0: there are none */
     uint32_t width, height;
 };
 
@@ -63,7 +63,7 @@ struct lists_context {
     graph_image depth;             /* of everything opaque; id 0: not known before shading */
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool of_head; /* the view is not that of the pixels: points are looked up by their places */
-    bool has_blend;
+    bool has_blend, layered;
     uint32_t pool_capacity, pool_limit; /* entries that pools have at least, and at most where the lights are thought to need more */
     bool estimates; /* pools may be estimated again; false where only pipelines are asked for */
     struct lists_room *room; /* of the list that is being made */

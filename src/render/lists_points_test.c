@@ -78,10 +78,11 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     memcpy(shared_slice.data, &shared, sizeof shared);
     view.frame = shared_slice.address;
     memcpy(slice.data, &view, sizeof view);
-    struct light_input *input = &scene.lights;
-    input->view = slice.address;
-    input->width = t.width;
-    input->height = t.height;
+    const struct lighting scopes = {.lights = scene.lights, .layered = scene.layered, .environment = scene.environment, .view = slice.address};
+    struct light_input whole = lighting_input(&scopes);
+    const struct light_input *input = &whole;
+    whole.width = t.width;
+    whole.height = t.height;
     struct geometry_draws draws = cull_add(graph, &scene.geometry, slice.address);
 
     struct clear_data clear = {import_readback(graph, "test counters", pixels * 8, &counters)};
@@ -97,7 +98,6 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     struct light_list list;
     struct shade_input shade = {.scene = &scene.geometry,
                                 .draws = &draws,
-                                .lights = &list,
                                 .view = slice.address,
                                 .width = t.width,
                                 .height = t.height,
@@ -111,7 +111,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     clustered.pool_capacity = POOL;
     struct list_request request = {.builder = kind == TILES || kind == TILES_WITHOUT_DEPTH ? LIST_TILED : LIST_CLUSTERED,
                                    .view = view,
-                                   .light_count = input->local_count,
+                                   .light_count = input->set.local_count,
                                    .tiled = tiled,
                                    .clustered = clustered};
     if (kind != ALL) grid = list_grid(&request);
@@ -131,6 +131,8 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
         list = tiled_add(graph, device, input, &in_view, kind == TILES ? depth : (graph_image){0}, &tiled);
     }
     if (list.cells.id) list_readback_add(graph, &list, &readback);
+    const struct lighting lighting = lighting_add(device, &scopes, &list);
+    shade.lighting = &lighting;
     deferred_add(graph, &shade, &gbuffer, NULL, radiance);
 
     struct aov_images aov = aov_add(graph, &scene.geometry, &draws, slice.address, t.width, t.height);
@@ -153,7 +155,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
         t.list = list_readback_take(&readback, &grid);
     else if (kind == CLUSTERS_CPU)
         t.list = list_copy_of_cpu(&r->views.data[0].lists.clustered_cpu, &grid);
-    if (kind != ALL) list_check_form(&t.list, input->local_count);
+    if (kind != ALL) list_check_form(&t.list, input->set.local_count);
     t.counters = copy_mapped(&counters);
     t.normals = copy_mapped(&normals);
     t.positions = copy_mapped(&positions);

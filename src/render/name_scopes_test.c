@@ -83,8 +83,8 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
     memcpy(shared_slice.data, &shared, sizeof shared);
     eye->view.frame = shared_slice.address;
     memcpy(slice.data, &eye->view, sizeof eye->view);
-    struct light_input input = scene->lights;
-    input.view = slice.address;
+    const struct lighting scopes = {.lights = scene->lights, .layered = scene->layered, .environment = scene->environment, .view = slice.address};
+    struct light_input input = lighting_input(&scopes);
     input.width = WIDTH;
     input.height = HEIGHT;
 
@@ -108,7 +108,7 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                                 .view = slice.address,
                                 .width = WIDTH,
                                 .height = HEIGHT,
-                                .light_count = input.local_count,
+                                .light_count = input.set.local_count,
                                 .background = {0.1f, 0.2f, 0.3f}};
     struct gbuffer gbuffer = {0};
     if (!by_items) gbuffer = gbuffer_add(graph, &shade, true, radiance, depth);
@@ -131,16 +131,17 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                               .fallback = &fallback_made};
     lists_add(&c);
     struct light_list fallback = lists_add_fallback(&c);
-    shade.lights = &c.lights;
+    const struct lighting lights = lighting_add(device, &scopes, &c.lights), blend_lights = lighting_add(device, &scopes, &c.blend_lights);
+    shade.lighting = &lights;
     if (frame->lists == FNL_LISTS_BATCHES)
         batches_add(graph, &shade, radiance, depth);
     else if (frame->lists == FNL_LISTS_MULTIPASS)
-        multipass_add(graph, &shade, input.local_count, input.directional_count, POOL, radiance, depth);
+        multipass_add(graph, &shade, input.set.local_count, input.set.directional_count, POOL, radiance, depth);
     else if (by_items)
         forward_add(graph, &shade, GEOMETRY_OPAQUE, true, radiance, depth);
     else
         deferred_add(graph, &shade, &gbuffer, NULL, radiance);
-    shade.lights = &c.blend_lights;
+    shade.lighting = &blend_lights;
     forward_add(graph, &shade, GEOMETRY_BLEND, false, radiance, depth);
 
     struct tonemap_params tonemap = {.tonemap = GPU_TONEMAP_KHRONOS_NEUTRAL, .exposure = exposure_add(graph, &radiance, &depth, 1)};

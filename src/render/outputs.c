@@ -73,9 +73,9 @@ static void execute_counts(const struct graph_context *context, const void *data
 void frame_add_counts(struct frame_state *f) {
     uint64_t items = f->scene->geometry.item_count * 4ull;
     COUNTERS_COPY(f, f->draws.sums, items, visible_items);
-    COUNTERS_COPY(f, f->lights.totals, 0, lights);
-    if (f->blend_lights.totals.id != f->lights.totals.id) COUNTERS_COPY(f, f->blend_lights.totals, 0, blend_lights);
-    COUNTERS_COPY(f, f->lights.culled, 0, lights_behind);
+    COUNTERS_COPY(f, f->lights.list.totals, 0, lights);
+    if (f->blend_lights.list.totals.id != f->lights.list.totals.id) COUNTERS_COPY(f, f->blend_lights.list.totals, 0, blend_lights);
+    COUNTERS_COPY(f, f->lights.list.culled, 0, lights_behind);
     COUNTERS_COPY(f, f->draws.totals, 0, clusters);
     COUNTERS_COPY(f, f->draws.hidden, items, hidden_items);
     COUNTERS_COPY(f, f->exposure, 0, exposure);
@@ -107,7 +107,7 @@ void frame_note_stats(struct frame_state *f) {
     const struct geometry_scene *scene = &f->scene->geometry;
     struct renderer_view *kept = f->kept;
     fnl_frame_stats *s = &kept->stats;
-    const struct light_input *lights = &f->scene->lights;
+    const struct light_set *lights = &f->scene->lights;
     *s = (fnl_frame_stats){.lights_total = lights->local_count - lights->unlit_count + lights->directional_count,
                            .items = scene->item_count,
                            .triangles_total = scene->triangle_count,
@@ -116,15 +116,15 @@ void frame_note_stats(struct frame_state *f) {
                            .occlusion = frame_culls_hidden(f->frame),
                            .lists = f->drawn_lists,
                            .msaa = f->frame->msaa};
-    bool second = f->blend_lights.header != f->lights.header;
-    s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
-    s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
+    bool second = f->blend_lights.list.header != f->lights.list.header;
+    s->list_bytes = f->lights.list.byte_count + (second ? f->blend_lights.list.byte_count : 0);
+    s->cells = f->lights.list.cell_count + (second ? f->blend_lights.list.cell_count : 0);
     s->draws = shading_draw_count(f);
     kept->forward_layouts = f->forward_layouts;
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
-    kept->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
-    kept->entry_bytes = f->lights.entry_bytes;
-    kept->blend_entry_bytes = f->blend_lights.entry_bytes;
-    kept->totals_known = f->lights.totals_known;
-    kept->known_totals = f->lights.known;
+    kept->fixed_bytes = f->lights.list.fixed_bytes + (second ? f->blend_lights.list.fixed_bytes : 0);
+    kept->entry_bytes = f->lights.list.entry_bytes;
+    kept->blend_entry_bytes = f->blend_lights.list.entry_bytes;
+    kept->totals_known = f->lights.list.totals_known;
+    kept->known_totals = f->lights.list.known;
 }

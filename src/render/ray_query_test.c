@@ -3,7 +3,7 @@
 #include "tests/render_harness.h"
 #include "tests/shadow_cases.h"
 
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 #include "render/renderer_internal.h"
 
 static bool has_queries(void) { return gpu_info(harness_device())->ray_query; }

@@ -275,7 +275,7 @@ fnl_result reflections_begin(struct frame_state *f) {
                                                   .mip_scale = 1 / (float)f->r->device_scene->environment.table_mip,
                                                   .parallax = f->frame->reflections.parallax};
     f->view.reflections = (uvec2){(uint32_t)slice.address, (uint32_t)(slice.address >> 32)};
-    f->scene->lights.environment.reflections.set = slice.address;
+    f->lighting.environment.reflections.set = slice.address;
     return FNL_OK;
 }
 
@@ -318,17 +318,15 @@ static void forget(fnl_renderer *r) { reflections_of(r)->gathered = false; }
 
 void reflections_add_list(struct frame_state *f) {
     struct renderer_reflections *p = reflections_of(f->r);
-    struct environment_reflections *out = &f->scene->lights.environment.reflections;
+    struct environment_reflections *out = &f->lighting.environment.reflections;
     if (!out->set) return;
     out->reflections = graph_import_buffer(f->graph, "reflection probes", &p->probes.buffer);
     out->bounds = graph_import_buffer(f->graph, "reflection bounds", &p->bounds.buffer);
     out->diffuse = graph_import_buffer(f->graph, "probe light", &p->diffuse);
     gather_diffuse(f, p, out->diffuse);
     if (p->list.count <= DIRECT) return;
-    const struct light_input input = {.buffer = out->bounds,
-                                      .entities = p->bounds.buffer.address,
+    const struct light_input input = {.set = {.buffer = out->bounds, .entities = p->bounds.buffer.address, .local_count = p->list.count},
                                       .kinds = 1u << GPU_ENTITY_PROBE,
-                                      .local_count = p->list.count,
                                       .view = f->view_address,
                                       .width = f->frame->width,
                                       .height = f->frame->height,

@@ -29,14 +29,14 @@ void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
 }
 
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
-    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list.frustum_cull, shape,
+    struct volumes_input input = {&f->lighting, f->view_address, f->frame->list.frustum_cull, shape,
                                   renderer_tests(f->r).volume_hook};
     return volumes_prepare(f->graph, f->r->device, &input);
 }
 
 void order_count_volumes(struct frame_state *f, const struct volumes *volumes) {
-    f->lights.totals = f->blend_lights.totals = volumes->totals;
-    f->lights.totals_known = false;
+    f->lights.list.totals = f->blend_lights.list.totals = volumes->totals;
+    f->lights.list.totals_known = false;
 }
 
 fnl_result order_check_primitive_ids(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
@@ -81,7 +81,7 @@ bool shading_shows_volumes(const fnl_frame *frame) {
 
 bool shading_shows_sky(const struct frame_state *f) {
     const struct scene_environment *e = &f->r->scene->environment;
-    const bool has_cube = f->scene->lights.environment.cube.id;
+    const bool has_cube = f->lighting.environment.cube.id;
     switch (shading_background(f)) {
     case FNL_BACKGROUND_GRADIENT:
         return true;
@@ -96,7 +96,7 @@ fnl_background shading_background(const struct frame_state *f) {
     const struct scene_environment *e = &f->r->scene->environment;
     if (f->r->captures_for) return FNL_BACKGROUND_SCENE;
     if (f->frame->background == FNL_BACKGROUND_AUTO) return e->staged ? FNL_BACKGROUND_GRADIENT : FNL_BACKGROUND_SCENE;
-    if (f->frame->background == FNL_BACKGROUND_BLUR && !f->scene->lights.environment.cube.id) return FNL_BACKGROUND_SCENE;
+    if (f->frame->background == FNL_BACKGROUND_BLUR && !f->lighting.environment.cube.id) return FNL_BACKGROUND_SCENE;
     return f->frame->background;
 }
 
@@ -106,7 +106,7 @@ void shading_add_sky(struct frame_state *f) {
     const fnl_background background = shading_background(f);
     const struct sky_params params = {.gradient = background == FNL_BACKGROUND_GRADIENT,
                                       .blur = background == FNL_BACKGROUND_BLUR ? f->frame->background_blur : 0};
-    sky_add(f->graph, &f->scene->lights.environment, &params, f->view_address, f->radiance, f->depth);
+    sky_add(f->graph, &f->lighting.environment, &params, f->view_address, f->radiance, f->depth);
 }
 
 VkFormat shading_format(const struct frame_state *f) {
@@ -118,13 +118,13 @@ static struct shade_input input_of(const struct frame_state *f) {
     vec3 background = f->r->scene->background;
     return (struct shade_input){.scene = &f->scene->geometry,
                                 .draws = &f->draws,
-                                .lights = &f->lights,
+                                .lighting = &f->lights,
                                 .view = f->view_address,
                                 .width = f->frame->width,
                                 .height = f->frame->height,
-                                .light_count = f->scene->lights.local_count,
+                                .light_count = f->lighting.lights.local_count,
                                 .counters = f->counters,
-                                .environment = f->scene->lights.environment,
+                                .environment = f->lighting.environment,
                                 .background = {background.x, background.y, background.z},
                                 .layout = surfaces_layout(f),
                                 .normals = f->frame->gbuffer.normals,
@@ -197,10 +197,10 @@ void shading_take_layer(struct frame_state *f, const struct frame_state *togethe
 static void add_layered(struct frame_state *f, const struct shade_input *input) {
     if (!surfaces_have_layers_over(f)) return;
     graph_push_names(f->graph, "layers");
-    const struct light_list lights = order_add_fallback_lists(f); /* the order's own may be of other pixels, or none at all */
+    const struct lighting lights = order_add_fallback_lists(f); /* the order's own may be of other pixels, or none at all */
     graph_pop_names(f->graph);
     struct shade_input layered = *input;
-    layered.lights = &lights;
+    layered.lighting = &lights;
     forward_add(f->graph, &layered, GEOMETRY_NOT_IN(GEOMETRY_LAYERED), true, f->radiance, f->depth);
     f->forward_layouts |= 1u << GEOMETRY_LAYERED;
     f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(GEOMETRY_LAYERED));
@@ -220,15 +220,12 @@ static struct transmission find_glass(struct frame_state *f, const struct shade_
 
 /* Blended surfaces between what is opaque and the nearest glass: all others come last. */
 static void add_behind_glass(struct frame_state *f, const struct shade_input *blend, graph_image nearest) {
-    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
-    if (!slice.data) return; /* the error sticks to the device */
-    memcpy(slice.data, &f->view, sizeof f->view);
-    graph_put_sampled(f->graph, &((struct gpu_view *)slice.data)->glass, nearest);
-    struct light_list lights = *blend->lights;
+    struct lighting lighting = lighting_add(f->r->device, &f->lighting, &blend->lighting->list);
+    if (!lighting.memory) return; /* the error sticks to the device */
+    graph_put_sampled(f->graph, &lighting.memory->glass, nearest);
+    lighting.bits |= GPU_LIGHTING_BEHIND_GLASS;
     struct shade_input behind = *blend;
-    lights.kind |= GPU_LIST_BEHIND_GLASS;
-    behind.lights = &lights;
-    behind.view = slice.address;
+    behind.lighting = &lighting;
     behind.glass = nearest;
     graph_push_names(f->graph, "behind glass");
     add_transparency(f, &behind, f->depth);
@@ -241,17 +238,17 @@ static void add_over(struct frame_state *f, const struct shade_input *input) {
     const bool glass = surfaces_have_glass(f), blends = surfaces_have_blend(f) && !f->blended;
     struct shade_input blend = *input;
     struct transmission found;
-    blend.lights = &f->blend_lights;
+    blend.lighting = &f->blend_lights;
     if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
     f->kept->transmission_layers = 0;
     if (glass) {
         found = find_glass(f, input);
         if (blends) add_behind_glass(f, &blend, found.depths[0]);
         graph_push_names(f->graph, "transmission");
-        const struct light_list lights = order_add_fallback_lists(f); /* the order's own may be of other depths, or none at all */
+        const struct lighting lights = order_add_fallback_lists(f); /* the order's own may be of other depths, or none at all */
         graph_pop_names(f->graph);
         struct shade_input over = blend;
-        over.lights = &lights;
+        over.lighting = &lights;
         transmission_add(f->graph, &over, &found, f->radiance, f->depth);
     }
     if (blends) add_transparency(f, &blend, glass ? found.depths[0] : f->depth);
@@ -259,7 +256,7 @@ static void add_over(struct frame_state *f, const struct shade_input *input) {
 
 static void note_environment(struct frame_state *f) {
     const struct device_scene *d = f->r->device_scene;
-    if (!f->scene->lights.environment.cube.id || f->view_index > 0) return;
+    if (!f->lighting.environment.cube.id || f->view_index > 0) return;
     counters_note(f, "environment.filtered", d->environment_made == DEVICE_ENVIRONMENT_FILTERED);
     counters_note(f, "environment.cached", d->environment_made == DEVICE_ENVIRONMENT_KEPT);
 }
@@ -287,7 +284,7 @@ void shading_add(struct frame_state *f) {
     decals_redraw(f, &input);
     if (f->eyes) return; /* which see the sky, and what is transparent, by themselves */
     shading_add_sky(f);
-    if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
+    if (f->frame->light_lod > 0) sprites_add(f->graph, f->view_address, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     add_over(f, &input);
 }
 

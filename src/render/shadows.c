@@ -89,11 +89,11 @@ void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene)
     const struct device_rays_use use = rays_use_of(shared->r, shared->frame);
     graph_set_role(shared->graph, GRAPH_ROLE_SHADOWS);
     shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, use);
-    if (use.trees || use.query) scene->lights.rays = shared->rays;
+    if (use.trees || use.query) shared->lighting.shadows.rays = shared->rays;
     const struct shadow_method *method = shadow_method(shared->frame->shadows);
-    if (method->begin) method->begin(shared, scene);
-    if (shared->frame->shadow.samples > 1) scene->lights.shadow_bits |= GPU_LIST_SOFT;
-    if (shared->frame->shadow.filter != FNL_SHADOW_FILTER_HARD) scene->lights.shadow_bits |= GPU_LIST_FILTERED;
+    if (method->begin) method->begin(shared);
+    if (shared->frame->shadow.samples > 1) shared->lighting.shadows.bits |= GPU_LIGHTING_SOFT;
+    if (shared->frame->shadow.filter != FNL_SHADOW_FILTER_HARD) shared->lighting.shadows.bits |= GPU_LIGHTING_FILTERED;
 }
 
 /* ---- auto ---- */

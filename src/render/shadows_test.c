@@ -7,7 +7,7 @@
 
 #include "fanal/trace.h"
 #include "gpu/specialise.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 #include "render/renderer_internal.h"
 #include "shaders.h"
 
@@ -342,8 +342,8 @@ static void test_shaders_are_small_without_shadows(void **state) {
                                                        &shader_coarse_comp,        &shader_texturing_shade_comp, &shader_visibility_shade_comp,
                                                        &shader_dais_shade_comp,    &shader_weighted_frag,      &shader_mobile_glass_wide_frag};
     for (uint32_t i = 0; i < COUNT_OF(shaders); i++) {
-        const size_t all = shaders[i]->size / 4, none = specialised_words(shaders[i], GPU_LIST_TILES), maps = specialised_words(shaders[i], GPU_LIST_TILES | GPU_LIST_MAPS),
-                     rays = specialised_words(shaders[i], GPU_LIST_TILES | GPU_LIST_RAYS);
+        const size_t all = shaders[i]->size / 4, none = specialised_words(shaders[i], GPU_LIST_TILES), maps = specialised_words(shaders[i], GPU_LIST_TILES | GPU_LIGHTING_MAPS),
+                     rays = specialised_words(shaders[i], GPU_LIST_TILES | GPU_LIGHTING_RAYS);
         print_message("%s: %zu words; without shadows %zu, maps %zu, rays %zu\n", shaders[i]->name, all, none, maps, rays);
         assert_true(none * 5 < all * 3 && none < maps && none < rays && maps * 10 < all * 9 && rays * 10 < all * 9);
     }

@@ -12,7 +12,7 @@
 
 #include "environment_shared.h"
 #include "graph/graph.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 enum { ENVIRONMENT_MIPS_MOST = 8 }; /* of the cube */
 
@@ -48,7 +48,7 @@ struct environment_light {
 };
 /** What shaders are told of it: bits beside the kind of a list. */
 static inline uint32_t environment_kind(const struct environment_light *light) {
-    return (light->cube.id ? GPU_LIST_ENVIRONMENT : 0) | (light->reflections.set ? GPU_LIST_REFLECTIONS : 0);
+    return (light->cube.id ? GPU_LIGHTING_ENVIRONMENT : 0) | (light->reflections.set ? GPU_LIGHTING_REFLECTIONS : 0);
 }
 
 /** Sides of the cube map for a picture of this width: a power of two, 128 .. 1024. */

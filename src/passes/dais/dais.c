@@ -167,16 +167,16 @@ struct shade_data {
     struct dais dais;
     const struct geometry_scene *scene;
     graph_image radiance;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters, results, slots;
     VkFormat format;
-    uint32_t kind;
+    uint32_t bits;
     float background[3];
 };
 
 static void set_constants(const struct shade_data *d, uint32_t *count, uint32_t *constants) {
     const struct dais_params *params = &d->dais.params;
-    const uint32_t values[15] = {[LISTS_ID] = d->kind,
+    const uint32_t values[15] = {[LIGHTING_ID] = d->bits,
                                  [COUNT_LIGHTS_ID] = d->counters.id != 0,
                                  [HAS_LIGHTS_ID] = 1,
                                  [HAS_METAL_ID] = 1,
@@ -196,7 +196,7 @@ static void set_constants(const struct shade_data *d, uint32_t *count, uint32_t 
 static struct gpu_dais_shade_push push_of(const struct shade_data *d) {
     return (struct gpu_dais_shade_push){.view = d->view,
                                         .scene = d->scene->scene,
-                                        .lights = d->lights,
+                                        .lighting = d->lighting,
                                         .references = GPU_TEXTURE_NONE,
                                         .shared_samples = GPU_TEXTURE_NONE,
                                         .target = GPU_TEXTURE_NONE,
@@ -255,7 +255,7 @@ static void add_shade(struct graph *graph, const struct shade_input *input, cons
         graph_row_if(counts, graph_changes(&push.counters, d->counters))};
     for (uint32_t i = 0; i < COUNT_OF(rows); i++) graph_add_row(pass, rows[i]);
     geometry_use_features(pass, d->scene, GRAPH_READ_COMPUTE);
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
 }
 
 static void execute_spread(const struct graph_context *context, const void *data) {
@@ -321,7 +321,7 @@ struct rest_data {
 static void execute_rest(const struct graph_context *context, const void *data) {
     const struct rest_data *d = data;
     struct gpu_geometry_push push = {.view = d->shade.view,
-                                     .lights = d->shade.lights,
+                                     .lighting = d->shade.lighting,
                                      .counters = address_or_zero(context, d->shade.counters)};
     const struct gpu_shader *mask_fragment = d->state.samples > 1 ? &shader_forward_known_frag : NULL;
     geometry_draw(context, d->shade.scene, &d->draws, GEOMETRY_OPAQUE, &d->state, mask_fragment, push);
@@ -342,7 +342,7 @@ static void add_rest(struct graph *graph, const struct shade_input *input, const
     }
     data.state = (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                               .constant_count = 2,
-                                              .constants = {[LISTS_ID] = shade->kind, [COUNT_LIGHTS_ID] = shade->counters.id != 0},
+                                              .constants = {[LIGHTING_ID] = shade->bits, [COUNT_LIGHTS_ID] = shade->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {shade->format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -351,7 +351,7 @@ static void add_rest(struct graph *graph, const struct shade_input *input, const
                                               .samples = shade->dais.sample_count};
     struct graph_pass *pass = graph_add_pass(graph, "dais rest", GRAPH_QUEUE_GRAPHICS, execute_rest, &data, sizeof data);
     geometry_use(pass, input->scene, &data.draws, GEOMETRY_OPAQUE);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, shade->radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
     graph_depth_read_only(pass, shade->dais.depth);
@@ -362,10 +362,10 @@ void dais_shade_add(struct graph *graph, const struct shade_input *input, const 
                               .scene = input->scene,
                               .radiance = radiance,
                               .view = input->view,
-                              .lights = input->lights->header,
+                              .lighting = input->lighting->address,
                               .counters = input->counters,
                               .format = graph_image_info(graph, radiance).format,
-                              .kind = input->lights->kind,
+                              .bits = input->lighting->bits,
                               .background = {input->background[0], input->background[1], input->background[2]}};
     if (dais->samples.id) add_spawned(graph, &data);
     if (dais->sample_count > 1) {

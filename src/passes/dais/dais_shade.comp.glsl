@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Shades each triangle that a pixel refers to, once. Where pixels show several, the threads of a tile share what there is to do. In a frame
 // whose pools overflowed it shades nothing: which references found room is a race, and the forward pass draws all of the frame.
-#define MATERIAL_LAYERS LIST_LAYERS
+#define MATERIAL_LAYERS LIGHTING_LAYERS
 #include "passes/dais/dais_surface.glsl"
 #include "passes/dais/dais_pixel.glsl"
 #include "passes/dais/log_luv.glsl"
@@ -47,7 +47,7 @@ vec3 shade(ivec2 pixel, uint mask, uint reference, uint shading) {
     ambient_known = SHARED_SAMPLES == 1u && shading != 0u && push.counts.at[DAIS_SAMPLES] < push.sample_capacity;
     ambient_light = vec3(0.0);
     if (ambient_known) ambient_light = log_luv_decode(push.samples.at[2u * shading]);
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, in_ids.y);
+    vec3 radiance = shade_surface(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth, in_ids.y);
     if (PROBE != DAIS_SHOW_RADIANCE) return probe(view_depth, pixel);
     return min(radiance, vec3(push.view.view.frame.frame.hdr_max));
 }

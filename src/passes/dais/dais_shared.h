@@ -89,7 +89,7 @@ struct gpu_dais_derive_push {
 struct gpu_dais_shade_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     ADDRESS(uint_array) pool;
     ADDRESS(uint_array) heads;

@@ -5,7 +5,7 @@
 
 #include "passes/debug/debug_shared.h"
 #include "passes/geometry/geometry.h"
-#include "passes/lights/light_list.h"
+#include "passes/lighting/lighting.h"
 
 /** RGBA32F images of the nearest opaque surface: base colour and roughness; normal and view depth; position and item id + 1. */
 struct aov_images {
@@ -57,7 +57,7 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
  * rays too; GPU_DEBUG_SHADOW_CLASSES the list that shadow_dark_add() has shortened, and its `classes` (else id 0). Cost: a visit of every light of the
  * pixel's list; of errors, a look-up and a ray for each that reaches it; of rays, the rays.
  */
-void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, graph_buffer classes,
+void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct lighting *lighting, graph_buffer classes,
                      VkDeviceAddress view, graph_image target, bool swap);
 
 /** Writes the view of reflection probes to a storage image: a colour for each, by its part of the light; grey where none is. */

@@ -3,7 +3,7 @@
 #define FNL_PASSES_DEBUG_SHARED_H
 
 #include "shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 /* Values of fnl_debug_view. */
 #define GPU_DEBUG_NONE 0u

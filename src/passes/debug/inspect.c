@@ -75,26 +75,26 @@ void inspect_add(struct graph *graph, gpu_device *device, const struct inspect_i
     add_surface(graph, input, block.address, false, targets);
     if (input->layered) add_surface(graph, input, block.address, true, layers);
     struct gpu_inspect_push push = {.view = input->view_address,
-                                    .lights = input->whole->header,
+                                    .lighting = input->whole->address,
                                     .pixel = {input->x, input->y},
                                     .counter_stride = input->counters.id ? 2 : 0,
                                     .skips_layered = input->own_skips_layered};
     struct graph_pass *pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "inspect lights",
-                                                                             .pipeline = {&shader_inspect_lights_comp, 1, {input->whole->kind}},
+                                                                             .pipeline = {&shader_inspect_lights_comp, 1, {input->whole->bits}},
                                                                              .groups = {1, 1},
                                                                              GRAPH_PUSH(push),
                                                                              GRAPH_ROWS(graph_writes(&push.out_pixel, input->out))});
     for (uint32_t i = 0; i < INSPECT_TARGETS; i++) graph_add_row(pass, graph_samples(&push.targets[i], targets[i]));
     for (uint32_t i = 0; i < INSPECT_LAYER_TARGETS && input->layered; i++) graph_add_row(pass, graph_samples(&push.layers[i], layers[i]));
     graph_add_row(pass, graph_row_if(input->counters.id, graph_reads(&push.counters, input->counters)));
-    light_list_use(pass, input->whole, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->whole, GRAPH_READ_COMPUTE);
     if (!input->own) return;
-    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_SCATTERED | GPU_LIST_SIMPLE | GPU_LIST_PROFILES | GPU_LIST_RECTANGLES;
-    push.lights = input->own->header;
+    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_SCATTERED | GPU_LIGHTING_SIMPLE | GPU_LIGHTING_PROFILES | GPU_LIGHTING_RECTANGLES;
+    push.lighting = input->own->address;
     pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "inspect list",
-                                                          .pipeline = {&shader_inspect_list_comp, 1, {input->own->kind & heeded}},
+                                                          .pipeline = {&shader_inspect_list_comp, 1, {input->own->bits & heeded}},
                                                           .groups = {1, 1},
                                                           GRAPH_PUSH(push),
                                                           GRAPH_ROWS(graph_changes(&push.out_pixel, input->out))});
-    light_list_use(pass, input->own, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->own, GRAPH_READ_COMPUTE);
 }

@@ -9,7 +9,7 @@
 
 #include "passes/debug/inspect_shared.h"
 #include "passes/geometry/geometry.h"
-#include "passes/lights/light_list.h"
+#include "passes/lighting/lighting.h"
 
 /** What is found, on the device and for the CPU. */
 struct inspected {
@@ -24,8 +24,8 @@ struct inspect_input {
     VkDeviceAddress view_address;
     uint32_t x, y;
     bool layered;                   /* some material has layers */
-    const struct light_list *whole; /* that serves every surface of the pixel, by whose lights it is evaluated */
-    const struct light_list *own;   /* by which it was shaded; NULL: none */
+    const struct lighting *whole; /* that serves every surface of the pixel, by whose lights it is evaluated */
+    const struct lighting *own;   /* by which it was shaded; NULL: none */
     bool own_skips_layered;         /* surfaces with layers were shaded by `whole` */
     graph_buffer counters;          /* two words a pixel, the first of them lights that were visited without a list; or id 0 */
     graph_buffer out;               /* struct inspected */

@@ -32,7 +32,7 @@ surface read_surface(uint flags) {
     s.metallic = target(4u).a;
     s.occlusion = target(5u).x;
     s.alpha = 1.0;
-    s.layered = LIST_LAYERS && (flags & INSPECT_LAYERED) != 0u;
+    s.layered = LIGHTING_LAYERS && (flags & INSPECT_LAYERED) != 0u;
     if (s.layered) {
         s.layers.clearcoat_normal = layer(0u).xyz;
         s.layers.clearcoat = layer(0u).w;
@@ -53,28 +53,28 @@ surface read_surface(uint flags) {
 // Of the room that holds the point, as cubemap_visibility() asks.
 bool is_outside(uint light, shadowed_point p, vec3 to_light) {
     if (p.probe >= p.probes.count) return false;
-    if (light < push.lights.list.directional_count) return true;
+    if (light < push.lighting.scope.lights.directional_count) return true;
     gpu_probe probe = p.probes.probes.at[p.probe];
-    return !probe_holds(probe, p.place + probe_turn(probe, to_light) * light_distance(push.lights, light, p.position, to_light));
+    return !probe_holds(probe, p.place + probe_turn(probe, to_light) * light_distance(lights_of(push.lighting), light, p.position, to_light));
 }
 
 // What a light gives; false: nothing, its volume does not hold the surface. `p.normal` says by which side shadows are looked for.
 bool evaluate(surface s, layers_view b, uint light, inout shadowed_point p, out gpu_inspect_light g) {
-    bool is_sun = light < push.lights.list.directional_count;
-    vec3 to_light, visible = vec3(1.0), illuminance = sun_reach(push.lights, light, to_light);
-    if (!is_sun) illuminance = light_reach(push.lights, light, s.position, to_light);
+    bool is_sun = light < push.lighting.scope.lights.directional_count;
+    vec3 to_light, visible = vec3(1.0), illuminance = sun_reach(lights_of(push.lighting), light, to_light);
+    if (!is_sun) illuminance = light_reach(lights_of(push.lighting), light, s.position, to_light);
     bool reaches = illuminance != vec3(0.0);
     g.light = light;
     g.shadow = INSPECT_SHADOW_NONE;
     g.listed = 1u;
-    if (reaches && LIST_SHADOWED && light_casts(push.lights, light)) {
+    if (reaches && LIGHTING_SHADOWED && light_casts(lights_of(push.lighting), light)) {
         p = shadowed_towards(p, s, to_light);
-        visible = light_visibility(push.lights, light, p, to_light, is_sun);
-        g.shadow = !light_may_face(push.lights, light, p.normal, to_light) ? INSPECT_SHADOW_BEHIND : LIST_RAYS ? INSPECT_SHADOW_RAYS : INSPECT_SHADOW_NONE;
-        if (LIST_CUBEMAP && g.shadow == INSPECT_SHADOW_RAYS && is_outside(light, p, to_light)) g.shadow = INSPECT_SHADOW_CUBEMAP;
+        visible = light_visibility(push.lighting, light, p, to_light, is_sun);
+        g.shadow = !light_may_face(lights_of(push.lighting), light, p.normal, to_light) ? INSPECT_SHADOW_BEHIND : LIGHTING_RAYS ? INSPECT_SHADOW_RAYS : INSPECT_SHADOW_NONE;
+        if (LIGHTING_CUBEMAP && g.shadow == INSPECT_SHADOW_RAYS && is_outside(light, p, to_light)) g.shadow = INSPECT_SHADOW_CUBEMAP;
     }
     g.visibility = max_component(visible);
-    precise vec3 radiance = illuminance * visible * (is_sun ? layers_cos(s, b, to_light) : light_lobes(push.lights, light, s, b, to_light));
+    precise vec3 radiance = illuminance * visible * (is_sun ? layers_cos(s, b, to_light) : light_lobes(lights_of(push.lighting), light, s, b, to_light));
     g.radiance = radiance;
     return reaches;
 }
@@ -98,8 +98,8 @@ void tell(gpu_inspect_light g, shadowed_point p) {
     if (slot >= INSPECT_LIGHTS) return;
     g.face = g.level = g.place = 0u;
     g.page = uvec2(0u);
-    if (LIST_MAPS && g.shadow != INSPECT_SHADOW_BEHIND && light_casts(push.lights, g.light)) {
-        finding f = look_up(push.lights, g.light, p);
+    if (LIGHTING_MAPS && g.shadow != INSPECT_SHADOW_BEHIND && light_casts(lights_of(push.lighting), g.light)) {
+        finding f = look_up(push.lighting, g.light, p);
         if (f.found) {
             g.shadow = INSPECT_SHADOW_MAP;
             g.face = f.page.face;
@@ -148,9 +148,9 @@ void main() {
     vec3 to_view = to_viewer(push.view, s.position);
     layers_view b = layers_prepare(s, push.view, to_view);
     light_point point = light_point(push.pixel, target(1u).w, s.position, s.normal, uint(target(0u).w) - 1u);
-    shadowed_point shadowed = shadowed_point_of(push.lights, s.position, facing_normal(s));
+    shadowed_point shadowed = shadowed_point_of(push.lighting, s.position, facing_normal(s));
     const uint ALL = 0u, CHOSEN = 9u; // rounds; those between find the threshold, a byte each
-    uint visited = 0u, suns = push.lights.list.directional_count;
+    uint visited = 0u, suns = push.lighting.scope.lights.directional_count;
     bool done = false;
     if (lane == 0u) total = reaching = contributing = 0u;
     // Where there is no room for all, lights are counted by the first byte of their keys, then by the next one among those with the byte in which the
@@ -159,12 +159,12 @@ void main() {
         for (uint i = lane; i < 256u; i += INSPECT_GROUP) histogram[i] = 0u;
         if (lane == 0u) told = 0u;
         barrier();
-        light_cursor cursor = lights_begin(push.lights, point);
+        light_cursor cursor = lights_begin(list_of(push.lighting), point);
         vec3 sum = vec3(0.0);
         bool more = true;
         for (uint turn = 0u; more; turn++) {
             uint light = turn;
-            if (turn >= suns) more = lights_next(push.lights, cursor, light);
+            if (turn >= suns) more = lights_next(list_of(push.lighting), cursor, light);
             if (more && round == ALL && turn >= suns) visited++;
             gpu_inspect_light g;
             if (more && light % INSPECT_GROUP == lane && evaluate(s, b, light, shadowed, g)) {

@@ -51,23 +51,23 @@ void main() {
     vec3 position = push.out_pixel.pixel.position;
     light_point point = light_point(push.pixel, push.out_pixel.pixel.view_depth, position, push.out_pixel.pixel.normal, push.out_pixel.pixel.item);
     uvec4 told = uvec4(told_light(lane), told_light(lane + INSPECT_GROUP), told_light(lane + 2u * INSPECT_GROUP), told_light(lane + 3u * INSPECT_GROUP));
-    uvec4 listed = uvec4(lessThan(told, uvec4(push.lights.list.directional_count)));
+    uvec4 listed = uvec4(lessThan(told, uvec4(push.lighting.scope.lights.directional_count)));
     uint visited = 0u;
     if (lane == 0u) reaching = 0u;
     barrier();
-    light_cursor cursor = lights_begin(push.lights, point);
+    light_cursor cursor = lights_begin(list_of(push.lighting), point);
     bool unserved = cursor.unserved;
-    FOR_EACH_LIGHT(push.lights, cursor, light) {
+    FOR_EACH_LIGHT(list_of(push.lighting), cursor, light) {
         visited++;
         listed |= uvec4(equal(told, uvec4(light)));
-        if (light % INSPECT_GROUP == lane && light_reaches(push.lights, light, position)) atomicAdd(reaching, 1u);
+        if (light % INSPECT_GROUP == lane && light_reaches(lights_of(push.lighting), light, position)) atomicAdd(reaching, 1u);
     }
     for (uint i = 0u; i < 4u; i++)
         if (told[i] != 0xffffffffu) push.out_pixel.lights[lane + i * INSPECT_GROUP].listed = listed[i];
     barrier();
     if (lane != 0u) return;
     uvec3 place;
-    push.out_pixel.pixel.cell = find_cell(push.lights, point, place);
+    push.out_pixel.pixel.cell = find_cell(list_of(push.lighting), point, place);
     push.out_pixel.pixel.cell_place = place;
     push.out_pixel.pixel.visited = visited;
     push.out_pixel.pixel.listed_reaching = reaching;

@@ -3,7 +3,7 @@
 #define FNL_PASSES_INSPECT_SHARED_H
 
 #include "shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 #define INSPECT_LIGHTS 256u /* FNL_PIXEL_LIGHTS */
 #define INSPECT_GROUP 64u   /* threads: each tells INSPECT_LIGHTS / INSPECT_GROUP lights from others */
@@ -64,7 +64,7 @@ struct gpu_inspected {
 
 struct gpu_inspect_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(inspected_block) out_pixel;
     ADDRESS(uint_array) counters; /* two for each pixel, the first of them the lights visited; or 0 with counter_stride 0 */
     uvec2 pixel;

@@ -10,7 +10,7 @@ void reflections_view_add(struct graph *graph, const struct aov_images *aov, con
     struct gpu_reflections_view_push push = {.view = view, .swap = swap};
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "debug view",
-                                        .pipeline = {&shader_reflections_view_comp, 1, {environment_kind(light) & GPU_LIST_REFLECTIONS}},
+                                        .pipeline = {&shader_reflections_view_comp, 1, {environment_kind(light) & GPU_LIGHTING_REFLECTIONS}},
                                         .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
                                         GRAPH_PUSH(push),
                                         GRAPH_ROWS(graph_samples(&push.albedo, aov->albedo), graph_samples(&push.normal, aov->normal),

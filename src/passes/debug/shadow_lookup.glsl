@@ -29,12 +29,12 @@ bool look_up_row(shadowed_point p, gpu_shape shape, inout finding f) {
 }
 
 // The page from which map_visibility() and sun_map_visibility() answer.
-finding look_up(light_list_block l, uint light, shadowed_point p) {
+finding look_up(lighting_block l, uint light, shadowed_point p) {
     finding f;
     f.found = f.asked = false;
-    gpu_shape shape = l.list.lights.at[light].shape;
-    if (!LIST_MAPS || !shadow_has_map(shape)) return f;
-    if (light < l.list.directional_count) {
+    gpu_shape shape = l.scope.lights.lights.at[light].shape;
+    if (!LIGHTING_MAPS || !shadow_has_map(shape)) return f;
+    if (light < l.scope.lights.directional_count) {
         f.page.face = 0u;
         int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
         bool first = true;

@@ -56,15 +56,15 @@ bool legend(ivec2 pixel, out vec3 color) {
 }
 
 // The look-up for a light from outside; false: there is none.
-bool look_at_wall(light_list_block l, uint light, shadowed_point p, out gpu_probe probe, out probe_lookup look) {
-    if (!LIST_CUBEMAP || p.probe >= p.probes.count) return false;
+bool look_at_wall(lighting_block l, uint light, shadowed_point p, out gpu_probe probe, out probe_lookup look) {
+    if (!LIGHTING_CUBEMAP || p.probe >= p.probes.count) return false;
     probe = p.probes.probes.at[p.probe];
-    bool endless = light < l.list.directional_count;
-    vec3 to_light = -l.list.lights.at[light].shape.direction;
-    if (!endless) light_reach(l, light, p.position, to_light);
-    float away = endless ? 1.0 : light_distance(l, light, p.position, to_light);
+    bool endless = light < l.scope.lights.directional_count;
+    vec3 to_light = -l.scope.lights.lights.at[light].shape.direction;
+    if (!endless) light_reach(lights_of(l), light, p.position, to_light);
+    float away = endless ? 1.0 : light_distance(lights_of(l), light, p.position, to_light);
     if (!(dot(p.normal, to_light) > 0.0) || !endless && probe_holds(probe, p.place + probe_turn(probe, to_light) * away)) return false;
-    bool parallel = endless || l.list.lights.at[light].shape.kind == GPU_SHAPE_BOX;
+    bool parallel = endless || l.scope.lights.lights.at[light].shape.kind == GPU_SHAPE_BOX;
     look = probe_look(probe, p.probes.flags, p.place, probe_turn(probe, to_light), 2.0 * source_size(l, light, parallel) / (parallel ? 1.0 : away), p.pixel);
     return true;
 }
@@ -87,26 +87,26 @@ struct tally {
 };
 
 // `high`: metres to the light.
-void add_light(inout tally t, light_list_block l, uint light, float lux, shadowed_point p, vec3 to_light, float high) {
+void add_light(inout tally t, lighting_block l, uint light, float lux, shadowed_point p, vec3 to_light, float high) {
     if (push.mode == GPU_DEBUG_SHADOW_RAYS) {
-        if (light < l.list.directional_count || light_reaches(l, light, p.position)) light_visibility(l, light, p, to_light, light < l.list.directional_count);
+        if (light < l.scope.lights.directional_count || light_reaches(lights_of(l), light, p.position)) light_visibility(l, light, p, to_light, light < l.scope.lights.directional_count);
         return;
     }
-    if (!light_casts(l, light)) return;
+    if (!light_casts(lights_of(l), light)) return;
     if (lux > t.most) {
         t.most = lux;
         t.brightest = light;
     }
-    if (!(LIST_MAPS || LIST_CUBEMAP) || !LIST_RAYS || !(lux > 0.0)) return;
+    if (!(LIGHTING_MAPS || LIGHTING_CUBEMAP) || !LIGHTING_RAYS || !(lux > 0.0)) return;
     t.all += lux;
     float map;
-    if (LIST_CUBEMAP)
-        map = max_component(light_visibility(l, light, p, to_light, light < l.list.directional_count));
+    if (LIGHTING_CUBEMAP)
+        map = max_component(light_visibility(l, light, p, to_light, light < l.scope.lights.directional_count));
     else
-        map = light < l.list.directional_count ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
+        map = light < l.scope.lights.directional_count ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
     if (map < 0.0) return; // rays answer
-    float margin = max(p.slack, 1e-6 * length(l.list.lights.at[light].shape.position));
-    float wrong = map - ray_visibility(rays_block(l.list.rays), p.position, to_light, high - margin, p.slack);
+    float margin = max(p.slack, 1e-6 * length(l.scope.lights.lights.at[light].shape.position));
+    float wrong = map - ray_visibility(rays_block(l.scope.shadows.rays), p.position, to_light, high - margin, p.slack);
     t.extra += lux * max(wrong, 0.0);
     t.missing += lux * max(-wrong, 0.0);
 }
@@ -115,19 +115,19 @@ float surface_grey(vec3 albedo, float up) { return 0.12 + 0.88 * luminance(albed
 
 // The lights of a tile, which is the work group's: those that left its list, and of the others those that give no pixel light, some, and all.
 shared uint lit, unlit;
-vec3 classes_color(light_list_block l, shadowed_point p, bool is_surface, float grey) {
-    uint tile = gl_WorkGroupID.y * l.list.tiles_x + gl_WorkGroupID.x;
+vec3 classes_color(lighting_block l, shadowed_point p, bool is_surface, float grey) {
+    uint tile = gl_WorkGroupID.y * l.scope.list.list.tiles_x + gl_WorkGroupID.x;
     uint all = push.classes.at[2u * tile], left = push.classes.at[2u * tile + 1u];
-    gpu_cell cell = l.list.cells.at[tile];
+    gpu_cell cell = l.scope.list.list.cells.at[tile];
     uvec3 kinds = uvec3(0u); // dark, some, all
     for (uint i = 0u; i < all - left; i++) {
         if (gl_LocalInvocationIndex == 0u) lit = unlit = 0u;
         barrier();
         if (is_surface) {
-            uint light = l.list.directional_count + l.list.ids.at[cell.offset + i];
+            uint light = l.scope.lights.directional_count + l.scope.list.list.ids.at[cell.offset + i];
             vec3 to_light;
-            bool open = light_reach(l, light, p.position, to_light) != vec3(0.0) && light_may_face(l, light, p.normal, to_light);
-            if (open && light_casts(l, light)) open = map_visibility(l, light, p) != 0.0; // -1: rays answer
+            bool open = light_reach(lights_of(l), light, p.position, to_light) != vec3(0.0) && light_may_face(lights_of(l), light, p.normal, to_light);
+            if (open && light_casts(lights_of(l), light)) open = map_visibility(l, light, p) != 0.0; // -1: rays answer
             if (open) atomicOr(lit, 1u);
             else atomicOr(unlit, 1u);
         }
@@ -150,7 +150,7 @@ void main() {
         vec4 normal = texelFetch(textures[push.normal], at, 0), position = texelFetch(textures[push.position], at, 0);
         bool is_surface = inside && normal.w > 0.0;
         float grey = is_surface ? surface_grey(texelFetch(textures[push.albedo], at, 0).rgb, normal.y) : 0.0;
-        vec3 color = classes_color(push.lights, shadowed_point_of(push.lights, position.xyz, normal.xyz), is_surface, grey);
+        vec3 color = classes_color(push.lighting, shadowed_point_of(push.lighting, position.xyz, normal.xyz), is_surface, grey);
         if (inside) imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
         return;
     }
@@ -159,20 +159,20 @@ void main() {
          position = texelFetch(textures[push.position], pixel, 0);
     bool sky = normal.w <= 0.0;
     float grey = sky ? 0.0 : surface_grey(albedo.rgb, normal.y);
-    light_list_block l = push.lights;
+    lighting_block l = push.lighting;
     light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);
     shadowed_point shadowed = shadowed_point_of(l, position.xyz, normal.xyz);
     tally t = tally(0.0, 0u, 0.0, 0.0, 0.0);
-    for (uint i = 0u; i < l.list.directional_count && !sky; i++) {
-        vec3 to_light = -l.list.lights.at[i].shape.direction;
-        add_light(t, l, i, luminance(l.list.lights.at[i].color) * max(dot(normal.xyz, to_light), 0.0), shadowed, to_light, 1e30);
+    for (uint i = 0u; i < l.scope.lights.directional_count && !sky; i++) {
+        vec3 to_light = -l.scope.lights.lights.at[i].shape.direction;
+        add_light(t, l, i, luminance(l.scope.lights.lights.at[i].color) * max(dot(normal.xyz, to_light), 0.0), shadowed, to_light, 1e30);
     }
-    light_cursor cursor = lights_begin(l, point);
-    FOR_EACH_LIGHT(l, cursor, light) {
+    light_cursor cursor = lights_begin(list_of(l), point);
+    FOR_EACH_LIGHT(list_of(l), cursor, light) {
         vec3 to_light;
         if (sky) break;
-        float lux = luminance(light_reach(l, light, position.xyz, to_light)) * max(dot(normal.xyz, to_light), 0.0);
-        add_light(t, l, light, lux, shadowed, to_light, light_distance(l, light, position.xyz, to_light));
+        float lux = luminance(light_reach(lights_of(l), light, position.xyz, to_light)) * max(dot(normal.xyz, to_light), 0.0);
+        add_light(t, l, light, lux, shadowed, to_light, light_distance(lights_of(l), light, position.xyz, to_light));
     }
     vec3 color = vec3(grey * 0.5);
     if (push.mode == GPU_DEBUG_SHADOW_RAYS) {

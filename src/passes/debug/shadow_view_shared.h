@@ -3,7 +3,7 @@
 #define FNL_PASSES_SHADOW_VIEW_SHARED_H
 
 #include "shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 /* Values of fnl_debug_view. */
 #define GPU_DEBUG_SHADOW_PAGES 31u
@@ -18,7 +18,7 @@
 
 struct gpu_shadow_view_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(const_uint_array) classes; /* of GPU_DEBUG_SHADOW_CLASSES: gpu_shadow_dark_push has it */
     uint albedo; /* as gpu_debug_push has them, and all below */
     uint normal;

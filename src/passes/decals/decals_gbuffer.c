@@ -64,7 +64,7 @@ static void execute_begin(const struct graph_context *context, const void *data)
     gpu_copy_buffer(context->commands, d->commands.buffer, d->commands.offset, draw, 0, before);
     gpu_copy_buffer(context->commands, d->commands.buffer, d->commands.offset + behind, draw, behind,
                     sizeof(struct gpu_draw) - behind);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.local_count * 4ull, draw, before,
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.set.local_count * 4ull, draw, before,
                     4);
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->sums), 0, (d->tile_count + 1) * 4ull, 0);
 }
@@ -106,7 +106,7 @@ static void execute_cursors(const struct graph_context *context, const void *dat
     gpu_copy_buffer(context->commands, sums, d->tile_count * 4ull, totals, offsetof(struct decals_gbuffer_totals, entries),
                     4);
     gpu_fill_buffer(context->commands, totals, offsetof(struct decals_gbuffer_totals, overflow_pixels), 4, 0);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.local_count * 4ull, totals,
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.set.local_count * 4ull, totals,
                     offsetof(struct decals_gbuffer_totals, in_view), 4);
     /* Entries are written where they are counted; the graph sees them begin here. */
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->entries), 0, 4, 0);

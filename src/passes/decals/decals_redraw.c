@@ -6,14 +6,14 @@
 
 struct redraw_data {
     struct decals_redraw redraw;
-    VkDeviceAddress view, scene, lights;
+    VkDeviceAddress view, scene, lighting;
     struct gpu_graphics_params state;
 };
 
 static void execute_redraw(const struct graph_context *context, const void *data) {
     const struct redraw_data *d = data;
     struct gpu_redraw_push push = {
-        .view = d->view, .scene = d->scene, .lights = d->lights, .table = d->redraw.table, .set = d->redraw.set};
+        .view = d->view, .scene = d->scene, .lighting = d->lighting, .table = d->redraw.table, .set = d->redraw.set};
     gpu_bind(context->commands, graph_pipeline(context, &d->state));
     gpu_push(context->commands, &push, sizeof push);
     gpu_bind_indices(context->commands, d->redraw.indices, 0);
@@ -24,11 +24,11 @@ void decals_redraw_add(struct graph *graph, const struct shade_input *input, con
                        graph_image radiance, graph_image depth) {
     struct graph_image_params target = graph_image_info(graph, radiance);
     struct redraw_data data = {
-        .redraw = *redraw, .view = input->view, .scene = input->scene->scene, .lights = input->lights->header};
+        .redraw = *redraw, .view = input->view, .scene = input->scene->scene, .lighting = input->lighting->address};
     data.state = (struct gpu_graphics_params){.vertex = &shader_decals_redraw_vert,
                                               .fragment = &shader_decals_redraw_frag,
                                               .constant_count = 2,
-                                              .constants = {input->lights->kind, 0},
+                                              .constants = {input->lighting->bits, 0},
                                               .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
                                               .cull = VK_CULL_MODE_NONE,
                                               .color_count = 1,
@@ -43,7 +43,7 @@ void decals_redraw_add(struct graph *graph, const struct shade_input *input, con
     graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, redraw->draws, GRAPH_INDIRECT);
     graph_use_buffer(pass, redraw->decals, GRAPH_READ_FRAGMENT);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
     graph_depth_read_only(pass, depth);
 }

@@ -56,6 +56,6 @@ void main() {
     s.dielectric_f90 = 1.0;
     vec3 view_position = (push.view.view.world_to_view * vec4(in_position, 1.0)).xyz;
     uvec2 pixel = push.view.view.samples > 1u ? pixel_of(push.view, view_position) : uvec2(gl_FragCoord.xy);
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, pixel, -view_position.z, LIGHT_NO_ITEM);
+    vec3 radiance = shade_surface(s, push.view, push.lighting, push.counters, pixel, -view_position.z, LIGHT_NO_ITEM);
     out_radiance = vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
 }

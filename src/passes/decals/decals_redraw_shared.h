@@ -18,7 +18,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer red
 struct gpu_redraw_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters; /* 0: these fragments are not counted */
     ADDRESS(redraw_array) table;
     ADDRESS(decal_block) set;

@@ -4,7 +4,7 @@
 #include "constants_shared.h"
 #include "passes/geometry/clusters_shared.h"
 #include "passes/geometry/layered_shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 #include "shaders.h"
 
 _Static_assert(FEATURES_ID == GPU_FEATURES_ID, "src/gpu gives the features this id");
@@ -137,7 +137,7 @@ static void draw_set(const struct graph_context *context, const struct geometry_
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
                                            : VK_CULL_MODE_BACK_BIT;
         params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
-        params.constants[LISTS_ID] = state->constants[LISTS_ID] & ~(bucket_is_layered(bucket) ? 0 : GPU_LIST_LAYERS);
+        params.constants[LIGHTING_ID] = state->constants[LIGHTING_ID] & ~(bucket_is_layered(bucket) ? 0 : GPU_LIGHTING_LAYERS);
         bool clustered = geometry_bucket_clustered(bucket), compacted = draws->item_draws.id && clustered;
         params.features = (state->features | scene->features) | (compacted ? GPU_FEATURE_COMPACTED : 0);
         bool meshes = draws->mesh_draws.id && clustered;

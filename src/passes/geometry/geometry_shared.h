@@ -9,7 +9,7 @@ struct gpu_geometry_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
     ADDRESS(const_uint_array) visible; /* instance of a draw -> item; of mesh shaders: struct gpu_mesh_draw */
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;      /* one per pixel, or 0 when nothing is counted; of objects.frag.glsl: its table */
     ADDRESS(const_uint_array) triangles; /* with GPU_FEATURE_COMPACTED: struct gpu_cluster_push */
 };

@@ -28,7 +28,7 @@ static void execute_clear(const struct graph_context *context, const void *data)
     static const uint32_t dispatch[4] = {BACKFACE_ROW, 0, 1, 0};
     for (uint32_t i = 0; i < 4; i++) gpu_fill_buffer(context->commands, picks, i * 4ull, 4, dispatch[i]);
     if (!d->marks.id) return;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->marks), 0, MAX(d->input.local_count, 1u) * 4ull, 0);
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->marks), 0, MAX(d->input.set.local_count, 1u) * 4ull, 0);
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->tally), 0, 4, 0);
 }
 
@@ -65,7 +65,7 @@ static void add_refine(struct graph *graph, const struct cells_counted *counted,
                    .pipeline = pipeline,
                    .indirect = d->picks,
                    GRAPH_PUSH(push),
-                   GRAPH_ROWS(graph_samples(&push.depth, d->gbuffer.depth), graph_reads(NULL, d->input.buffer),
+                   GRAPH_ROWS(graph_samples(&push.depth, d->gbuffer.depth), graph_reads(NULL, d->input.set.buffer),
                               graph_reads(NULL, d->picks), graph_reads(&push.cells, counted->bounds),
                               graph_reads(&push.visible_sums, d->in_view.sums),
                               graph_reads(&push.visible_ids, d->in_view.ids), graph_reads(&push.bounds, d->in_view.bounds),
@@ -128,7 +128,7 @@ struct light_list backface_add(struct graph *graph, gpu_device *device, const st
     data.cones = graph_create_buffer(graph, "backface cones", tile_count * sizeof(struct gpu_cone));
     data.picks = graph_create_buffer(graph, "backface picks", (tile_count + 4ull) * 4);
     if (params->tally) {
-        data.marks = graph_create_buffer(graph, "backface marks", MAX(input->local_count, 1u) * 4ull);
+        data.marks = graph_create_buffer(graph, "backface marks", MAX(input->set.local_count, 1u) * 4ull);
         data.tally = graph_create_buffer(graph, "backface tally", 4);
     }
     if (block) {
@@ -163,7 +163,7 @@ struct light_list backface_add(struct graph *graph, gpu_device *device, const st
                    &(struct graph_dispatch){.name = "backface tally",
                                             .queue = input->queue,
                                             .pipeline = {.shader = &shader_backface_tally_comp},
-                                            .groups = {DIVIDE_UP(MAX(input->local_count, 1u), 64u)},
+                                            .groups = {DIVIDE_UP(MAX(input->set.local_count, 1u), 64u)},
                                             GRAPH_PUSH(push),
                                             GRAPH_ROWS(graph_reads(&push.visible_sums, in_view->sums),
                                                        graph_reads(NULL, data.marks), graph_changes(NULL, data.tally))});

@@ -32,18 +32,18 @@ struct light_source {
 // `place` is one of the bounds.
 light_source light_source_of(light_list_block l, uint place) {
     light_source s;
-    s.shines = l.list.entities.at[place].kind == GPU_ENTITY_LIGHT;
+    s.shines = l.list.lights.set.entities.at[place].kind == GPU_ENTITY_LIGHT;
     s.first = s.last = vec3(0.0);
     s.parallel = false;
     if (!s.shines) return s;
-    uint light = l.list.directional_count + l.list.entities.at[place].user;
-    s.first = s.last = l.list.lights.at[light].shape.position;
-    uint kind = l.list.lights.at[light].shape.kind;
+    uint light = l.list.directional_count + l.list.lights.set.entities.at[place].user;
+    s.first = s.last = l.list.lights.set.lights.at[light].shape.position;
+    uint kind = l.list.lights.set.lights.at[light].shape.kind;
     if (kind == GPU_SHAPE_RECTANGLE) s.shines = false; // it stays in all lists
     s.parallel = kind == GPU_SHAPE_BOX;
-    if (s.parallel) s.first = s.last = -l.list.lights.at[light].shape.direction;
+    if (s.parallel) s.first = s.last = -l.list.lights.set.lights.at[light].shape.direction;
     if (kind == GPU_SHAPE_CAPSULE) {
-        vec3 half_segment = l.list.lights.at[light].shape.direction * l.list.lights.at[light].shape.size.x;
+        vec3 half_segment = l.list.lights.set.lights.at[light].shape.direction * l.list.lights.set.lights.at[light].shape.size.x;
         s.first -= half_segment;
         s.last += half_segment;
     }

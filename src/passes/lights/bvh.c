@@ -15,8 +15,8 @@ static const char *level_name(struct graph *graph, const char *leaves, const cha
 
 struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                         VkDeviceAddress header) {
-    uint32_t count = MAX(input->local_count, 1u), box_count = 0;
-    const uint64_t count_offset = input->local_count * 4ull; /* of the number in view, after the sums */
+    uint32_t count = MAX(input->set.local_count, 1u), box_count = 0;
+    const uint64_t count_offset = input->set.local_count * 4ull; /* of the number in view, after the sums */
     struct bvh tree = {0};
     for (uint32_t nodes = DIVIDE_UP(count, BVH_WIDTH);; nodes = DIVIDE_UP(nodes, BVH_WIDTH)) {
         tree.firsts[tree.level_count] = box_count;
@@ -97,7 +97,7 @@ static struct graph_row counter_row(const uint64_t *member, const struct query_d
 }
 
 static struct graph_row count_row(const uint64_t *member, const struct query_data *d) {
-    return graph_row_at(d->input.local_count * 4ull, graph_reads(member, d->in_view.sums));
+    return graph_row_at(d->input.set.local_count * 4ull, graph_reads(member, d->in_view.sums));
 }
 
 static bool uses_reaches(const struct bvh_query *query) { return query->cone_tests || query->facings.id; }
@@ -180,7 +180,7 @@ static struct graph_pass *add_query(struct graph *graph, const char *name, const
             GRAPH_ROWS(
                 count_row(&push.count, d), counter_row(&push.cell_counter, d), graph_reads(&push.cells, d->query.bounds),
                 graph_row_if(facings, graph_reads(&push.facings, d->query.facings)),
-                graph_row_if(facings, graph_reads(NULL, d->input.buffer)), graph_reads(&push.boxes, d->tree.boxes),
+                graph_row_if(facings, graph_reads(NULL, d->input.set.buffer)), graph_reads(&push.boxes, d->tree.boxes),
                 graph_row_at(d->first_masks[0] * 4ull, graph_reads(&push.masks, d->masks)),
                 graph_reads(&push.spheres, d->tree.spheres), graph_reads(&push.pairs, d->tree.pairs),
                 graph_row_if(uses_reaches(&d->query), graph_reads(&push.reaches, d->in_view.reaches)),
@@ -235,7 +235,7 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
                                    .capacity = query->pool_capacity,
                                    .flags = (query->cone_tests ? CELLS_CONES : 0) | (query->facings.id ? BVH_FACINGS : 0)};
     uint32_t bits = 1;
-    while (input->local_count > 1ull << bits) bits++;
+    while (input->set.local_count > 1ull << bits) bits++;
     data.sort_steps = DIVIDE_UP(bits, RADIX_BITS);
 
     data.sums = graph_create_buffer(graph, graph_name(graph, "%s sums", what), sum_count * 4ull);
@@ -260,9 +260,8 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
         if (with_bounds) graph_put_address(graph, &query->header->bounds, query->bounds);
     }
 
-    return (struct light_list){.lights = input->buffer,
+    return (struct light_list){.lights = input->set.buffer,
                                .header = query->header_address,
-                               .memory = query->header,
                                .cells = data.cells,
                                .ids = data.ids,
                                .spare = light_spare_add(graph, what, input, in_view, data.overflow, &query->header,

@@ -13,9 +13,9 @@ layout(push_constant, scalar) uniform push_block { gpu_bvh_query_push push; };
 // Whether some surface of a cell may face the light (ES-56); what is not a light is for all surfaces. `i`: index among what is in view.
 bool cell_faces(uint cell, uint i) {
     uint place = push.visible_ids.at[i];
-    if (push.list.list.entities.at[place].kind != GPU_ENTITY_LIGHT) return true;
-    uint light = push.list.list.directional_count + push.list.list.entities.at[place].user;
-    uint kind = push.list.list.lights.at[light].shape.kind;
+    if (push.list.list.lights.set.entities.at[place].kind != GPU_ENTITY_LIGHT) return true;
+    uint light = push.list.list.directional_count + push.list.list.lights.set.entities.at[place].user;
+    uint kind = push.list.list.lights.set.lights.at[light].shape.kind;
     gpu_reach r = push.reaches.at[i];
     if (kind == GPU_SHAPE_BOX) { // the same direction everywhere
         for (int k = 0; k < 4; k++)
@@ -23,8 +23,8 @@ bool cell_faces(uint cell, uint i) {
         return false;
     }
     if (kind == GPU_SHAPE_RECTANGLE) return true;
-    float slack = r.slack + 3.0 * CELL_SLACK * push.list.list.lights.at[light].shape.range;
-    if (kind == GPU_SHAPE_CAPSULE) slack += push.list.list.lights.at[light].shape.size.x; // the nearest point of its segment shines
+    float slack = r.slack + 3.0 * CELL_SLACK * push.list.list.lights.set.lights.at[light].shape.range;
+    if (kind == GPU_SHAPE_CAPSULE) slack += push.list.list.lights.set.lights.at[light].shape.size.x; // the nearest point of its segment shines
     for (int k = 0; k < 4; k++) {
         vec4 plane = push.facings.at[cell].planes[k];
         if (!(dot(plane.xyz, r.apex) + plane.w < -slack)) return true;

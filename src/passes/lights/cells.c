@@ -56,17 +56,17 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     /* Without memory for the header the device already carries a sticky error; the grid only has to be valid. */
     const uint32_t cell_count = build->header ? build->header->tiles_x * build->header->tiles_y * build->header->slices : 1;
     /* Chunks keep a big device busy; there need not be more than a few million of them. */
-    const uint32_t side = block_side(build, input->local_count);
-    const uint64_t kept_bytes = cell_count * (uint64_t)DIVIDE_UP(MAX(input->local_count, 1u), 32u) * 4;
+    const uint32_t side = block_side(build, input->set.local_count);
+    const uint64_t kept_bytes = cell_count * (uint64_t)DIVIDE_UP(MAX(input->set.local_count, 1u), 32u) * 4;
     const bool keeps = kept_bytes <= KEPT_BYTES;
     const struct gpu_compute_params tests = {.constant_count = 3,
                                              .constants = {GPU_LIST_ALL, build->flags | (keeps ? CELLS_KEPT : 0), side}};
     struct gpu_compute_params pipeline = tests;
     uint32_t chunk_size = side ? CELL_MARKED_CHUNK : CELL_CHUNK;
-    for (uint32_t chunks; (chunks = DIVIDE_UP(input->local_count, chunk_size)) > MAX_CHUNKS ||
+    for (uint32_t chunks; (chunks = DIVIDE_UP(input->set.local_count, chunk_size)) > MAX_CHUNKS ||
                           (chunks > 1 && (uint64_t)cell_count * chunks > MAX_SUMS);)
         chunk_size *= 2;
-    const uint32_t chunk_count = MAX(DIVIDE_UP(input->local_count, chunk_size), 1u),
+    const uint32_t chunk_count = MAX(DIVIDE_UP(input->set.local_count, chunk_size), 1u),
                    sum_count = cell_count * chunk_count + 1;
     graph_buffer bounds =
         graph_create_buffer(graph, graph_name(graph, "%s cell bounds", what), cell_count * sizeof(struct gpu_cell_bounds));
@@ -109,7 +109,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
         graph_buffer blocks =
             graph_create_buffer(graph, graph_name(graph, "%s blocks", what), block_count * sizeof(struct gpu_cell_block));
         marks = graph_create_buffer(graph, graph_name(graph, "%s marks", what),
-                                    block_count * (uint64_t)DIVIDE_UP(input->local_count, 32u) * 4);
+                                    block_count * (uint64_t)DIVIDE_UP(input->set.local_count, 32u) * 4);
         push = common;
         pipeline.shader = &shader_cells_blocks_comp;
         graph_dispatch(graph, &(struct graph_dispatch){
@@ -171,7 +171,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
         graph_reads(&push.visible_ids, in_view->ids),
         graph_reads(&push.bounds, in_view->bounds),
         graph_row_if(reaches, graph_reads(&push.reaches, in_view->reaches)),
-        graph_row_if(refine->add, graph_reads(NULL, input->buffer)),
+        graph_row_if(refine->add, graph_reads(NULL, input->set.buffer)),
         graph_row_if(refine->add, graph_reads(NULL, refine->cones)),
         graph_row_if(refine->marks.id, graph_changes(NULL, refine->marks)),
         graph_changes(&push.overflow, overflow),
@@ -193,9 +193,8 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                          input->scattered && (build->depth.id || build->bounds_input.id));
     uint64_t fixed_bytes = cell_count * sizeof(struct gpu_cell) + (ranges ? 0 : build->extra_bytes);
     uint32_t entry_bytes = ranges ? 8 : 4;
-    return (struct light_list){.lights = input->buffer,
+    return (struct light_list){.lights = input->set.buffer,
                                .header = build->header_address,
-                               .memory = build->header,
                                .cells = cells,
                                .ids = ids,
                                .extra = extra,

@@ -4,7 +4,7 @@
 #define FNL_PASSES_CELLS_SHARED_H
 
 #include "shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 /* Fewest lights that one thread looks at for one cell; whole words of 32. */
 #define CELL_CHUNK 256u

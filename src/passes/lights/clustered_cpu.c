@@ -156,15 +156,15 @@ static bool outside_view(const struct clustered_cpu_view *view, const struct clu
 struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *device, const struct light_input *input,
                                     const struct gpu_entity_bounds *bounds, const mat4 *world_to_view,
                                     const struct clustered_cpu_view *view, const struct clustered_params *params) {
-    struct light_list list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer, .totals_known = true};
-    struct gpu_light_list *header = list.memory = light_list_header(device, input, &list.header);
+    struct light_list list = {.kind = GPU_LIST_CLUSTERS, .lights = input->set.buffer, .totals_known = true};
+    struct gpu_light_list *header = light_list_header(device, input, &list.header);
     if (!header) return list;
     clustered_grid(header, input->width, input->height, params);
     builder->spheres.count = builder->in_view = 0;
     /* The translation of world_to_view is as long as the viewer is far from the origin. */
     float eye_distance = vec3_length((vec3){world_to_view->m[12], world_to_view->m[13], world_to_view->m[14]});
-    bool failed = !array_reserve(builder->host, &builder->spheres, input->local_count);
-    for (uint32_t i = 0; i < input->local_count && !failed; i++) {
+    bool failed = !array_reserve(builder->host, &builder->spheres, input->set.local_count);
+    for (uint32_t i = 0; i < input->set.local_count && !failed; i++) {
         struct clustered_cpu_sphere sphere = {mat4_point(world_to_view, bounds[i].center), bounds[i].radius};
         bool listed = bounds_are_listed(&bounds[i], input->kinds);
         if (listed) sphere.radius += (float)BOUND_ROUNDING * (vec3_length(bounds[i].center) + eye_distance);

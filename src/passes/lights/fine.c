@@ -60,7 +60,7 @@ static void choose_lists(struct fine_data *all, const struct light_input *input,
     for (uint32_t i = 0; i < all->list_count; i++) all->lists |= all->flags[i] << i * 8;
 }
 
-static uint32_t light_words(const struct light_input *input) { return MAX(DIVIDE_UP(input->local_count, 32u), 1u); }
+static uint32_t light_words(const struct light_input *input) { return MAX(DIVIDE_UP(input->set.local_count, 32u), 1u); }
 
 static uint32_t block_count(const struct fine_data *all) {
     return DIVIDE_UP(all->tiles_x, all->block) * DIVIDE_UP(all->tiles_y, all->block);
@@ -76,7 +76,7 @@ static void add_steps(struct graph *graph, const struct light_input *input, cons
                                          .block = all->block,
                                          .lists = all->lists};
     struct gpu_fine_push push = common;
-    const uint32_t list_bits = input->simple && input->kinds == 1u << GPU_ENTITY_LIGHT ? GPU_LIST_ALL | GPU_LIST_SIMPLE : GPU_LIST_ALL;
+    const uint32_t list_bits = input->set.simple && input->kinds == 1u << GPU_ENTITY_LIGHT ? GPU_LIST_ALL | GPU_LIGHTING_SIMPLE : GPU_LIST_ALL;
     const uint32_t group_side = MIN(params->tile_size, params->group_side);
     const uint32_t blocks = block_count(all);
 #define STEP(name_, shader_, ...)                                                                                           \
@@ -87,12 +87,12 @@ static void add_steps(struct graph *graph, const struct light_input *input, cons
 #define ADD_STEP(step, ...)                                                                                                 \
     push = common;                                                                                                          \
     graph_dispatch(                                                                                                         \
-        graph, &(struct graph_dispatch){step, GRAPH_PUSH(push), GRAPH_ROWS(graph_reads(NULL, input->buffer), __VA_ARGS__)})
+        graph, &(struct graph_dispatch){step, GRAPH_PUSH(push), GRAPH_ROWS(graph_reads(NULL, input->set.buffer), __VA_ARGS__)})
 #define DEPTHS                                                                                                              \
     graph_row_if(all->depth.id, graph_samples(&push.depth, all->depth)),                                                    \
         graph_row_if(all->front.id, graph_samples(&push.front, all->front))
 #define RANGES graph_row_if(all->ranges.id, graph_reads(&push.ranges, all->ranges))
-    ADD_STEP(STEP("fine bounds", shader_fine_bounds_comp, DIVIDE_UP(MAX(input->local_count, 1u), 64u)),
+    ADD_STEP(STEP("fine bounds", shader_fine_bounds_comp, DIVIDE_UP(MAX(input->set.local_count, 1u), 64u)),
              graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.visible_ids, in_view->ids),
              graph_reads(&push.bounds, in_view->bounds), graph_writes(&push.boxes, all->boxes), graph_writes(&push.extra, all->volumes));
     if (all->depth.id) {
@@ -166,8 +166,8 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         block_bytes = (uint64_t)block_count(&all) * all.list_count * light_words(input) * 4;
         if (block_bytes <= MARK_BYTES || all.block >= MAX(tiles_x, tiles_y)) break;
     }
-    all.boxes = graph_create_buffer(graph, "fine boxes", MAX(input->local_count, 1u) * sizeof(struct gpu_fine_box));
-    all.volumes = graph_create_buffer(graph, "fine volumes", MAX(input->local_count, 1u) * sizeof(struct gpu_fine_volume));
+    all.boxes = graph_create_buffer(graph, "fine boxes", MAX(input->set.local_count, 1u) * sizeof(struct gpu_fine_box));
+    all.volumes = graph_create_buffer(graph, "fine volumes", MAX(input->set.local_count, 1u) * sizeof(struct gpu_fine_volume));
     if (depth.id)
         all.ranges =
             graph_create_buffer(graph, "fine ranges", tile_count * (all.front.id ? 2 : 1) * sizeof(struct gpu_fine_range));
@@ -192,7 +192,7 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     struct fine_lists lists = {.boxes = all.boxes};
     lists.lights = (struct light_list){
         .kind = GPU_LIST_FINE,
-        .lights = input->buffer,
+        .lights = input->set.buffer,
         .header = addresses[0],
         .cells = all.cells,
         .ids = params->packed ? in_view->ids : all.ids,

@@ -141,7 +141,7 @@ void store_volume(uint index, gpu_entity_bounds entity, gpu_shape shape) {
     if (v.shape != GPU_NO_SHAPE) {
         v.position = shape.position;
         v.range = shape.range;
-        v.kind = shape.kind | (LIST_SIMPLE ? 0u : shape.hull_count << 8u);
+        v.kind = shape.kind | (LIGHTING_SIMPLE ? 0u : shape.hull_count << 8u);
         v.direction = shape.direction;
         v.spot_scale = shape.spot_scale;
         v.spot_offset = shape.spot_offset;
@@ -159,8 +159,8 @@ void main() {
     barrier();
     uint index = LINEAR_INVOCATION, light_count = push.list.list.local_count;
     if (index >= push.visible_sums.at[light_count]) return;
-    gpu_entity_bounds entity = push.list.list.entities.at[push.visible_ids.at[index]];
-    gpu_shape shape = shape_of(push.list, entity);
+    gpu_entity_bounds entity = push.list.list.lights.set.entities.at[push.visible_ids.at[index]];
+    gpu_shape shape = shape_of(set_of(push.list), entity);
     store_volume(index, entity, shape); // first: what it needs is not kept in registers
     gpu_bound bound = push.bounds.at[index];
     low = vec3(FINE_FAR);

@@ -4,7 +4,7 @@
 #define FNL_PASSES_FINE_SHARED_H
 
 #include "shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 /* What a light in view covers of the screen. Nothing when rect.x > rect.z. */
 struct gpu_fine_box {

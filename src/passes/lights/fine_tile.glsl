@@ -90,7 +90,7 @@ void take_positions() {
 
 // Capsules, wedges and boxes; `from` the light's position.
 bool fine_rare_holds(gpu_fine_volume v, uint kind, vec3 from, float slack) {
-    shape_block s = shape_at(push.list, v.shape);
+    shape_block s = shape_at(set_of(push.list), v.shape);
     vec3 size = s.shape.size;
     if (kind == GPU_SHAPE_CAPSULE) {
         vec3 nearest = from - v.direction * clamp(dot(from, v.direction), -size.x, size.x);
@@ -119,7 +119,7 @@ bool fine_cone_holds(gpu_fine_volume v, vec3 position, float slack) {
     return (v.kind & 0xffu) != GPU_SHAPE_CONE || !(d > slack && along * v.spot_scale + v.spot_offset * d < 0.0);
 }
 
-vec4 fine_plane(gpu_fine_volume v, uint i) { return push.list.list.planes.at[shape_at(push.list, v.shape).shape.hull_first + i]; }
+vec4 fine_plane(gpu_fine_volume v, uint i) { return push.list.list.lights.set.planes.at[shape_at(set_of(push.list), v.shape).shape.hull_first + i]; }
 
 // What is neither sphere nor cone: rare shapes, and hulls.
 bool fine_rest_holds(gpu_fine_volume v, vec3 position, float slack) {
@@ -135,7 +135,7 @@ bool fine_rest_holds(gpu_fine_volume v, vec3 position, float slack) {
 
 bool fine_holds(gpu_fine_volume v, vec3 position, float slack) {
     return fine_sphere_holds(v.position, v.range, position, slack) && fine_cone_holds(v, position, slack) &&
-           (LIST_SIMPLE || v.kind <= GPU_SHAPE_CONE || fine_rest_holds(v, position, slack));
+           (LIGHTING_SIMPLE || v.kind <= GPU_SHAPE_CONE || fine_rest_holds(v, position, slack));
 }
 
 // Whether the light may reach blended surfaces of the pixel. A segment is held when its middle is, by a volume that is wider by half of it;
@@ -216,7 +216,7 @@ void test_word(bool of_list, uint at, uint count) {
             gpu_fine_volume v = VOLUMES.at[light];
             for (uint i = 0u; i < OWN; i++)
                 if (!fine_cone_holds(v, positions[i], slacks[i])) masks[i] &= ~bit;
-            for (bool rare = !LIST_SIMPLE && kind > GPU_SHAPE_CONE; rare; rare = false)
+            for (bool rare = !LIGHTING_SIMPLE && kind > GPU_SHAPE_CONE; rare; rare = false)
                 for (uint i = 0u; i < OWN; i++)
                     if (!fine_rest_holds(v, positions[i], slacks[i])) masks[i] &= ~bit;
         }

@@ -12,110 +12,65 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
     if (list->extra.id) graph_use_buffer(pass, list->extra, use);
     if (list->bounds.id) graph_use_buffer(pass, list->bounds, use);
     if (list->spare.id) graph_use_buffer(pass, list->spare, use);
-    environment_use(pass, &list->environment, use);
-    if (list->rays.address) rays_use(pass, &list->rays, use);
-    if (list->maps.address) shadow_maps_use(pass, &list->maps, use);
-    if (list->probes.address) probes_use(pass, &list->probes, use);
 }
 
-static uvec2 words_of(VkDeviceAddress address) { return (uvec2){(uint32_t)address, (uint32_t)(address >> 32)}; }
+struct gpu_light_set light_set_block(const struct light_set *set) {
+    return (struct gpu_light_set){.directional_count = set->directional_count,
+                                  .local_count = set->local_count,
+                                  .lights = set->lights,
+                                  .entities = set->entities,
+                                  .shapes = set->shapes,
+                                  .planes = set->planes,
+                                  .profiles = set->profiles,
+                                  .lobes = set->lobes};
+}
+
+void light_set_send(gpu_device *device, struct light_set *set) {
+    const struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_set));
+    set->address = slice.address;
+    if (slice.data) *(struct gpu_light_set *)slice.data = light_set_block(set);
+}
 
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address) {
-    struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
+    struct light_set set = input->set;
+    const struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
     *out_address = slice.address;
+    if (!set.address) light_set_send(device, &set);
     if (slice.data)
-        *(struct gpu_light_list *)slice.data = (struct gpu_light_list){.directional_count = input->directional_count,
-                                                                       .local_count = input->local_count,
+        *(struct gpu_light_list *)slice.data = (struct gpu_light_list){.directional_count = set.directional_count,
+                                                                       .local_count = set.local_count,
                                                                        .tile_size = 1,
                                                                        .tiles_x = 1,
                                                                        .tiles_y = 1,
                                                                        .slices = 1,
-                                                                       .lights = input->lights,
-                                                                       .entities = input->entities,
-                                                                       .shapes = input->shapes,
-                                                                       .planes = input->planes,
-                                                                       .view = input->view,
-                                                                       .cells_view = input->view,
-                                                                       .rays = words_of(input->rays.address),
-                                                                       .shadow_maps = words_of(input->maps.address),
-                                                                       .probes = words_of(input->probes.address),
-                                                                       .profiles = input->profiles,
-                                                                       .lobes = input->lobes,
-                                                                       .shadow_rays = input->shadow_rays,
-                                                                       .shadow_seed = input->shadow_seed};
+                                                                       .lights = set.address,
+                                                                       .view = input->view};
     return slice.data;
-}
-
-struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input) {
-    struct light_list own = *list;
-    const struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
-    struct gpu_light_list *header = slice.data;
-    if (!header || !list->memory) return own; /* the error sticks to the device */
-    *header = *list->memory;
-    header->view = input->view;
-    if (list->cells.id) graph_put_address(graph, &header->cells, list->cells);
-    if (list->ids.id) graph_put_address(graph, &header->ids, list->ids);
-    if (list->extra.id) graph_put_address(graph, &header->extra, list->extra);
-    if (list->bounds.id) graph_put_address(graph, &header->bounds, list->bounds);
-    if (list->spare.id) graph_put_address(graph, &header->spare, list->spare);
-    own.header = slice.address;
-    own.memory = header;
-    own.environment = input->environment;
-    return own;
-}
-
-struct light_list light_list_again(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input) {
-    struct light_list again = light_list_for_eye(graph, device, list, input);
-    if (again.header == list->header) return again; /* the error sticks to the device */
-    again.memory->rays = words_of(input->rays.address);
-    again.memory->shadow_maps = words_of(input->maps.address);
-    again.memory->probes = words_of(input->probes.address);
-    again.memory->shadow_rays = input->shadow_rays;
-    again.memory->shadow_seed = input->shadow_seed;
-    again.kind = list_kind(list);
-    return again;
-}
-
-void light_list_cast(struct light_list *list, const struct light_input *input) {
-    const uint32_t beside_rays = GPU_LIST_SOFT | GPU_LIST_SAMPLED | GPU_LIST_CUBEMAP, beside_maps = GPU_LIST_FILTERED;
-    list->kind |= input->shadow_bits & ~((input->rays.address ? 0 : beside_rays) | (input->maps.address ? 0 : beside_maps));
-    if (input->rays.address) list->kind |= GPU_LIST_RAYS | (input->rays.top.id ? GPU_LIST_RAY_QUERY : 0);
-    if (input->maps.address) list->kind |= GPU_LIST_MAPS;
-    list->kind |= environment_kind(&input->environment);
-    if (input->layered) list->kind |= GPU_LIST_LAYERS;
-    if (input->profiles) list->kind |= GPU_LIST_PROFILES;
-    if (input->lobes) list->kind |= GPU_LIST_RECTANGLES;
-    list->environment = input->environment;
-    list->rays = input->rays;
-    list->probes = input->probes;
-    list->maps = input->maps;
 }
 
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
     UNUSED(graph);
-    const bool simple = input->simple || input->local_count == 0;
-    struct light_list list = {.kind = GPU_LIST_ALL | (simple ? GPU_LIST_SIMPLE : 0),
-                              .lights = input->buffer,
+    struct light_list list = {.kind = GPU_LIST_ALL,
+                              .lights = input->set.buffer,
                               .totals_known = true,
-                              .known = {.in_view = input->local_count - input->unlit_count}};
+                              .known = {.in_view = input->set.local_count - input->set.unlit_count}};
     light_list_header(device, input, &list.header);
-    light_list_cast(&list, input);
     return list;
 }
 
 /* ---- lights in view ---- */
 
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
-    uint64_t count = MAX(input->local_count, 1u);
+    uint64_t count = MAX(input->set.local_count, 1u);
     bool reaches = !input->spheres_only;
     struct lights_in_view in_view = {
-        .sums = graph_create_buffer(graph, "light sums", (input->local_count + 1) * 4ull),
+        .sums = graph_create_buffer(graph, "light sums", (input->set.local_count + 1) * 4ull),
         .ids = graph_create_buffer(graph, "lights in view", count * 4),
         .bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound)),
         .reaches =
             reaches ? graph_create_buffer(graph, "light reaches", count * sizeof(struct gpu_reach)) : (graph_buffer){0}};
-    struct gpu_lights_push push = {.view = input->view, .light_count = input->local_count, .cull = !input->keep_unseen, .kinds = input->kinds};
-    const uint32_t groups = DIVIDE_UP(input->local_count + 1, 64u);
+    struct gpu_lights_push push = {.view = input->view, .light_count = input->set.local_count, .cull = !input->keep_unseen, .kinds = input->kinds};
+    const uint32_t groups = DIVIDE_UP(input->set.local_count + 1, 64u);
     light_list_header(device, input, &push.list);
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = "lights mark",
@@ -123,8 +78,8 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
                               .pipeline = {.shader = &shader_lights_mark_comp},
                               .groups = {groups},
                               GRAPH_PUSH(push),
-                              GRAPH_ROWS(graph_reads(NULL, input->buffer), graph_writes(&push.sums, in_view.sums))});
-    prefix_sum_add(graph, "lights", input->queue, in_view.sums, input->local_count + 1);
+                              GRAPH_ROWS(graph_reads(NULL, input->set.buffer), graph_writes(&push.sums, in_view.sums))});
+    prefix_sum_add(graph, "lights", input->queue, in_view.sums, input->set.local_count + 1);
     push.reach = reaches;
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = "lights gather",
@@ -132,7 +87,7 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
                               .pipeline = {.shader = &shader_lights_gather_comp},
                               .groups = {groups},
                               GRAPH_PUSH(push),
-                              GRAPH_ROWS(graph_reads(NULL, input->buffer), graph_reads(&push.sums, in_view.sums),
+                              GRAPH_ROWS(graph_reads(NULL, input->set.buffer), graph_reads(&push.sums, in_view.sums),
                                          graph_writes(&push.ids, in_view.ids), graph_writes(&push.bounds, in_view.bounds),
                                          graph_row_if(reaches, graph_writes(&push.reaches, in_view.reaches)))});
     return in_view;
@@ -165,7 +120,7 @@ graph_buffer light_totals_add(struct graph *graph, const char *what, const struc
         .lights = in_view->sums,
         .totals = graph_create_buffer(graph, graph_name(graph, "%s list totals", what), sizeof(struct light_totals)),
         .sums_offset = (sum_count - 1) * 4ull,
-        .lights_offset = input->local_count * 4ull};
+        .lights_offset = input->set.local_count * 4ull};
     struct graph_pass *pass =
         graph_add_pass(graph, graph_name(graph, "%s totals", what), input->queue, execute_totals, &totals, sizeof totals);
     graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
@@ -183,8 +138,8 @@ graph_buffer light_spare_add(struct graph *graph, const char *what, const struct
                              const struct lights_in_view *in_view, graph_buffer overflow,
                              struct gpu_light_list *const headers[], const VkDeviceAddress addresses[],
                              uint32_t header_count, bool always) {
-    if (input->local_count == 0) return (graph_buffer){0};
-    uint32_t words = DIVIDE_UP(input->local_count, 32u), size = 16;
+    if (input->set.local_count == 0) return (graph_buffer){0};
+    uint32_t words = DIVIDE_UP(input->set.local_count, 32u), size = 16;
     while (DIVIDE_UP(input->width, size) * DIVIDE_UP(input->height, size) > SPARE_ROWS - SPARE_BINS) size += 16;
     graph_buffer spare =
         graph_create_buffer(graph, graph_name(graph, "%s spare list", what), (1 + (uint64_t)SPARE_ROWS * words) * 4);
@@ -196,7 +151,7 @@ graph_buffer light_spare_add(struct graph *graph, const char *what, const struct
         graph_put_address(graph, &headers[i]->spare, spare);
     }
     struct gpu_spare_push push = {
-        .view = input->view, .list = addresses[0], .light_count = input->local_count, .always = always};
+        .view = input->view, .list = addresses[0], .light_count = input->set.local_count, .always = always};
     graph_dispatch(graph,
                    &(struct graph_dispatch){
                        .name = graph_name(graph, "%s spare", what),

@@ -12,54 +12,47 @@
 #define FNL_PASSES_LIGHT_LIST_H
 
 #include "graph/graph.h"
-#include "lights/lights_shared.h"
-#include "passes/ambient/environment.h"
-#include "passes/shadow/cubemap.h"
-#include "passes/shadow/maps.h"
-#include "passes/shadow/rays.h"
+#include "lighting/lighting_shared.h"
 
-/** What lists are built over, on the device. */
-struct light_input {
+/** Lights, or the bounds of whatever else lists are over, on the device. */
+struct light_set {
     graph_buffer buffer;      /* lights, bounds, shapes and planes, for their hazards: what changes one of them changes this */
     VkDeviceAddress entities; /* struct gpu_entity_bounds[local_count] */
-    VkDeviceAddress shapes;   /* where gpu_entity_bounds.shape counts from; 0 where none has a shape */
-    VkDeviceAddress planes;   /* of hulls; 0 where none has one */
-    VkDeviceAddress lights;   /* struct gpu_light[directional_count + local_count], for shading; 0 where no light is among the bounds */
-    VkDeviceAddress lobes;    /* of rectangles, where there are some (shaders/lights/area.glsl): shaders get GPU_LIST_RECTANGLES; 0: there are none */
-    VkDeviceAddress profiles; /* of lights that have one (shaders/lights/profile.glsl): shaders get GPU_LIST_PROFILES; 0: none has */
-    uint32_t kinds;           /* bits 1 << GPU_ENTITY_…: what the lists are for; bounds of other kinds are left out */
+    VkDeviceAddress shapes;   /* where gpu_entity_bounds.shape counts from; 0: none has a shape */
+    VkDeviceAddress planes;   /* of hulls; 0: none has one */
+    VkDeviceAddress lights;   /* struct gpu_light[directional_count + local_count], for shading; 0: no light is among the bounds */
+    VkDeviceAddress lobes;    /* for rectangles (shaders/lights/area.glsl): shaders get GPU_LIGHTING_RECTANGLES; 0: there are none */
+    VkDeviceAddress profiles; /* of lights that have one (shaders/lights/profile.glsl): shaders get GPU_LIGHTING_PROFILES; 0: none has */
     uint32_t directional_count, local_count; /* local_count: bounds */
-    uint32_t unlit_count; /* of those, places without a light and hidden lights */
-    VkDeviceAddress view; /* struct gpu_view */
-    uint32_t width, height;
+    uint32_t unlit_count;     /* places without a light, and hidden lights */
+    bool simple;              /* every light is a sphere or a cone without a hull: shaders get GPU_LIGHTING_SIMPLE */
+    VkDeviceAddress address;  /* struct gpu_light_set, from light_set_send(); 0: each list sends its own */
+};
+/** Sends a complete set to the device, for all lists of a frame. */
+void light_set_send(gpu_device *device, struct light_set *set);
+/** What it sends. */
+struct gpu_light_set light_set_block(const struct light_set *set);
+
+/** What a list is built from. */
+struct light_input {
+    struct light_set set;
+    uint32_t kinds;         /* bits 1 << GPU_ENTITY_…: what the list is for; bounds of other kinds are left out */
+    VkDeviceAddress view;   /* struct gpu_view */
+    uint32_t width, height; /* pixels */
     bool keep_unseen;       /* lights out of the view count as in view */
-    struct rays rays;       /* that find shadows; address 0: there are none */
-    struct shadow_maps maps; /* the same */
-    struct environment_light environment; /* that gives ambient light; ids 0: there is none */
-    struct probes probes;    /* beside rays */
-    bool layered;            /* some material has layers: shaders get GPU_LIST_LAYERS, and the environment's table is there */
-    uint32_t shadow_bits;   /* GPU_LIST_… bits set by the shadow method; bits that need rays or maps are ignored without them */
-    uint32_t shadow_rays;   /* that a point sends to its lights, with GPU_LIST_SAMPLED */
-    uint32_t shadow_seed;   /* with shadow_rays: frames with other seeds send them to other lights */
-    bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };
 
 struct light_list {
-    uint32_t kind;           /* GPU_LIST_…, with the bits beside the kind: specialisation constant 0 of shaders that iterate */
+    uint32_t kind;           /* GPU_LIST_…, with GPU_LIST_SCATTERED: part of the specialization constant LIGHTING_ID */
     VkDeviceAddress header;  /* struct gpu_light_list */
-    struct gpu_light_list *memory; /* the same, of kinds whose cells are found by where a point is in the view; or NULL */
-    graph_buffer lights;     /* light_input.buffer */
+    graph_buffer lights;     /* light_set.buffer */
     graph_buffer cells, ids; /* id 0: none, or not made by the GPU */
     graph_buffer extra;      /* or id 0 */
     graph_buffer bounds;     /* of cells, where scattered points compare themselves with them; or id 0 */
     graph_buffer spare;      /* the spare list, or id 0 */
-    struct rays rays;        /* with GPU_LIST_RAYS */
-    struct shadow_maps maps; /* with GPU_LIST_MAPS */
-    struct environment_light environment; /* with GPU_LIST_ENVIRONMENT */
-    struct probes probes;    /* with GPU_LIST_CUBEMAP */
     uint32_t cell_count;
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */
@@ -79,9 +72,6 @@ static inline uint32_t list_kind(const struct light_list *list) { return list->k
 
 /** Declares that a pass iterates over the list in fragment or compute shaders. */
 void light_list_use(struct graph_pass *pass, const struct light_list *list, enum graph_use use);
-
-/** Gives a list the shadows and the environment of its input. */
-void light_list_cast(struct light_list *list, const struct light_input *input);
 
 /** The reference: every light, every pixel. */
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input);
@@ -190,16 +180,7 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
 /** Zones of neighbouring bins, of which each tile has a mask each: 1 with few lights, more with more, at most 16. */
 uint32_t zbin_zones(const struct light_input *input, const struct zbin_params *params);
 
-/**
- * The same list for another view, an eye of the head that `list` was made for. Cells, lights and shadows are those of the head, found by the place of each
- * point; the environment, which includes the reflection probes that a view sees, is that of `input`, the eye's own.
- * `list` has GPU_LIST_SCATTERED, and `memory`.
- */
-struct light_list light_list_for_eye(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input);
-/** Reuses the cells of `list`, which has `memory`, with the current view, shadows and environment of `input`. Call light_list_cast() next. */
-struct light_list light_list_again(struct graph *graph, gpu_device *device, const struct light_list *list, const struct light_input *input);
-
-/** The header of a list, with nothing but lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
+/** The header of a list, with only its lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);
 
 /** Whether any list of these kinds may hold it, wherever the viewer is: what lights_in_view_add() asks first, for builders on the CPU. */

@@ -61,7 +61,7 @@ struct ask_data {
 
 static void execute_ask(const struct graph_context *context, const void *data) {
     const struct ask_data *d = data;
-    struct gpu_compute_params params = {&shader_light_proxy_test_comp, 1, {GPU_LIST_RECTANGLES}};
+    struct gpu_compute_params params = {&shader_light_proxy_test_comp, 1, {GPU_LIGHTING_RECTANGLES}};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &d->push, sizeof d->push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(POINT_COUNT, 64));
@@ -90,11 +90,11 @@ static void ask_device(uint64_t light_bytes, uint64_t planes, uint64_t bounds) {
     memcpy(buffers[0].mapped, bench.lights, light_bytes);
     memcpy(buffers[1].mapped, bench.points, sizeof bench.points);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct light_input input = {.lights = buffers[0].address,
-                                .shapes = buffers[0].address,
-                                .planes = buffers[0].address + planes,
-                                .entities = buffers[0].address + bounds,
-                                .local_count = LIGHT_COUNT};
+    struct light_input input = {.set = {.lights = buffers[0].address,
+                                        .shapes = buffers[0].address,
+                                        .planes = buffers[0].address + planes,
+                                        .entities = buffers[0].address + bounds,
+                                        .local_count = LIGHT_COUNT}};
     struct ask_data ask = {.push = {.points = buffers[1].address,
                                     .answers = buffers[2].address,
                                     .corners = buffers[3].address,

@@ -22,13 +22,13 @@ void main() {
     if (index >= push.light_count * push.points_each) return;
     uint light = index / push.points_each;
     vec3 to_light;
-    push.answers.at[index].illuminance = light_reach(push.list, light, push.points.at[index], to_light);
+    push.answers.at[index].illuminance = light_reach(set_of(push.list), light, push.points.at[index], to_light);
     push.answers.at[index].to_light = to_light;
-    push.answers.at[index].reaches = light_reaches(push.list, light, push.points.at[index]) ? 1u : 0u;
+    push.answers.at[index].reaches = light_reaches(set_of(push.list), light, push.points.at[index]) ? 1u : 0u;
     if (index % push.points_each == 0u) {
         vec3 corners[8];
-        gpu_entity_bounds bounds = push.list.list.entities.at[light];
-        shape_corners(shape_of(push.list, bounds), bounds.center, bounds.radius, corners);
+        gpu_entity_bounds bounds = push.list.list.lights.set.entities.at[light];
+        shape_corners(shape_of(set_of(push.list), bounds), bounds.center, bounds.radius, corners);
         for (uint i = 0u; i < 8u; i++) push.corners.at[light * 8u + i] = corners[i];
     }
 }

@@ -13,7 +13,7 @@ void main() {
     if (index >= push.light_count) return;
     uint slot = push.sums.at[index];
     if (push.sums.at[index + 1u] == slot) return;
-    gpu_entity_bounds entity = push.list.list.entities.at[index];
+    gpu_entity_bounds entity = push.list.list.lights.set.entities.at[index];
     push.ids.at[slot] = index;
     gpu_bound bound;
     bound.center = (push.view.view.world_to_view * vec4(entity.center, 1.0)).xyz;
@@ -21,7 +21,7 @@ void main() {
     push.bounds.at[slot] = bound;
     if (push.reach == 0u) return;
     gpu_reach reach;
-    gpu_shape shape = shape_of(push.list, entity);
+    gpu_shape shape = shape_of(set_of(push.list), entity);
     reach_cone(shape, push.view.view.world_to_view,
                float(BOUND_ROUNDING) * (length(shape.position) + length(push.view.view.eye)), reach);
     reach_rectangle(push.view, bound, reach);

@@ -13,7 +13,7 @@ void main() {
     if (index > push.light_count) return;
     bool visible = index < push.light_count;
     if (visible) {
-        gpu_entity_bounds entity = push.list.list.entities.at[index];
+        gpu_entity_bounds entity = push.list.list.lights.set.entities.at[index];
         visible = entity.radius > 0.0 && (push.kinds >> entity.kind & 1u) != 0u;
         if (push.cull == 1u) visible = visible && light_in_view(push.view, entity.center, entity.radius);
     }

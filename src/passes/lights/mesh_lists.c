@@ -55,7 +55,7 @@ struct light_list mesh_lists_add(struct graph *graph, gpu_device *device, const 
         build.header->extra = scene->scene;
     }
     struct light_list list =
-        input->local_count < params->tree_lights
+        input->set.local_count < params->tree_lights
             ? cells_add(graph, input, in_view, &build)
             : add_by_tree(graph, device, input, in_view, scene, params, build.header, build.header_address);
     list.kind = GPU_LIST_ITEMS;

@@ -73,14 +73,16 @@ static struct list_copy read_lists_from(struct stage *stage, uint32_t *item_coun
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof view);
     assert_non_null(slice.data);
     memcpy(slice.data, &view, sizeof view);
-    scene.lights.view = slice.address;
-    scene.lights.width = stage->frame.width;
-    scene.lights.height = stage->frame.height;
-    struct lights_in_view in_view = lights_in_view_add(r->graph, device, &scene.lights);
+    const struct light_input input = {.set = scene.lights,
+                                      .kinds = 1u << GPU_ENTITY_LIGHT,
+                                      .view = slice.address,
+                                      .width = stage->frame.width,
+                                      .height = stage->frame.height};
+    struct lights_in_view in_view = lights_in_view_add(r->graph, device, &input);
     struct mesh_lists_params params = mesh_lists_params_default();
     params.grid.pool_capacity = 1 << 18;
     params.tree_lights = tree_lights;
-    struct light_list list = mesh_lists_add(r->graph, device, &scene.lights, &in_view, &scene.geometry, &params);
+    struct light_list list = mesh_lists_add(r->graph, device, &input, &in_view, &scene.geometry, &params);
     struct list_readback readback;
     list_readback_add(r->graph, &list, &readback);
     assert_int_equal(graph_compile(r->graph), FNL_OK);

@@ -109,7 +109,7 @@ static void add_draw(struct graph *graph, const struct raster_data *d) {
     graph_add_clear(graph, "raster clear", GRAPH_QUEUE_GRAPHICS,
                     (struct graph_clear){.buffers = {d->slots}, .word = RASTER_UNSET});
     struct graph_pass *pass = graph_add_pass(graph, "raster draw", GRAPH_QUEUE_GRAPHICS, execute_draw, d, sizeof *d);
-    graph_use_buffer(pass, d->input.buffer, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, d->input.set.buffer, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, d->in_view.ids, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, d->in_view.bounds, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, d->lights, GRAPH_READ_GRAPHICS);
@@ -127,7 +127,7 @@ static struct gpu_raster *make_block(gpu_device *device, const struct light_inpu
     *block = (struct gpu_raster){.view = input->view,
                                  .meshes = params->meshes,
                                  .points = params->points,
-                                 .light_count = input->local_count,
+                                 .light_count = input->set.local_count,
                                  .slot_capacity = params->slot_capacity,
                                  .gradient = params->gradient,
                                  .own_meshes = params->meshes != 0,
@@ -150,28 +150,28 @@ bool raster_on_hardware(const gpu_device *device, const struct raster_params *pa
 
 static void add_steps(struct graph *graph, const struct raster_data *d, uint32_t sum_count, bool draws) {
     const struct gpu_raster_push push = {d->block_address};
-    const uint32_t light_count = d->input.local_count, walks = d->tile_count * d->chunk_count;
-    ADD_STEP("raster rectangles", shader_raster_rects_comp, .groups = {DIVIDE_UP(light_count + 1, 64u)}, READS(input.buffer),
+    const uint32_t light_count = d->input.set.local_count, walks = d->tile_count * d->chunk_count;
+    ADD_STEP("raster rectangles", shader_raster_rects_comp, .groups = {DIVIDE_UP(light_count + 1, 64u)}, READS(input.set.buffer),
              READS(in_view.sums), READS(in_view.ids), READS(in_view.bounds), WRITES(lights), WRITES(slot_sums),
              WRITES(arguments));
     prefix_sum_add(graph, "raster slots", d->input.queue, d->slot_sums, light_count + 1);
     d->block->draws = draws;
     if (draws) add_draw(graph, d);
-    ADD_STEP("raster shell", shader_raster_shell_comp, .indirect = d->arguments, READS(input.buffer), READS(in_view.sums),
+    ADD_STEP("raster shell", shader_raster_shell_comp, .indirect = d->arguments, READS(input.set.buffer), READS(in_view.sums),
              READS(in_view.ids), READS(in_view.bounds), READS(lights), READS(slot_sums),
              draws ? graph_changes(NULL, d->slots) : WRITES(slots));
     ADD_STEP("raster count", shader_raster_count_comp, .groups = {walks}, SHELLS, WRITES(sums), WRITES(overflow));
     prefix_sum_add(graph, "raster cells", d->input.queue, d->sums, sum_count);
-    ADD_STEP("raster fill", shader_raster_fill_comp, .groups = {walks}, SHELLS, READS(in_view.ids), READS(input.buffer),
+    ADD_STEP("raster fill", shader_raster_fill_comp, .groups = {walks}, SHELLS, READS(in_view.ids), READS(input.set.buffer),
              READS(sums), graph_changes(NULL, d->overflow), WRITES(cells), WRITES(ids));
 }
 
 struct raster_list raster_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                               const struct lights_in_view *in_view, const struct raster_params *params) {
     struct raster_data d = {.input = *input, .in_view = *in_view};
-    struct raster_list out = {.list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer}};
-    d.nodes = raster_nodes(params, input->local_count);
-    d.header = out.list.memory = light_list_header(device, input, &out.list.header);
+    struct raster_list out = {.list = {.kind = GPU_LIST_CLUSTERS, .lights = input->set.buffer}};
+    d.nodes = raster_nodes(params, input->set.local_count);
+    d.header = light_list_header(device, input, &out.list.header);
     d.block = make_block(device, input, params, &d.block_address);
     if (!d.header || !d.block) { /* the device carries a sticky error: the frame ends in it */
         out.list.totals_known = true;
@@ -183,10 +183,10 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     d.tile_count = d.header->tiles_x * d.header->tiles_y;
     d.cell_count = d.tile_count * d.header->slices;
     uint32_t chunk_size = CHUNK;
-    while (DIVIDE_UP(input->local_count, chunk_size) > 1 &&
-           (uint64_t)d.cell_count * DIVIDE_UP(input->local_count, chunk_size) > MAX_SUMS)
+    while (DIVIDE_UP(input->set.local_count, chunk_size) > 1 &&
+           (uint64_t)d.cell_count * DIVIDE_UP(input->set.local_count, chunk_size) > MAX_SUMS)
         chunk_size *= 2;
-    d.chunk_count = MAX(DIVIDE_UP(input->local_count, chunk_size), 1u);
+    d.chunk_count = MAX(DIVIDE_UP(input->set.local_count, chunk_size), 1u);
     uint32_t capacity = pool_capacity(params, d.nodes), sum_count = d.cell_count * d.chunk_count + 1;
     d.block->list = out.list.header;
     d.block->cell_count = d.cell_count;
@@ -194,9 +194,9 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     d.block->chunk_count = d.chunk_count;
     d.block->capacity = capacity;
 
-    uint64_t lights = MAX(input->local_count, 1u);
+    uint64_t lights = MAX(input->set.local_count, 1u);
     d.lights = graph_create_buffer(graph, "raster rectangles", lights * sizeof(struct gpu_raster_light));
-    d.slot_sums = graph_create_buffer(graph, "raster slot sums", (input->local_count + 1) * 4ull);
+    d.slot_sums = graph_create_buffer(graph, "raster slot sums", (input->set.local_count + 1) * 4ull);
     d.arguments = graph_create_buffer(graph, "raster arguments", ARGUMENT_BYTES);
     d.slots = graph_create_buffer(graph, "raster slots", MAX(params->slot_capacity, 1u) * sizeof(struct gpu_raster_slot));
     d.sums = graph_create_buffer(graph, "raster sums", sum_count * 4ull);
@@ -210,7 +210,7 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     d.centers = params->centers;
     add_steps(graph, &d, sum_count, draws);
 
-    struct raster_memory memory = raster_memory(params, input->width, input->height, input->local_count);
+    struct raster_memory memory = raster_memory(params, input->width, input->height, input->set.local_count);
     out.list.kind = d.nodes == GPU_NODES_ARRAY ? GPU_LIST_CLUSTERS : GPU_LIST_LINKS;
     out.list.cells = d.cells;
     out.list.ids = d.ids;
@@ -223,7 +223,7 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     out.slots = d.slots;
     out.slot_sums = d.slot_sums;
     out.rectangles = d.lights;
-    out.slot_total_offset = input->local_count * 4ull;
+    out.slot_total_offset = input->set.local_count * 4ull;
     return out;
 }
 
@@ -258,10 +258,10 @@ struct light_list raster_add_kept(struct raster_state *state, struct graph *grap
         *(uint32_t *)wanted->mapped = 0;
     }
     params->slot_capacity = state->slot_capacity;
-    if (params->nodes == GPU_NODES_32 && raster_nodes(params, input->local_count) != GPU_NODES_32 && !state->warned) {
+    if (params->nodes == GPU_NODES_32 && raster_nodes(params, input->set.local_count) != GPU_NODES_32 && !state->warned) {
         log_warning(gpu_host(device),
                     "light lists: 32-bit nodes hold %u lights and %u links; %u lights in a pool of %u take 64-bit nodes",
-                    GPU_NODE_32_LIGHTS, GPU_NODE_32_END, input->local_count, params->grid.pool_capacity);
+                    GPU_NODE_32_LIGHTS, GPU_NODE_32_END, input->set.local_count, params->grid.pool_capacity);
         state->warned = true;
     }
     if (params->path == RASTER_PATH_HARDWARE && !raster_on_hardware(device, params) && !state->warned_path) {

@@ -45,8 +45,8 @@ light_mesh mesh_of(uint place) {
         gpu_raster_mesh own = RASTER.meshes.at[place];
         if (own.count != 0u) return light_mesh(MESH_OWN, place, 0u, own.count, own.first);
     }
-    uint shape = RASTER.list.list.entities.at[place].shape, kind = GPU_SHAPE_SPHERE;
-    if (shape != GPU_NO_SHAPE) kind = shape_at(RASTER.list, shape).shape.kind;
+    uint shape = RASTER.list.list.lights.set.entities.at[place].shape, kind = GPU_SHAPE_SPHERE;
+    if (shape != GPU_NO_SHAPE) kind = shape_at(set_of(RASTER.list), shape).shape.kind;
     if (kind == GPU_SHAPE_SPHERE) return light_mesh(MESH_SPHERE, place, 0u, 0u, 0u);
     if (kind == GPU_SHAPE_CONE) return light_mesh(MESH_CONE, place, GPU_CONE_VERTICES, GPU_CONE_TRIANGLES, 0u);
     return light_mesh(MESH_BOX, place, GPU_BOX_VERTICES, GPU_BOX_TRIANGLES, GPU_CONE_TRIANGLES);
@@ -59,8 +59,8 @@ vec3 to_view(vec3 world) {
 
 // Vertex of a cone or a box.
 vec3 mesh_vertex(light_mesh mesh, uint index) {
-    gpu_entity_bounds entity = RASTER.list.list.entities.at[mesh.place];
-    gpu_shape shape = shape_of(RASTER.list, entity);
+    gpu_entity_bounds entity = RASTER.list.list.lights.set.entities.at[mesh.place];
+    gpu_shape shape = shape_of(set_of(RASTER.list), entity);
     if (mesh.kind == MESH_BOX) {
         vec3 corners[8];
         shape_corners(shape, entity.center, entity.radius, corners);

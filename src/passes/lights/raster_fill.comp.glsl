@@ -26,8 +26,8 @@ void write(uint cell, uint place, uint light) {
     if (NODES == GPU_NODES_32) {
         RASTER.ids.at[place] = light << 20 | (last ? GPU_NODE_32_END : place + 1u);
     } else {
-        uint shape = RASTER.list.list.entities.at[light].shape;
-        uint kind = shape == GPU_NO_SHAPE ? GPU_SHAPE_SPHERE : shape_at(RASTER.list, shape).shape.kind;
+        uint shape = RASTER.list.list.lights.set.entities.at[light].shape;
+        uint kind = shape == GPU_NO_SHAPE ? GPU_SHAPE_SPHERE : shape_at(set_of(RASTER.list), shape).shape.kind;
         RASTER.ids.at[2u * place] = kind << 24 | light;
         RASTER.ids.at[2u * place + 1u] = last ? GPU_NODE_END : place + 1u;
     }

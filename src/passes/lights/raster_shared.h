@@ -4,7 +4,7 @@
 #define FNL_PASSES_RASTER_SHARED_H
 
 #include "shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 /*
  * Unit meshes. Cones: apex, rim, a second ring where the plane that touches the cap in its middle begins, and that middle; vertices are

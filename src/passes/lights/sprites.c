@@ -18,32 +18,33 @@ struct sprites_data {
     struct gpu_graphics_params state;
 };
 
-static struct gpu_sprites_push push_of(const struct light_input *input, float lod) {
-    return (struct gpu_sprites_push){.view = input->view,
-                                     .lights = input->lights,
-                                     .bounds = input->entities,
-                                     .directional_count = input->directional_count,
-                                     .local_count = input->local_count,
+static struct gpu_sprites_push push_of(VkDeviceAddress view, const struct light_set *set, float lod) {
+    return (struct gpu_sprites_push){.view = view,
+                                     .lights = set->lights,
+                                     .bounds = set->entities,
+                                     .directional_count = set->directional_count,
+                                     .local_count = set->local_count,
                                      .lod = lod};
 }
 
-void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *lights,
+void light_fade_add(struct graph *graph, gpu_device *device, VkDeviceAddress view, struct light_set *set, const struct gpu_buffer *lights,
                     const struct gpu_buffer *bounds, float lod) {
-    const uint32_t count = input->directional_count + input->local_count;
+    const uint32_t count = set->directional_count + set->local_count;
     if (count == 0) return;
     graph_buffer faded = graph_import_buffer(graph, "faded lights", lights);
-    struct gpu_sprites_push push = push_of(input, lod);
+    struct gpu_sprites_push push = push_of(view, set, lod);
     push.faded_bounds = bounds->address;
     graph_dispatch(graph,
                    &(struct graph_dispatch){.name = "fade lights",
                                             .pipeline = {.shader = &shader_sprites_fade_comp},
                                             .groups = {DIVIDE_UP(count, 64u)},
                                             GRAPH_PUSH(push),
-                                            GRAPH_ROWS(graph_reads(NULL, input->buffer), graph_writes(&push.faded, faded))});
-    input->buffer = faded;
-    input->lights = lights->address;
-    input->shapes = lights->address + input->directional_count * sizeof(struct gpu_light);
-    input->entities = bounds->address;
+                                            GRAPH_ROWS(graph_reads(NULL, set->buffer), graph_writes(&push.faded, faded))});
+    set->buffer = faded;
+    set->lights = lights->address;
+    set->shapes = lights->address + set->directional_count * sizeof(struct gpu_light);
+    set->entities = bounds->address;
+    light_set_send(device, set);
 }
 
 static void execute_sprites(const struct graph_context *context, const void *data) {
@@ -53,10 +54,10 @@ static void execute_sprites(const struct graph_context *context, const void *dat
     gpu_draw(context->commands, 4, d->push.local_count, 0, 0);
 }
 
-void sprites_add(struct graph *graph, const struct light_input *lights, float lod, graph_image radiance, graph_image depth) {
+void sprites_add(struct graph *graph, VkDeviceAddress view, const struct light_set *lights, float lod, graph_image radiance, graph_image depth) {
     if (lights->local_count == 0) return;
     struct graph_image_params target = graph_image_info(graph, radiance);
-    struct sprites_data data = {.push = push_of(lights, lod)};
+    struct sprites_data data = {.push = push_of(view, lights, lod)};
     data.state = (struct gpu_graphics_params){.vertex = &shader_sprites_vert,
                                               .fragment = &shader_sprites_frag,
                                               .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP,

@@ -19,13 +19,13 @@
 float light_fade(const struct gpu_view *view, const struct gpu_entity_bounds *bounds, float lod);
 
 /**
- * Copies the lights to `lights` and their bounds to `bounds`, faded, and makes `input` refer to the copies, which have room for as many as
+ * Copies the lights to `lights` and their bounds to `bounds`, faded for a view, and makes `set` refer to the copies, which have room for as many as
  * the originals and live as long as the frame.
  */
-void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *lights,
+void light_fade_add(struct graph *graph, gpu_device *device, VkDeviceAddress view, struct light_set *set, const struct gpu_buffer *lights,
                     const struct gpu_buffer *bounds, float lod);
 
 /** Draws the sprites of `lights` (those before fading) over what is opaque. `radiance` and `depth` may be multisampled. */
-void sprites_add(struct graph *graph, const struct light_input *lights, float lod, graph_image radiance, graph_image depth);
+void sprites_add(struct graph *graph, VkDeviceAddress view, const struct light_set *lights, float lod, graph_image radiance, graph_image depth);
 
 #endif

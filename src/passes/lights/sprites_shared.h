@@ -3,7 +3,7 @@
 #define FNL_PASSES_SPRITES_SHARED_H
 
 #include "shared.h"
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 /* Part of the light that the surfaces round it are taken to reflect. */
 #define SPRITE_ALBEDO 0.3

@@ -329,13 +329,13 @@ static VkDeviceAddress send(gpu_device *device, const void *data, uint64_t size)
 struct light_list light_tree_add(struct light_tree *builder, gpu_device *device, const struct light_input *input,
                                  const struct gpu_entity_bounds *bounds, const struct gpu_view *view,
                                  const struct light_tree_params *params) {
-    struct light_list list = {.kind = GPU_LIST_TREE, .lights = input->buffer, .totals_known = true};
+    struct light_list list = {.kind = GPU_LIST_TREE, .lights = input->set.buffer, .totals_known = true};
     struct gpu_light_list *header = light_list_header(device, input, &list.header);
     if (!header) return list;
     header->tile_size = params->tile_size;
     header->tiles_x = DIVIDE_UP(input->width, params->tile_size);
     header->tiles_y = DIVIDE_UP(input->height, params->tile_size);
-    if (light_tree_see(builder, bounds, input->local_count, input->kinds, view) != FNL_OK ||
+    if (light_tree_see(builder, bounds, input->set.local_count, input->kinds, view) != FNL_OK ||
         light_tree_build(builder, gpu_jobs(device), header, view, params->hybrid) != FNL_OK) {
         gpu_fail(device, FNL_ERROR_MEMORY);
         return list;

@@ -124,7 +124,7 @@ static void test_walks_skip_subtrees_ES_66(void **state) {
     for (uint32_t spoiled = 0; spoiled < 2; spoiled++) {
         struct list_lab lab = list_lab_open(&view, lights, LIGHTS);
         list_lab_begin(&lab);
-        struct light_list list = {.kind = GPU_LIST_TREE, .lights = lab.input.buffer};
+        struct light_list list = {.kind = GPU_LIST_TREE, .lights = lab.input.set.buffer};
         struct gpu_light_list *header = light_list_header(device, &lab.input, &list.header);
         assert_non_null(header);
         header->tile_size = 16;

@@ -209,7 +209,7 @@ static fnl_result rebuild(struct world_grid *grid, gpu_device *device, const str
                           const struct gpu_entity_bounds *bounds, const struct box *scene, const struct world_grid_params *params,
                           struct upload_data *upload) {
     grid->version = UINT64_MAX;
-    TRY(world_grid_build(grid, bounds, input->local_count, input->kinds, scene, params));
+    TRY(world_grid_build(grid, bounds, input->set.local_count, input->kinds, scene, params));
     upload->sizes[0] = grid->cells.count * sizeof(struct gpu_cell);
     upload->sizes[1] = grid->ids.count * 4ull;
     TRY(keep(device, "world cells", &grid->cell_buffer, upload->sizes[0]));
@@ -227,7 +227,7 @@ static fnl_result rebuild(struct world_grid *grid, gpu_device *device, const str
 struct light_list world_grid_add(struct world_grid *grid, struct graph *graph, gpu_device *device,
                                  const struct light_input *input, const struct gpu_entity_bounds *bounds, uint64_t version,
                                  const struct box *scene, const struct world_grid_params *params) {
-    struct light_list list = {.kind = GPU_LIST_WORLD, .lights = input->buffer, .totals_known = true};
+    struct light_list list = {.kind = GPU_LIST_WORLD, .lights = input->set.buffer, .totals_known = true};
     struct gpu_light_list *header = light_list_header(device, input, &list.header);
     struct upload_data upload = {0};
     const struct world_grid_params *p = &grid->params;

@@ -24,17 +24,17 @@ static uint32_t tile_size_of(const struct light_input *input, const struct zbin_
 }
 
 uint32_t zbin_zones(const struct light_input *input, const struct zbin_params *params) {
-    const uint64_t group_count = DIVIDE_UP(input->local_count, ZBIN_GROUP);
+    const uint64_t group_count = DIVIDE_UP(input->set.local_count, ZBIN_GROUP);
     const uint32_t size = tile_size_of(input, params, group_count);
     const uint64_t records = (uint64_t)DIVIDE_UP(input->width, size) * DIVIDE_UP(input->height, size) * group_count;
-    uint32_t zones = CLAMP(input->local_count / ZONE_LIGHTS, 1u, MIN((uint32_t)ZONES, params->bins));
+    uint32_t zones = CLAMP(input->set.local_count / ZONE_LIGHTS, 1u, MIN((uint32_t)ZONES, params->bins));
     while (zones > 1 && records * zones > ZONE_MAX_RECORDS) zones /= 2;
     return zones;
 }
 
 struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                            const struct lights_in_view *in_view, const struct zbin_params *params) {
-    uint64_t group_count = DIVIDE_UP(input->local_count, ZBIN_GROUP);
+    uint64_t group_count = DIVIDE_UP(input->set.local_count, ZBIN_GROUP);
     VkDeviceAddress address;
     struct gpu_light_list *header = light_list_header(device, input, &address);
     uint32_t cell_count = 1;
@@ -60,10 +60,10 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
         graph_put_address(graph, &header->extra, in_view->ids);
     }
 
-    const uint32_t light_words = DIVIDE_UP(input->local_count, 32u);
+    const uint32_t light_words = DIVIDE_UP(input->set.local_count, 32u);
     const struct gpu_zbin_push common = {.view = input->view,
                                          .list = address,
-                                         .light_count = input->local_count,
+                                         .light_count = input->set.local_count,
                                          .cell_count = cell_count,
                                          .capacity = params->pool_capacity};
     struct gpu_zbin_push push = common;
@@ -89,9 +89,8 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
              graph_reads(NULL, in_view->ids), graph_reads(&push.table, table), graph_changes(&push.pool, pool));
 
     return (struct light_list){.kind = GPU_LIST_BINS,
-                               .lights = input->buffer,
+                               .lights = input->set.buffer,
                                .header = address,
-                               .memory = header,
                                .cells = table,
                                .ids = pool,
                                .extra = in_view->ids,

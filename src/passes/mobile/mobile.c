@@ -116,7 +116,7 @@ struct targets {
 struct step_data {
     struct targets targets;
     bool merged;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
     struct gpu_mobile_push push;
@@ -158,7 +158,7 @@ static struct gpu_graphics_params screen_state(const struct gpu_shader *fragment
 struct gbuffer_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     enum geometry_set set;
     struct gpu_graphics_params state;
@@ -168,7 +168,7 @@ static void execute_geometry(const struct graph_context *context, const void *da
     const struct gbuffer_data *d = data;
     geometry_draw(context, d->scene, &d->draws, d->set, &d->state, NULL,
                   (struct gpu_geometry_push){.view = d->view,
-                                             .lights = d->lights,
+                                             .lighting = d->lighting,
                                              .counters = d->counters.id ? graph_address(context, d->counters) : 0});
 }
 
@@ -181,7 +181,7 @@ static void add_gbuffer(struct graph *graph, const struct shade_input *input, bo
     data.state =
         (struct gpu_graphics_params){.fragment = shaders[params->layout],
                                      .constant_count = GAMMA_ID + 1,
-                                     .constants = {[LISTS_ID] = environment_kind(&input->environment), [HAS_LIGHTS_ID] = 1,
+                                     .constants = {[LIGHTING_ID] = environment_kind(&input->environment), [HAS_LIGHTS_ID] = 1,
                                                    [HAS_METAL_ID] = 1, [GAMMA_ID] = (uint32_t)params->gamma},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
@@ -230,7 +230,7 @@ static void add_decals(struct graph *graph, const struct shade_input *input, con
                              .state = screen_state(shaders[params->layout][merged])};
     data.push.view = input->view;
     data.state.constant_count = GAMMA_ID + 1;
-    data.state.constants[LISTS_ID] = environment_kind(&input->environment);
+    data.state.constants[LIGHTING_ID] = environment_kind(&input->environment);
     data.state.constants[HAS_LIGHTS_ID] = data.state.constants[HAS_METAL_ID] = 1;
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
     uint32_t changed[MOBILE_TARGETS], count = 0;
@@ -267,16 +267,16 @@ static void add_lights(struct graph *graph, const struct shade_input *input, con
                              .reads = (1u << layout->target_count) - 1,
                              .state = screen_state(shaders[params->layout][merged])};
     data.push.view = input->view;
-    data.push.lights = input->lights->header;
+    data.push.lighting = input->lighting->address;
     data.state.constant_count = GAMMA_ID + 1;
-    data.state.constants[LISTS_ID] = input->lights->kind;
+    data.state.constants[LIGHTING_ID] = input->lighting->bits;
     data.state.constants[COUNT_LIGHTS_ID] = input->counters.id != 0;
     data.state.constants[HAS_LIGHTS_ID] = data.state.constants[HAS_METAL_ID] = 1;
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
     set_formats(&data.state, layout, layout->lights, layout->light_count);
     struct graph_pass *pass =
         graph_add_pass(graph, "mobile lights", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     for (uint32_t i = 0; i < layout->target_count; i++) {
         if (is_light(layout, i))
@@ -326,7 +326,7 @@ static void add_volumes(struct graph *graph, const struct shade_input *input, co
                                .counters = input->counters,
                                .state = {.fragment = shaders[params->layout][merged],
                                          .constant_count = VOLUME_BOUND_DEPTHS_ID + 1,
-                                         .constants = {[LISTS_ID] = volumes->list.kind, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1,
+                                         .constants = {[LIGHTING_ID] = volumes->lighting.bits, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1,
                                                        [HAS_METAL_ID] = 1},
                                          .color_count = 1,
                                          .color_formats = {graph_image_info(graph, sum).format},
@@ -370,13 +370,13 @@ static void add_glass(struct graph *graph, const struct shade_input *input, grap
     struct gbuffer_data data = {.scene = input->scene,
                                 .draws = *input->draws,
                                 .view = input->view,
-                                .lights = input->lights->header,
+                                .lighting = input->lighting->address,
                                 .counters = input->counters,
                                 .set = GEOMETRY_BLEND};
     data.state = (struct gpu_graphics_params){.fragment = layout->wide ? &shader_mobile_glass_wide_frag
                                                                        : &shader_mobile_glass_narrow_frag,
                                               .constant_count = 2,
-                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                              .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .blends = {GPU_BLEND_ALPHA, GPU_BLEND_ALPHA},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
                                               .depth_test = true,
@@ -386,7 +386,7 @@ static void add_glass(struct graph *graph, const struct shade_input *input, grap
     struct graph_pass *pass =
         graph_add_pass(graph, "mobile blend", GRAPH_QUEUE_GRAPHICS, execute_geometry, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_BLEND);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     for (uint32_t i = 0; i < layout->light_count; i++)
         graph_color(pass, targets->images[layout->lights[i]], VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
@@ -484,7 +484,7 @@ struct mobile_result mobile_add(struct graph *graph, const struct shade_input *i
     result.merged = graph_begin_scope(graph, &scope);
     add_gbuffer(graph, input, prepass, depth, params, &targets);
     if (decals) add_decals(graph, input, params, result.merged, decals, &targets);
-    if (input->lights) add_lights(graph, input, params, result.merged, &targets);
+    if (input->lighting) add_lights(graph, input, params, result.merged, &targets);
     if (volumes) {
         add_volumes(graph, input, volumes, params, result.merged, depth, sum, &targets);
         add_sum(graph, input, result.merged, sum, &targets);

@@ -22,7 +22,7 @@ void main() {
         ivec2 pixel = ivec2(gl_FragCoord.xy);
         float view_depth;
         surface s = mobile_surface(g, push.view, pixel, view_depth);
-        vec3 sum = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
+        vec3 sum = shade_surface(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
         light = min(light + mobile_scaled(push.view, sum), vec3(push.view.view.frame.frame.light_max));
     }
 #ifdef MOBILE_WIDE

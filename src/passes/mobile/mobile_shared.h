@@ -19,7 +19,7 @@
 
 struct gpu_mobile_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     uint images[MOBILE_MOST_TARGETS]; /* separate passes: the targets as sampled images */
     float factor;                     /* of radiance, for the picture */

@@ -29,15 +29,15 @@ void main() {
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
     vec3 to_light;
-    vec3 illuminance = light_reach(push.list, push.list.list.directional_count + in_light, s.position, to_light);
+    vec3 illuminance = light_reach(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, s.position, to_light);
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
-    if (LIST_SHADOWED)
-        illuminance *= light_visibility(push.list, push.list.list.directional_count + in_light, shadowed_point_of(push.list, s.position, s.normal), to_light, false);
+    if (LIGHTING_SHADOWED)
+        illuminance *= light_visibility(push.lighting, push.lighting.scope.lights.directional_count + in_light, shadowed_point_of(push.lighting, s.position, s.normal), to_light, false);
     count_rays(push.view, push.counters);
     brdf_view b = brdf_prepare(s, to_viewer(push.view, s.position));
     brdf_lobes lobes;
     vec3 sum = vec3(0.0);
-    if (light_brdf_lobes(push.list, push.list.list.directional_count + in_light, s.position, s.normal, b, to_light, lobes)) sum = illuminance * brdf_cos_of(s, lobes);
+    if (light_brdf_lobes(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, s.position, s.normal, b, to_light, lobes)) sum = illuminance * brdf_cos_of(s, lobes);
     out_sum = vec4(mobile_scaled(push.view, sum), 0.0);
 }

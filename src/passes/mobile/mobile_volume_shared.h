@@ -7,7 +7,7 @@
 /* Begins as struct gpu_volume_head does. */
 struct gpu_mobile_volume_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(const_uint_array) ids;
     ADDRESS(uint_array) counters;
     uint images[MOBILE_MOST_TARGETS]; /* separate passes: the targets as sampled images */

@@ -12,7 +12,7 @@ void main() {
     surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     if (!is_shown(materials, hole)) discard;
-    vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, uvec2(gl_FragCoord.xy),
+    vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lighting, push.geometry.counters, uvec2(gl_FragCoord.xy),
                                   view_depth_at(s.position), in_ids.y);
     out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
 }

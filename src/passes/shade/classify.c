@@ -15,13 +15,13 @@ struct shade_classes classify_add(struct graph *graph, const struct shade_input 
                                 .block_size = block_size,
                                 .block_count = count};
     const struct gpu_classify_push common = {.view = input->view,
-                                             .lights = input->lights->header,
+                                             .lighting = input->lighting->address,
                                              .block_size = block_size,
                                              .blocks_x = DIVIDE_UP(input->width, block_size),
                                              .block_count = count};
     struct gpu_classify_push push = common;
     push.gbuffer = gbuffer_block(gbuffer);
-    struct gpu_compute_params pipeline = {&shader_classify_mark_comp, 1, {input->lights->kind}};
+    struct gpu_compute_params pipeline = {&shader_classify_mark_comp, 1, {input->lighting->bits}};
     gbuffer_specialise(gbuffer, pipeline.constants, &pipeline.constant_count);
     struct graph_pass *pass = graph_dispatch(
         graph,
@@ -31,13 +31,13 @@ struct shade_classes classify_add(struct graph *graph, const struct shade_input 
                                  GRAPH_PUSH(push),
                                  GRAPH_ROWS(graph_writes(&push.classes, classes), graph_writes(&push.sums, out.sums))});
     gbuffer_add_rows(pass, &push.gbuffer, gbuffer, GRAPH_SAMPLE_COMPUTE);
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
     prefix_sum_add(graph, "classes", GRAPH_QUEUE_GRAPHICS, out.sums, count * SHADE_CLASSES + 1);
     push = common;
     graph_dispatch(graph,
                    &(struct graph_dispatch){
                        .name = "classify fill",
-                       .pipeline = {&shader_classify_fill_comp, 1, {input->lights->kind}},
+                       .pipeline = {&shader_classify_fill_comp, 1, {input->lighting->bits}},
                        .groups = {DIVIDE_UP(MAX(count, SHADE_CLASSES + 1), 64u)},
                        GRAPH_PUSH(push),
                        GRAPH_ROWS(graph_reads(&push.classes, classes), graph_reads(&push.sums, out.sums),

@@ -31,9 +31,9 @@ void main() {
             surface s = gbuffer_surface(push.gbuffer, ivec2(pixel), position, vec3(0.0));
             if (s.base_color != vec3(0.0) || s.dielectric_f0 != vec3(0.0) || s.dielectric_f90 != 0.0 || s.layered) {
                 bits = shaded | SHADE_FULL;
-                light_cursor cursor = lights_begin(push.lights, light_point(pixel, view_depth, position, s.normal, LIGHT_NO_ITEM));
+                light_cursor cursor = lights_begin(list_of(push.lighting), light_point(pixel, view_depth, position, s.normal, LIGHT_NO_ITEM));
                 uint light;
-                if (lights_next(push.lights, cursor, light)) bits |= SHADE_LIGHTS;
+                if (lights_next(list_of(push.lighting), cursor, light)) bits |= SHADE_LIGHTS;
                 if (s.metallic > 0.0) bits |= SHADE_METAL;
             }
         }

@@ -14,7 +14,7 @@
 
 struct gpu_classify_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) classes;    /* one per block */
     ADDRESS(uint_array) sums;       /* class * block_count + block, and one more: 1 where the block is of the class, then prefix sums */
     ADDRESS(uint_array) blocks;     /* their indices, class after class */

@@ -66,9 +66,9 @@ struct coarse_data {
     struct gbuffer gbuffer;
     graph_image target, ao;
     graph_buffer counts, blocks, words, counters;
-    VkDeviceAddress lights, settings;
+    VkDeviceAddress lighting, settings;
     struct coarse_params params;
-    uint32_t kind, groups_x, groups_y;
+    uint32_t bits, groups_x, groups_y;
 };
 
 static bool has_samplers(const struct coarse_params *p) {
@@ -101,7 +101,7 @@ static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data
     struct gpu_compute_params pipeline = {
         .shader = shader,
         .constant_count = 10,
-        .constants = {[LISTS_ID] = d->kind,
+        .constants = {[LIGHTING_ID] = d->bits,
                       [COUNT_LIGHTS_ID] = d->counters.id != 0,
                       [HAS_LIGHTS_ID] = 1,
                       [HAS_METAL_ID] = 1,
@@ -111,7 +111,7 @@ static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data
                       [COARSE_FLAGS_ID] = flags}};
     gbuffer_specialise(&d->gbuffer, pipeline.constants, &pipeline.constant_count);
     const graph_image *extras = d->gbuffer.extras;
-    struct gpu_coarse_push push = {.lights = d->lights, .gbuffer = gbuffer_block(&d->gbuffer), .settings = d->settings};
+    struct gpu_coarse_push push = {.lighting = d->lighting, .gbuffer = gbuffer_block(&d->gbuffer), .settings = d->settings};
     _Static_assert(sizeof push <= GPU_PUSH_BYTES, "it is pushed");
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = name,
@@ -195,11 +195,11 @@ struct coarse coarse_add(struct graph *graph, gpu_device *device, const struct s
     find_blocks(graph, data);
     if (params->options.ao_radius > 0) data.ao = find_openness(graph, input, data);
     data.counts = data.words = (graph_buffer){0};
-    data.lights = input->lights->header;
-    data.kind = input->lights->kind;
+    data.lighting = input->lighting->address;
+    data.bits = input->lighting->bits;
     data.counters = input->counters;
     struct graph_pass *pass =
         add_pass(graph, &data, "coarse", has_fovea(&params->options) ? &shader_coarse_fovea_comp : &shader_coarse_comp, GRAPH_READ_COMPUTE, GRAPH_READ_WRITE_COMPUTE);
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
     return coarse;
 }

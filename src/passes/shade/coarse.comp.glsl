@@ -78,8 +78,8 @@ coarse_light ambient_parts(surface s, vec3 to_view) {
 
 // Lights whose illuminance ends at an edge that shows: cones, wedges, boxes. That of points and capsules fades out to nothing.
 bool has_edge(uint light) {
-    uint kind = push.lights.list.lights.at[light].shape.kind;
-    return kind != GPU_SHAPE_SPHERE && kind != GPU_SHAPE_CAPSULE || push.lights.list.lights.at[light].shape.hull_count != 0u;
+    uint kind = push.lighting.scope.lights.lights.at[light].shape.kind;
+    return kind != GPU_SHAPE_SPHERE && kind != GPU_SHAPE_CAPSULE || push.lighting.scope.lights.lights.at[light].shape.hull_count != 0u;
 }
 
 // `parts` of the light at a pixel's surface. The sum of the parts is what shade_surface() gives but for the order of its additions.
@@ -91,28 +91,28 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     float diffuse_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts & PART_SLOW) : 1.0;
     float rest_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts >> 1u & 1u) : 1.0;
     bool is_slow = (parts & PART_SLOW) != 0u;
-    shadowed_point shadowed = shadowed_point_of(push.lights, s.position, s.normal);
+    shadowed_point shadowed = shadowed_point_of(push.lighting, s.position, s.normal);
     brdf_lobes lobes;
-    uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lights.list.directional_count;
+    uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lighting.scope.lights.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        vec3 to_sun, color = sun_reach(push.lights, i, to_sun);
+        vec3 to_sun, color = sun_reach(lights_of(push.lighting), i, to_sun);
         if (!brdf_lobes_of(s.normal, b, to_sun, lobes)) continue;
         coarse_light f = brdf_parts(s, lobes);
-        if (LIST_SHADOWED) color *= light_visibility(push.lights, i, shadowed, to_sun, true);
+        if (LIGHTING_SHADOWED) color *= light_visibility(push.lighting, i, shadowed, to_sun, true);
         sum.by_color += color * f.by_color * diffuse_weight;
         sum.rest += color * f.rest * rest_weight;
     }
-    light_cursor cursor = lights_begin(push.lights, light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
+    light_cursor cursor = lights_begin(list_of(push.lighting), light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
     uint visited = 0u, useful = 0u;
-    FOR_EACH_LIGHT(push.lights, cursor, light) {
+    FOR_EACH_LIGHT(list_of(push.lighting), cursor, light) {
         bool wanted = SPLIT != COARSE_SPLIT_SHARP || (parts & (has_edge(light) ? PART_PIXEL : PART_SLOW)) != 0u;
         vec3 to_light, illuminance = vec3(0.0);
-        if (wanted) illuminance = light_reach(push.lights, light, s.position, to_light);
+        if (wanted) illuminance = light_reach(lights_of(push.lighting), light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
-            if (LIST_SHADOWED) illuminance *= light_visibility(push.lights, light, shadowed, to_light, false);
+            if (LIGHTING_SHADOWED) illuminance *= light_visibility(push.lighting, light, shadowed, to_light, false);
             if (COUNT_LIGHTS == 1u) useful++;
-            if (!light_brdf_lobes(push.lights, light, s.position, s.normal, b, to_light, lobes)) continue;
+            if (!light_brdf_lobes(lights_of(push.lighting), light, s.position, s.normal, b, to_light, lobes)) continue;
             coarse_light f = brdf_parts(s, lobes);
             sum.by_color += illuminance * f.by_color * diffuse_weight;
             sum.rest += illuminance * f.rest * rest_weight;
@@ -185,7 +185,7 @@ void main() {
             surface s = surface_at(pixel, view_depth, is_shared, first, side);
             coarse_light light;
             if (SPLIT == COARSE_SPLIT_NONE)
-                light = coarse_light(vec3(0.0), shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth,
+                light = coarse_light(vec3(0.0), shade_surface(s, push.gbuffer.view, push.lighting, push.counters, uvec2(pixel), view_depth,
                                                               LIGHT_NO_ITEM));
             else
                 light = light_parts(s, uvec2(pixel), view_depth, is_shared ? PART_SLOW : PART_SLOW | PART_PIXEL);

@@ -73,7 +73,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer coa
 #endif
 
 struct gpu_coarse_push {
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters; /* of lights; of the pass for occlusion: COARSE_COUNTS */
     STRUCT(gpu_gbuffer) gbuffer;
     ADDRESS(coarse_settings_block) settings;

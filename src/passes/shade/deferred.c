@@ -13,9 +13,9 @@ void deferred_add(struct graph *graph, const struct shade_input *input, const st
     struct gpu_compute_params pipeline = {
         &shader_deferred_comp,
         BLOCK_SIZE_ID + 1,
-        {[LISTS_ID] = input->lights->kind | (keeps_apart ? GPU_LIST_DENOISED : 0) | (guided ? GPU_LIST_GUIDED : 0), [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [BLOCK_SIZE_ID] = c->block_size}};
+        {[LIGHTING_ID] = input->lighting->bits | (keeps_apart ? GPU_LIGHTING_DENOISED : 0) | (guided ? GPU_LIGHTING_GUIDED : 0), [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [BLOCK_SIZE_ID] = c->block_size}};
     gbuffer_specialise(gbuffer, pipeline.constants, &pipeline.constant_count);
-    struct gpu_deferred_push push = {.lights = input->lights->header,
+    struct gpu_deferred_push push = {.lighting = input->lighting->address,
                                      .gbuffer = gbuffer_block(gbuffer),
                                      .block_count = c->block_count};
     /* Systems reset a device that stays with one piece of work for seconds; here every pixel might visit every light. */
@@ -55,5 +55,5 @@ void deferred_add(struct graph *graph, const struct shade_input *input, const st
         graph_add_row(pass, graph_row_if(classes, graph_reads(&push.sums, c->sums)));
         graph_add_row(pass, graph_row_if(classes, graph_reads(&push.blocks, c->blocks)));
     }
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
 }

@@ -47,7 +47,7 @@ void main() {
     if (any(greaterThanEqual(uvec2(pixel), push.gbuffer.view.view.size))) return;
     float depth = gbuffer_depth(push.gbuffer, pixel);
     if (IS_FULL == 0u && (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel))) { // sky keeps the background
-        if (LIST_DENOISED) {
+        if (LIGHTING_DENOISED) {
             imageStore(images[push.open], pixel, vec4(0.0, 0.0, 0.0, DENOISE_SKY));
             imageStore(images[push.field], pixel, vec4(0.0));
         }
@@ -56,8 +56,8 @@ void main() {
     float view_depth = view_depth_of(push.gbuffer.view, depth);
     vec3 emissive = imageLoad(images[push.radiance], pixel).rgb;
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(push.gbuffer.view, pixel, view_depth), emissive);
-    if (LIST_GUIDED) guide = guide_of(push.guide_weights, push.guide_seen, pixel);
-    vec3 radiance = shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
-    if (LIST_DENOISED) store_apart(pixel, s.normal);
+    if (LIGHTING_GUIDED) guide = guide_of(push.guide_weights, push.guide_seen, pixel);
+    vec3 radiance = shade_surface(s, push.gbuffer.view, push.lighting, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
+    if (LIGHTING_DENOISED) store_apart(pixel, s.normal);
     imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.gbuffer.view.view.frame.frame.hdr_max)), 1.0));
 }

@@ -8,15 +8,15 @@ struct msaa_data {
     struct edges edges;
     graph_image radiance;
     graph_buffer counters, results;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     VkFormat format;
-    uint32_t kind, method, step, width, height, samples, slots;
+    uint32_t bits, method, step, width, height, samples, slots;
     bool merged;
 };
 
 static void set_constants(const struct msaa_data *d, uint32_t *count, uint32_t *constants) {
     bool floats = d->format == VK_FORMAT_R32G32B32A32_SFLOAT;
-    const uint32_t values[14] = {[LISTS_ID] = d->kind,
+    const uint32_t values[14] = {[LIGHTING_ID] = d->bits,
                                  [COUNT_LIGHTS_ID] = d->counters.id != 0,
                                  [HAS_LIGHTS_ID] = 1,
                                  [HAS_METAL_ID] = 1,
@@ -31,7 +31,7 @@ static void set_constants(const struct msaa_data *d, uint32_t *count, uint32_t *
 }
 
 static struct gpu_deferred_msaa_push push_of(const struct msaa_data *d) {
-    return (struct gpu_deferred_msaa_push){.view = d->view, .lights = d->lights, .gbuffer = gbuffer_block(&d->gbuffer)};
+    return (struct gpu_deferred_msaa_push){.view = d->view, .lighting = d->lighting, .gbuffer = gbuffer_block(&d->gbuffer)};
 }
 
 /* ---- shading ---- */
@@ -56,7 +56,7 @@ static void add_step(struct graph *graph, const char *name, const struct shade_i
                               graph_row_if(counts, graph_changes(&push.counters, d->counters)),
                               graph_row_if(counts, graph_changes(&push.counts, d->edges.counts)))});
     gbuffer_add_rows(pass, &push.gbuffer, &d->gbuffer, GRAPH_SAMPLE_COMPUTE);
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
 }
 
 /* ---- spreading ---- */
@@ -97,9 +97,9 @@ struct edges deferred_msaa_add(struct graph *graph, const struct shade_input *in
                              .radiance = radiance,
                              .counters = input->counters,
                              .view = input->view,
-                             .lights = input->lights->header,
+                             .lighting = input->lighting->address,
                              .format = target.format,
-                             .kind = input->lights->kind,
+                             .bits = input->lighting->bits,
                              .method = params->method,
                              .width = input->width,
                              .height = input->height,

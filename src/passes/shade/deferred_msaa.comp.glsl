@@ -67,7 +67,7 @@ void shade_samples(ivec2 pixel, uint samples, uint result) {
     surface s = MERGED == 1u
                     ? mean_surface(pixel, samples, position)
                     : gbuffer_surface(push.gbuffer, pixel, first, position, stored_emission(pixel, first));
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
+    vec3 radiance = shade_surface(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
     store_result(push.results, result, min(radiance, vec3(push.view.view.frame.frame.hdr_max)));
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
 }

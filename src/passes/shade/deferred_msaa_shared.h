@@ -23,7 +23,7 @@
  */
 struct gpu_deferred_msaa_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     ADDRESS(uint_array) surfaces;  /* edges_shared.h */
     ADDRESS(uint_array) sums;

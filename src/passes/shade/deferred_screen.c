@@ -7,14 +7,14 @@
 struct screen_data {
     struct gbuffer gbuffer;
     graph_image emission; /* id 0: this is the pass that lays the stencil down */
-    VkDeviceAddress lights;
+    VkDeviceAddress lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
 };
 
 static void execute_screen(const struct graph_context *context, const void *data) {
     const struct screen_data *d = data;
-    struct gpu_deferred_screen_push push = {.lights = d->lights,
+    struct gpu_deferred_screen_push push = {.lighting = d->lighting,
                                             .counters = d->counters.id ? graph_address(context, d->counters) : 0,
                                             .gbuffer = gbuffer_handles(context, &d->gbuffer),
                                             .emission = d->emission.id ? graph_sampled(context, d->emission) : 0};
@@ -53,15 +53,15 @@ graph_image deferred_screen_add(struct graph *graph, const struct shade_input *i
     data.state.stencil = (struct gpu_stencil){1, VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_KEEP, 1};
     data.state.color_count = 1;
     data.state.color_formats[0] = params.format;
-    data.state.constants[LISTS_ID] = input->lights->kind;
+    data.state.constants[LIGHTING_ID] = input->lighting->bits;
     data.state.constants[COUNT_LIGHTS_ID] = input->counters.id != 0;
     data.emission = radiance;
-    data.lights = input->lights->header;
+    data.lighting = input->lighting->address;
     data.counters = input->counters;
     pass = graph_add_pass(graph, "deferred", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
     gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
     graph_use_image(pass, radiance, GRAPH_SAMPLE_FRAGMENT);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, lit, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, stencil);

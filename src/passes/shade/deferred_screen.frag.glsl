@@ -17,6 +17,6 @@ void main() {
     float view_depth = view_depth_of(push.gbuffer.view, gbuffer_depth(push.gbuffer, pixel));
     vec3 emissive = texelFetch(textures[push.emission], pixel, 0).rgb;
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(push.gbuffer.view, pixel, view_depth), emissive);
-    vec3 radiance = shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
+    vec3 radiance = shade_surface(s, push.gbuffer.view, push.lighting, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
     out_radiance = vec4(min(radiance, vec3(push.gbuffer.view.view.frame.frame.hdr_max)), 1.0);
 }

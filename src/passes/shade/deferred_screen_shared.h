@@ -5,7 +5,7 @@
 #include "gbuffer_shared.h"
 
 struct gpu_deferred_screen_push {
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     STRUCT(gpu_gbuffer) gbuffer;
     uint emission; /* sampled */

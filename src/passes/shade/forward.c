@@ -5,7 +5,7 @@
 struct forward_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     enum geometry_set set;
     struct gpu_graphics_params state;
@@ -15,7 +15,7 @@ struct forward_data {
 static void execute_forward(const struct graph_context *context, const void *data) {
     const struct forward_data *d = data;
     struct gpu_geometry_push push = {
-        .view = d->view, .lights = d->lights, .counters = d->counters.id ? graph_address(context, d->counters) : 0};
+        .view = d->view, .lighting = d->lighting, .counters = d->counters.id ? graph_address(context, d->counters) : 0};
     geometry_draw(context, d->scene, &d->draws, d->set, &d->state, d->mask_fragment, push);
 }
 
@@ -26,7 +26,7 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
     struct forward_data data = {.scene = input->scene,
                                 .draws = *input->draws,
                                 .view = input->view,
-                                .lights = input->lights->header,
+                                .lighting = input->lighting->address,
                                 .counters = input->counters,
                                 .set = set,
                                 .mask_fragment = blends               ? NULL
@@ -36,7 +36,7 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
     data.state =
         (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                      .constant_count = 2,
-                                     .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                     .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                      .color_count = 1,
                                      .color_formats = {target.format},
                                      .blends = {blends ? GPU_BLEND_ALPHA : GPU_BLEND_NONE},
@@ -51,7 +51,7 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
     struct graph_pass *pass = graph_add_pass(graph, blends ? "forward blend" : over ? "forward layers" : "forward", GRAPH_QUEUE_GRAPHICS,
                                              execute_forward, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, set);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->glass.id) graph_use_image(pass, input->glass, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, radiance, over ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);

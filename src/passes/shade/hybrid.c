@@ -7,7 +7,7 @@ struct hybrid_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
     struct gbuffer gbuffer;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
 };
@@ -20,7 +20,7 @@ static void execute_hybrid(const struct graph_context *context, const void *data
     const struct hybrid_data *d = data;
     struct gpu_hybrid_push push = {
         .geometry = {.view = d->view,
-                     .lights = d->lights,
+                     .lighting = d->lighting,
                      .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .gbuffer = gbuffer_handles(context, &d->gbuffer),
     };
@@ -33,11 +33,11 @@ void hybrid_add(struct graph *graph, const struct shade_input *input, const stru
                                .draws = *input->draws,
                                .gbuffer = *gbuffer,
                                .view = input->view,
-                               .lights = input->lights->header,
+                               .lighting = input->lighting->address,
                                .counters = input->counters};
     data.state = (struct gpu_graphics_params){.fragment = &shader_hybrid_frag,
                                               .constant_count = 2,
-                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                              .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {graph_image_info(graph, radiance).format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -50,7 +50,7 @@ void hybrid_add(struct graph *graph, const struct shade_input *input, const stru
     struct graph_pass *pass = graph_add_pass(graph, "lit forward", GRAPH_QUEUE_GRAPHICS, execute_hybrid, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, set_of(gbuffer));
     gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
     graph_depth_read_only(pass, gbuffer->depth);

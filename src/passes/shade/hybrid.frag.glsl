@@ -4,7 +4,7 @@
 // Lights what the G-buffer's mask marks from its material, where it is nearest. Hidden fragments are not shaded, and so not counted.
 #include "common.glsl"
 #include "lights/iterate.glsl"
-#define MATERIAL_LAYERS LIST_LAYERS
+#define MATERIAL_LAYERS LIGHTING_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"
@@ -50,6 +50,6 @@ void main() {
         s.position = gbuffer_position(push.geometry.view, pixel, view_depth);
         s.normal = gbuffer_normal(push.gbuffer, pixel);
     }
-    vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, cell, view_depth, LIGHT_NO_ITEM);
+    vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lighting, push.geometry.counters, cell, view_depth, LIGHT_NO_ITEM);
     out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.frame.frame.hdr_max)), 1.0);
 }

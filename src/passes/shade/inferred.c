@@ -61,7 +61,7 @@ struct material_data {
     struct geometry_draws draws;
     struct inferred inferred;
     struct light_sums sums;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     enum geometry_set set;
     struct gpu_graphics_params state;
@@ -71,7 +71,7 @@ static void execute_materials(const struct graph_context *context, const void *d
     const struct material_data *d = data;
     struct gpu_inferred_material_push push = {
         .geometry = {.view = d->view,
-                     .lights = d->lights,
+                     .lighting = d->lighting,
                      .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .low = d->inferred.low,
         .surfaces = light_surfaces_handles(context, &d->inferred.surfaces),
@@ -89,13 +89,13 @@ void inferred_material_add(struct graph *graph, const struct shade_input *input,
                                  .inferred = *inferred,
                                  .sums = *sums,
                                  .view = input->view,
-                                 .lights = input->lights->header,
+                                 .lighting = input->lighting->address,
                                  .counters = input->counters,
                                  .set = set};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_inferred_material_frag,
         .constant_count = STIPPLED_ID + 1,
-        .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+        .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
                       [SAMPLES_ID] = graph_image_info(graph, radiance).samples, [LIGHT_BUFFER_ID] = sums->buffer, [STIPPLED_ID] = blends},
         .color_count = 1,
         .color_formats = {graph_image_info(graph, radiance).format},
@@ -110,7 +110,7 @@ void inferred_material_add(struct graph *graph, const struct shade_input *input,
     light_surfaces_use(pass, &inferred->surfaces, GRAPH_SAMPLE_FRAGMENT);
     graph_use_image(pass, inferred->items, GRAPH_SAMPLE_FRAGMENT);
     for (uint32_t i = 0; i < sums->target_count; i++) graph_use_image(pass, sums->targets[i], GRAPH_SAMPLE_FRAGMENT);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, radiance, blends ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);
     graph_depth_read_only(pass, depth);

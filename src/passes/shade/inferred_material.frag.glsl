@@ -70,7 +70,7 @@ void main() {
             }
     if (suits < 0.3) { // too thin for any texel, or hidden behind another of its pattern: all lights
         ivec2 pixel = ivec2(gl_FragCoord.xy);
-        sums = light_sums_of(own, v, push.geometry.lights, push.geometry.counters, uvec2(pixel), view_depth);
+        sums = light_sums_of(own, v, push.geometry.lighting, push.geometry.counters, uvec2(pixel), view_depth);
     } else {
         for (uint k = 0u; k < TARGETS; k++) sums.at[k] /= suits;
     }

@@ -17,7 +17,7 @@ static void execute_ids(const struct graph_context *context, const void *data) {
     bool images = d->packing != INDEXED_IDS;
     struct gpu_graphics_params state = {.fragment = &shader_light_indexed_frag,
                                         .constant_count = 15,
-                                        .constants = {[LISTS_ID] = d->volumes.list.kind, [SAMPLES_ID] = d->samples, [INDEXED_PACKING_ID] = d->packing, [INDEXED_STEP_ID] = d->step},
+                                        .constants = {[LIGHTING_ID] = d->volumes.lighting.bits, [SAMPLES_ID] = d->samples, [INDEXED_PACKING_ID] = d->packing, [INDEXED_STEP_ID] = d->step},
                                         .color_count = images,
                                         .color_formats = {images ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_UNDEFINED},
                                         .blends = {d->packing == INDEXED_SHIFT ? GPU_BLEND_QUARTER
@@ -47,13 +47,13 @@ static void add_ids(struct graph *graph, const char *name, const struct indexed_
     graph_depth_read_only(pass, data->attached);
 }
 
-struct light_list light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
-                                    const struct volumes *volumes, const struct light_input *lights, graph_image depth,
+struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
+                                    const struct volumes *volumes, const struct lighting *scopes, graph_image depth,
                                     const struct indexed_params *params, struct indexed_samples *samples) {
     const uint64_t pixels = (uint64_t)input->width * input->height;
     bool images = params->packing != INDEXED_IDS;
     /* No more layers than lights could fill. */
-    uint32_t layers = images ? MIN(params->layers, MAX(DIVIDE_UP(lights->local_count, INDEXED_BATCH), 1u)) : params->layers;
+    uint32_t layers = images ? MIN(params->layers, MAX(DIVIDE_UP(scopes->lights.local_count, INDEXED_BATCH), 1u)) : params->layers;
     uint32_t capacity = layers * INDEXED_LAYER_LIGHTS;
     uint64_t count_bytes = pixels * 4 * (images ? layers : 1), slot_bytes = images ? 0 : pixels * (capacity + 1) / 2 * 4;
     graph_buffer counts = graph_create_buffer(graph, "light id counts", count_bytes), slots = {0};
@@ -95,8 +95,8 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
         ids.step = 0;
     }
 
-    struct light_list out = {.kind = GPU_LIST_TILES | (volumes->list.kind & GPU_LIST_SIMPLE),
-                             .lights = lights->buffer,
+    struct light_list out = {.kind = GPU_LIST_TILES,
+                             .lights = scopes->lights.buffer,
                              .cell_count = (uint32_t)pixels,
                              .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + count_bytes + slot_bytes +
                                            (images ? pixels * 4 * layers : 0),
@@ -104,21 +104,23 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     out.fixed_bytes = out.byte_count;
     graph_buffer cells = graph_create_buffer(graph, "light id cells", (pixels + 1) * sizeof(struct gpu_cell));
     graph_buffer lists = graph_create_buffer(graph, "light id lists", pixels * capacity * 4);
-    struct gpu_light_list *header = light_list_header(device, lights, &out.header);
+    const struct light_input lights = lighting_input(scopes);
+    struct gpu_light_list *header = light_list_header(device, &lights, &out.header);
     if (header) {
         header->tiles_x = input->width;
         header->tiles_y = input->height;
         graph_put_address(graph, &header->cells, cells);
         graph_put_address(graph, &header->ids, lists);
     }
-    struct gpu_light_list *all = sample_count > 1 ? light_list_header(device, lights, &samples->all) : NULL;
+    struct light_list all_lights = {0};
+    struct gpu_light_list *all = sample_count > 1 ? light_list_header(device, &lights, &all_lights.header) : NULL;
     if (all) { /* the last cell, which has all lights */
         graph_put_address_at(graph, &all->cells, cells, pixels * sizeof(struct gpu_cell));
         graph_put_address(graph, &all->ids, lists);
     }
+    if (sample_count > 1) samples->all = lighting_add(device, scopes, &all_lights).address;
     out.cells = cells;
     out.ids = lists;
-    light_list_cast(&out, lights);
     struct gpu_indexed_list_push push = {.view = input->view, .layers = layers};
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "light id lists",
@@ -131,7 +133,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
                                                    graph_changes(&push.totals, volumes->totals))});
     for (uint32_t i = 0; i < INDEXED_LAYERS && id_images[i].id; i++)
         graph_add_row(pass, graph_samples(&push.images[i], id_images[i]));
-    return out;
+    return lighting_add(device, scopes, &out);
 }
 
 /* ---- shading of several samples ---- */
@@ -140,7 +142,7 @@ struct samples_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
     struct indexed_samples samples;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
 };
@@ -149,7 +151,7 @@ static void execute_samples(const struct graph_context *context, const void *dat
     const struct samples_data *d = data;
     struct gpu_indexed_samples_push push = {
         .geometry = {.view = d->view,
-                     .lights = d->lights,
+                     .lighting = d->lighting,
                      .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .all = d->samples.all,
         .ranges = graph_sampled(context, d->samples.bounds.ranges)};
@@ -163,11 +165,11 @@ void light_indexed_samples_add(struct graph *graph, const struct shade_input *in
                                 .draws = *input->draws,
                                 .samples = *samples,
                                 .view = input->view,
-                                .lights = input->lights->header,
+                                .lighting = input->lighting->address,
                                 .counters = input->counters};
     data.state = (struct gpu_graphics_params){.fragment = &shader_light_indexed_samples_frag,
                                               .constant_count = 2,
-                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                              .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {target.format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -176,7 +178,7 @@ void light_indexed_samples_add(struct graph *graph, const struct shade_input *in
                                               .samples = target.samples};
     struct graph_pass *pass = graph_add_pass(graph, "forward", GRAPH_QUEUE_GRAPHICS, execute_samples, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     graph_use_image(pass, samples->bounds.ranges, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, input->background);

@@ -26,7 +26,7 @@ void main() {
     vec4 seen = texelFetch(textures[push.depth], pixel, 0);
     if (seen.r <= 0.0 && (SAMPLES <= 1u || sample_bounds_empty(seen))) discard; // sky
     // A hair wider than the sphere: surfaces are drawn where interpolation puts them, and are looked at here where depth does.
-    gpu_entity_bounds light = push.head.list.list.entities.at[in_light];
+    gpu_entity_bounds light = push.head.lighting.scope.lights.entities.at[in_light];
     if (SAMPLES > 1u) {
         if (!sample_bounds_reached(v, pixel, seen, light.center, light.radius)) discard;
     } else {

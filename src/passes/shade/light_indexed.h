@@ -19,15 +19,15 @@ struct indexed_params {
 /** What finds and shades the lights of several samples a pixel; all 0 with one. */
 struct indexed_samples {
     struct sample_bounds bounds;
-    VkDeviceAddress all; /* struct gpu_light_list of one cell, with all lights */
+    VkDeviceAddress all; /* struct gpu_lighting of a list of one cell, with all lights */
 };
 /**
  * A list with a cell for each pixel. Pixels that more lights may reach than fit use all lights, and count as overflow cells, exactly. Needs
  * a complete depth. Cost: a fragment for each light and pixel that its volume covers, 8 bytes a pixel, and 6 for each light that
  * fits (4 and 8 more a layer with images). With several samples a pixel it has all lights that may reach any of them; `samples` is filled.
  */
-struct light_list light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
-                                    const struct volumes *volumes, const struct light_input *lights, graph_image depth,
+struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
+                                    const struct volumes *volumes, const struct lighting *scopes, graph_image depth,
                                     const struct indexed_params *params, struct indexed_samples *samples);
 /** Draws the opaque set into `radiance`, which it clears, by such a list of several samples a pixel in input->lights. */
 void light_indexed_samples_add(struct graph *graph, const struct shade_input *input, const struct indexed_samples *samples,

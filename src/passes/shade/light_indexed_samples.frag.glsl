@@ -17,7 +17,7 @@ void main() {
     gpu_geometry_push geometry = push.geometry;
     vec3 view_position = (geometry.view.view.world_to_view * vec4(in_position, 1.0)).xyz;
     ivec2 pixel = ivec2(pixel_of(geometry.view, view_position));
-    if (!sample_bounds_hold(texelFetch(textures[push.ranges], pixel, 0), -view_position.z)) geometry.lights = push.all;
+    if (!sample_bounds_hold(texelFetch(textures[push.ranges], pixel, 0), -view_position.z)) geometry.lighting = push.all;
     float view_depth;
     out_radiance = forward_shade(geometry, view_depth);
 }

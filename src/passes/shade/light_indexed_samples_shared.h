@@ -6,7 +6,7 @@
 
 struct gpu_indexed_samples_push {
     STRUCT(gpu_geometry_push) geometry;
-    ADDRESS(light_list_block) all; /* a list of the same kind whose one cell has all lights */
+    ADDRESS(lighting_block) all; /* a list of the same kind whose one cell has all lights */
     uint ranges;                   /* bindless: sample_bounds.h */
 };
 

@@ -135,7 +135,7 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
                     const struct light_sums *sums) {
     const bool counts = input->counters.id;
     struct gpu_light_prepass_push push = {.view = input->view,
-                                          .lights = input->lights->header,
+                                          .lighting = input->lighting->address,
                                           .scale = sums->scale,
                                           .width = sums->width,
                                           .height = sums->height};
@@ -148,7 +148,7 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
                 .name = "light sums",
                 .pipeline = {&shader_light_prepass_lights_comp,
                              LIGHT_BUFFER_ID + 1,
-                             {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+                             {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
                               [SAMPLES_ID] = surfaces->samples, [LIGHT_BUFFER_ID] = sums->buffer}},
                 .groups = {DIVIDE_UP(sums->width, 8u), DIVIDE_UP(sums->height, 8u)},
                 GRAPH_PUSH(push),
@@ -162,7 +162,7 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
         for (uint32_t i = 0; i < sums->target_count; i++)
             graph_add_row(pass, graph_stores(&push.targets[i], light_sums_layer(sums, push.layer)[i]));
     }
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
 }
 
 /* ---- materials ---- */
@@ -172,7 +172,7 @@ struct material_data {
     struct geometry_draws draws;
     struct light_surfaces surfaces;
     struct light_sums sums;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
 };
@@ -182,7 +182,7 @@ static void execute_materials(const struct graph_context *context, const void *d
     bool filters = d->sums.scale > 1, splits = d->sums.layers > 1;
     struct gpu_light_material_push push = {
         .geometry = {.view = d->view,
-                     .lights = d->lights,
+                     .lighting = d->lighting,
                      .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .samples = filters ? graph_sampled(context, d->sums.samples) : 0,
         .scale = d->sums.scale};
@@ -211,12 +211,12 @@ void light_material_add(struct graph *graph, const struct shade_input *input, co
                                  .surfaces = *surfaces,
                                  .sums = *sums,
                                  .view = input->view,
-                                 .lights = input->lights->header,
+                                 .lighting = input->lighting->address,
                                  .counters = filters ? input->counters : (graph_buffer){0}};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_light_prepass_material_frag,
         .constant_count = LIGHT_SCALE_ID + 1,
-        .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = data.counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+        .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = data.counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
                       [SAMPLES_ID] = surfaces->samples, [LIGHT_BUFFER_ID] = sums->buffer, [LIGHT_SCALE_ID] = sums->scale},
         .color_count = 1,
         .color_formats = {graph_image_info(graph, radiance).format},
@@ -233,7 +233,7 @@ void light_material_add(struct graph *graph, const struct shade_input *input, co
     if (filters || splits) light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
     if (splits) graph_use_buffer(pass, surfaces->layers.surfaces, GRAPH_READ_FRAGMENT);
     if (filters) {
-        light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+        lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
         graph_use_image(pass, sums->samples, GRAPH_SAMPLE_FRAGMENT);
         if (data.counters.id) graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_FRAGMENT);
     }

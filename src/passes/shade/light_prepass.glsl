@@ -57,30 +57,30 @@ void light_sums_add(inout light_sums sums, light_surface s, brdf_lobes lobes, ve
 }
 
 // All lights of a point, by the frame's lists.
-light_sums light_sums_of(light_surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth) {
+light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_array counters, uvec2 pixel, float view_depth) {
     surface shape;
     shape.normal = s.normal;
     shape.roughness = s.roughness;
     brdf_view b = brdf_prepare(shape, to_viewer(v, s.position));
     light_sums sums = light_sums_none();
-    shadowed_point shadowed = shadowed_point_of(lights, s.position, s.normal);
-    uint directional_count = lights.list.directional_count;
+    shadowed_point shadowed = shadowed_point_of(l, s.position, s.normal);
+    uint directional_count = l.scope.lights.directional_count;
     brdf_lobes lobes;
     for (uint i = 0u; i < directional_count; i++) {
-        vec3 to_sun, illuminance = sun_reach(lights, i, to_sun);
+        vec3 to_sun, illuminance = sun_reach(lights_of(l), i, to_sun);
         if (!brdf_lobes_of(s.normal, b, to_sun, lobes)) continue;
-        if (LIST_SHADOWED) illuminance *= light_visibility(lights, i, shadowed, to_sun, true);
+        if (LIGHTING_SHADOWED) illuminance *= light_visibility(l, i, shadowed, to_sun, true);
         light_sums_add(sums, s, lobes, illuminance);
     }
-    light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
+    light_cursor cursor = lights_begin(list_of(l), light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
     uint visited = 0u, useful = 0u;
-    FOR_EACH_LIGHT(lights, cursor, light) {
+    FOR_EACH_LIGHT(list_of(l), cursor, light) {
         vec3 to_light;
-        vec3 illuminance = light_reach(lights, light, s.position, to_light);
+        vec3 illuminance = light_reach(lights_of(l), light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
-            if (LIST_SHADOWED) illuminance *= light_visibility(lights, light, shadowed, to_light, false);
-            if (light_brdf_lobes(lights, light, s.position, s.normal, b, to_light, lobes)) light_sums_add(sums, s, lobes, illuminance);
+            if (LIGHTING_SHADOWED) illuminance *= light_visibility(l, light, shadowed, to_light, false);
+            if (light_brdf_lobes(lights_of(l), light, s.position, s.normal, b, to_light, lobes)) light_sums_add(sums, s, lobes, illuminance);
             if (COUNT_LIGHTS == 1u) useful++;
         }
     }

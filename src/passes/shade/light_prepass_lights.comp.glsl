@@ -20,7 +20,7 @@ void main() {
         if (samples == 0u) return;
         float view_depth;
         light_surface s = light_samples_surface(push.view, push.surfaces, texel, samples, view_depth);
-        light_sums sums = light_sums_of(s, push.view, push.lights, push.counters, uvec2(texel), view_depth);
+        light_sums sums = light_sums_of(s, push.view, push.lighting, push.counters, uvec2(texel), view_depth);
         for (uint i = 0u; i < count; i++)
             imageStore(images[push.targets[i]], texel, min(sums.at[i], vec4(push.view.view.frame.frame.hdr_max)));
         return;
@@ -35,7 +35,7 @@ void main() {
     if (depth > 0.0) {
         float view_depth = view_depth_of(push.view, depth);
         light_surface s = light_surface_of(push.surfaces, pixel, LIGHT_SCALE_SAMPLE, light_scale_position(push.view, pixel, view_depth));
-        sums = light_sums_of(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth);
+        sums = light_sums_of(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth);
     }
     for (uint i = 0u; i < count; i++)
         imageStore(images[push.targets[i]], texel, min(sums.at[i], vec4(push.view.view.frame.frame.hdr_max)));

@@ -69,7 +69,7 @@ light_sums sums_around(ivec2 pixel, surface s) {
         for (uint k = 0u; k < target_count(); k++) sums.at[k] += weight * texelFetch(textures[push.targets[k]], texel, 0);
         suits += weight;
     }
-    if (suits < 0.3) return light_sums_of(own, v, push.geometry.lights, push.geometry.counters, cell, view_depth);
+    if (suits < 0.3) return light_sums_of(own, v, push.geometry.lighting, push.geometry.counters, cell, view_depth);
     for (uint k = 0u; k < target_count(); k++) sums.at[k] /= suits;
     return sums;
 }

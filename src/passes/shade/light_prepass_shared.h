@@ -20,7 +20,7 @@ struct gpu_light_surfaces {
 
 struct gpu_light_prepass_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     ADDRESS(uint_array) words;           /* with several samples a pixel: edges_shared.h */
     STRUCT(gpu_light_surfaces) surfaces;

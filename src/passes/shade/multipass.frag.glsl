@@ -15,7 +15,7 @@ void main() {
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     if (!is_shown(materials, hole)) discard;
     view_block v = push.geometry.view;
-    light_list_block lights = push.geometry.lights;
+    lighting_block l = push.geometry.lighting;
     vec3 to_view = to_viewer(v, s.position);
     if (STEP == MULTIPASS_REST) {
         vec3 sum = texelFetch(textures[push.sum], ivec2(gl_FragCoord.xy), 0).rgb;
@@ -25,12 +25,12 @@ void main() {
     }
     layers_view b = layers_prepare(s, v, to_view);
     vec3 sum;
-    shadowed_point shadowed = shadowed_point_of(lights, s.position, facing_normal(s));
+    shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
     if (STEP == MULTIPASS_DIRECTIONAL) {
-        sum = suns_at(lights, s, b, shadowed);
+        sum = suns_at(l, s, b, shadowed);
     } else {
         bool reaches;
-        sum = light_at(lights, push.light, s, b, shadowed, reaches);
+        sum = light_at(l, push.light, s, b, shadowed, reaches);
         if (COUNT_LIGHTS == 1u) {
             uint at = (uint(gl_FragCoord.y) * v.view.size.x + uint(gl_FragCoord.x)) * 2u;
             atomicAdd(push.geometry.counters.at[at], 1u);

@@ -17,7 +17,7 @@ static void execute_pre_lighting(const struct graph_context *context, const void
     const struct pre_lighting_data *d = data;
     struct gpu_graphics_params state = {.fragment = &shader_pre_lighting_frag,
                                         .constant_count = LIGHT_BUFFER_ID + 1,
-                                        .constants = {[LISTS_ID] = d->volumes.list.kind, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
+                                        .constants = {[LIGHTING_ID] = d->volumes.lighting.bits, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
                                                       [HAS_METAL_ID] = 1, [SAMPLES_ID] = d->surfaces.samples, [LIGHT_BUFFER_ID] = LIGHT_BUFFER_TWO},
                                         .color_count = 2,
                                         .color_formats = {d->format, d->format},

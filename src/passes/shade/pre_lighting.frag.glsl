@@ -39,19 +39,19 @@ void main() {
     uint counter = (uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter], 1u);
     vec3 to_light;
-    vec3 illuminance = light_reach(push.head.list, push.head.list.list.directional_count + in_light, position, to_light);
+    vec3 illuminance = light_reach(lights_of(push.head.lighting), push.head.lighting.scope.lights.directional_count + in_light, position, to_light);
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter + 1u], 1u);
     light_surface s = light_surface_of(push.surfaces, pixel, at, position);
-    if (LIST_SHADOWED)
-        illuminance *= light_visibility(push.head.list, push.head.list.list.directional_count + in_light, shadowed_point_of(push.head.list, position, s.normal), to_light, false);
+    if (LIGHTING_SHADOWED)
+        illuminance *= light_visibility(push.head.lighting, push.head.lighting.scope.lights.directional_count + in_light, shadowed_point_of(push.head.lighting, position, s.normal), to_light, false);
     count_rays(v, push.head.counters);
     surface shape;
     shape.normal = s.normal;
     shape.roughness = s.roughness;
     light_sums sums = light_sums_none();
     brdf_lobes lobes;
-    if (light_brdf_lobes(push.head.list, push.head.list.list.directional_count + in_light, position, s.normal, brdf_prepare(shape, to_viewer(v, position)), to_light, lobes))
+    if (light_brdf_lobes(lights_of(push.head.lighting), push.head.lighting.scope.lights.directional_count + in_light, position, s.normal, brdf_prepare(shape, to_viewer(v, position)), to_light, lobes))
         light_sums_add(sums, s, lobes, illuminance);
     out_diffuse = min(sums.at[0], MOST);
     out_specular = min(sums.at[1], MOST);

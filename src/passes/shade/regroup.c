@@ -64,22 +64,22 @@ static void regroup_add(struct graph *graph, const char *what, const struct ligh
 
 struct draw_data {
     struct regroup r;
-    VkDeviceAddress view;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     graph_image owners, sum;
-    uint32_t directional_count, kind; /* kind: of the list */
+    uint32_t directional_count, bits; /* bits: of the lighting */
     struct gpu_graphics_params state;
 };
 
 /* What the shaders know of the list and of its lights. */
-static uint32_t kind_of(const struct draw_data *d) {
-    return GPU_LIST_ITEMS | (d->kind & (GPU_LIST_SHADOWED | GPU_LIST_ENVIRONMENT | GPU_LIST_REFLECTIONS | GPU_LIST_LAYERS | GPU_LIST_PROFILES | GPU_LIST_RECTANGLES));
+static uint32_t bits_of(const struct draw_data *d) {
+    return GPU_LIST_ITEMS | (d->bits & (GPU_LIGHTING_SHADOWED | GPU_LIGHTING_ENVIRONMENT | GPU_LIGHTING_REFLECTIONS | GPU_LIGHTING_LAYERS | GPU_LIGHTING_PROFILES | GPU_LIGHTING_RECTANGLES));
 }
 
 static struct gpu_regroup_draw_push push_of(const struct graph_context *context, const struct draw_data *d) {
     return (struct gpu_regroup_draw_push){.geometry = {.view = d->view,
                                                        .scene = d->r.scene->scene,
-                                                       .lights = d->r.list,
+                                                       .lighting = d->lighting,
                                                        .counters = d->counters.id ? graph_address(context, d->counters) : 0},
                                           .owners = d->owners.id ? graph_sampled(context, d->owners) : 0,
                                           .sum = d->sum.id ? graph_sampled(context, d->sum) : 0};
@@ -150,7 +150,7 @@ static graph_image owners_add(struct graph *graph, const char *name, const struc
 
 static void use_regrouped(struct graph_pass *pass, const struct shade_input *input, const struct draw_data *data) {
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     graph_use_image(pass, data->owners, GRAPH_SAMPLE_FRAGMENT);
     graph_use_buffer(pass, data->r.items, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, data->r.draws, GRAPH_INDIRECT);
@@ -160,12 +160,13 @@ static void use_regrouped(struct graph_pass *pass, const struct shade_input *inp
 static struct draw_data draw_data_of(const struct shade_input *input, uint32_t key_count, uint32_t capacity, bool by_class) {
     return (struct draw_data){.r = {.scene = input->scene,
                                     .culled = *input->draws,
-                                    .list = input->lights->header,
+                                    .list = input->lighting->list.header,
                                     .key_count = key_count,
                                     .capacity = capacity,
                                     .by_class = by_class},
                               .view = input->view,
-                              .kind = input->lights->kind,
+                              .lighting = input->lighting->address,
+                              .bits = input->lighting->bits,
                               .counters = input->counters};
 }
 
@@ -182,7 +183,7 @@ static void execute_batches(const struct graph_context *context, const void *dat
     for (uint32_t c = 0; c < REGROUP_CLASSES; c++) {
         struct gpu_graphics_params state = d->state;
         state.constant_count = FIXED_LIGHTS_ID + 1;
-        const uint32_t constants[FIXED_LIGHTS_ID + 1] = {[LISTS_ID] = kind_of(d), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = c > 0,
+        const uint32_t constants[FIXED_LIGHTS_ID + 1] = {[LIGHTING_ID] = bits_of(d), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = c > 0,
                                                          [HAS_METAL_ID] = 1, [FIXED_LIGHTS_ID] = loops[c]};
         memcpy(state.constants, constants, sizeof constants);
         draw_key(context, d, &state, &push, c);
@@ -191,7 +192,7 @@ static void execute_batches(const struct graph_context *context, const void *dat
 
 void batches_add(struct graph *graph, const struct shade_input *input, graph_image radiance, graph_image depth) {
     struct draw_data data = draw_data_of(input, REGROUP_CLASSES, input->scene->item_count, true);
-    regroup_add(graph, "batches", input->lights, &data.r);
+    regroup_add(graph, "batches", &input->lighting->list, &data.r);
     data.owners = owners_add(graph, "batches owners", &data, input, depth);
     data.state = state_of(&shader_batches_frag, graph_image_info(graph, radiance).format);
     struct graph_pass *pass =
@@ -206,7 +207,7 @@ uint32_t batches_draw_count(const struct geometry_scene *scene) { return opaque_
 /* ---- one pass per light ---- */
 
 static void set_step(struct gpu_graphics_params *state, const struct draw_data *d, uint32_t step) {
-    const uint32_t constants[MULTIPASS_STEP_ID + 1] = {[LISTS_ID] = kind_of(d), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
+    const uint32_t constants[MULTIPASS_STEP_ID + 1] = {[LIGHTING_ID] = bits_of(d), [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
                                                        [HAS_METAL_ID] = 1, [MULTIPASS_STEP_ID] = step};
     state->constant_count = MULTIPASS_STEP_ID + 1;
     memcpy(state->constants, constants, sizeof constants);
@@ -238,7 +239,7 @@ void multipass_add(struct graph *graph, const struct shade_input *input, uint32_
                    uint32_t capacity, graph_image radiance, graph_image depth) {
     struct draw_data data = draw_data_of(input, local_count, capacity, false);
     data.directional_count = directional_count;
-    regroup_add(graph, "multipass", input->lights, &data.r);
+    regroup_add(graph, "multipass", &input->lighting->list, &data.r);
     data.owners = owners_add(graph, "multipass owners", &data, input, depth);
     graph_image sum = graph_create_image(graph, &(struct graph_image_params){.name = "light sum",
                                                                              .format = VK_FORMAT_R32G32B32A32_SFLOAT,

@@ -3,7 +3,7 @@
 // draw in an order of their own, a pass before has noted which triangle of which item each pixel shows.
 #include "common.glsl"
 #include "lights/iterate.glsl"
-#define MATERIAL_LAYERS LIST_LAYERS
+#define MATERIAL_LAYERS LIGHTING_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"

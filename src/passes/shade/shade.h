@@ -6,7 +6,7 @@
 #include "constants_shared.h"
 #include "fanal/renderer.h"
 #include "passes/geometry/geometry.h"
-#include "passes/lights/light_list.h"
+#include "passes/lighting/lighting.h"
 
 /** Where a pass puts what shade_surface() of shade.glsl keeps apart (light_apart), which is then not in the radiance. open.id 0: it keeps nothing apart. */
 struct shade_apart {
@@ -22,13 +22,13 @@ struct shade_guide {
 struct shade_input {
     const struct geometry_scene *scene;
     const struct geometry_draws *draws;
-    const struct light_list *lights;
+    const struct lighting *lighting;
     VkDeviceAddress view;
     uint32_t width, height;
     uint32_t light_count; /* a pixel visits no more local lights */
-    graph_image glass;     /* of lists with GPU_LIST_BEHIND_GLASS: gpu_view.glass */
+    graph_image glass;     /* with GPU_LIGHTING_BEHIND_GLASS: gpu_lighting.glass */
     graph_buffer counters; /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
-    struct environment_light environment; /* for passes without lists; or ids 0 */
+    struct environment_light environment; /* for passes without lighting; or ids 0 */
     float background[4]; /* what radiance is cleared to: no coverage */
     fnl_gbuffer layout; /* of the G-buffer, in orders that have one: see fnl_frame */
     fnl_normal_encoding normals;

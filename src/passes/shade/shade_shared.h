@@ -9,7 +9,7 @@
 #define DEFERRED_STRIP 4u
 
 struct gpu_deferred_push { /* the view is that of the G-buffer */
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     STRUCT(gpu_gbuffer) gbuffer;
     uint radiance;   /* storage: emission in, radiance out */
@@ -18,12 +18,12 @@ struct gpu_deferred_push { /* the view is that of the G-buffer */
     uint block_count;
     uint class_index;
     uint first_row;  /* of the dispatch: pixels */
-    uint open;       /* storage, as the three below: struct gpu_denoise_collect_push says what they hold; with GPU_LIST_DENOISED */
+    uint open;       /* storage, as the three below: struct gpu_denoise_collect_push says what they hold; with GPU_LIGHTING_DENOISED */
     uint seen;
     uint drawn;
     uint field;
     uint guide_weights; /* sampled, and */
-    uint guide_seen;    /* storage: of shadows/guide_shared.h; with GPU_LIST_GUIDED */
+    uint guide_seen;    /* storage: of shadows/guide_shared.h; with GPU_LIGHTING_GUIDED */
 };
 
 #endif

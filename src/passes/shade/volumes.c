@@ -98,10 +98,12 @@ static const uint32_t flat_indices[VOLUME_QUAD_INDICES + VOLUME_OCTAGON_INDICES 
     VOLUME_SCREEN_VERTEX + 2};
 
 struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const struct volumes_input *input) {
-    const struct light_input *lights = input->lights;
+    const struct light_set *lights = &input->scopes->lights;
+    const struct light_input all = lighting_input(input->scopes);
+    const struct light_list list = light_list_all_add(graph, device, &all);
     const uint32_t count = lights->local_count;
     struct volumes volumes = {
-        .list = light_list_all_add(graph, device, lights), .shape = input->shape, .light_count = count};
+        .lighting = lighting_add(device, input->scopes, &list), .shape = input->shape, .light_count = count};
     if (input->shape == VOLUME_STENCIL) {
         volumes.hook = input->hook;
         volumes.alone = MIN(count, input->hook ? input->hook->count : VOLUME_STENCIL_LIGHTS);
@@ -110,7 +112,7 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
     volumes.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
     volumes.draws = graph_create_buffer(graph, "volume draws", (2ull + volumes.alone) * sizeof(struct gpu_draw));
     struct gpu_volumes_push push = {.view = input->view,
-                                    .list = volumes.list.header,
+                                    .lighting = volumes.lighting.address,
                                     .light_count = count,
                                     .cull = input->cull,
                                     .shape = input->shape,
@@ -149,8 +151,8 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
 /* ---- drawing them ---- */
 
 void volumes_use(struct graph_pass *pass, const struct volumes *volumes) {
-    light_list_use(pass, &volumes->list, GRAPH_READ_FRAGMENT);
-    graph_use_buffer(pass, volumes->list.lights, GRAPH_READ_VERTEX);
+    lighting_use(pass, &volumes->lighting, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, volumes->lighting.lights.buffer, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, volumes->ids, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, volumes->draws, GRAPH_INDIRECT);
 }
@@ -178,7 +180,7 @@ void volumes_draw(const struct graph_context *context, const struct volumes *vol
                   struct gpu_volume_head *push, uint32_t size) {
     if (!volumes->indices.data) return; /* the device carries a sticky error */
     set_state(volumes, state);
-    push->list = volumes->list.header;
+    push->lighting = volumes->lighting.address;
     push->ids = graph_address(context, volumes->ids);
     gpu_bind(context->commands, graph_pipeline(context, state));
     gpu_push(context->commands, push, size);
@@ -242,7 +244,7 @@ static void draw_alone(const struct graph_context *context, const struct draw_da
     const struct gpu_pipeline *mark = gpu_graphics_pipeline(context->device, &fronts);
     const struct gpu_pipeline *light = gpu_graphics_pipeline(context->device, &backs);
     const struct gpu_buffer *draws = graph_get_buffer(context, d->volumes.draws);
-    push.list = d->volumes.list.header;
+    push.lighting = d->volumes.lighting.address;
     push.ids = graph_address(context, d->volumes.ids);
     gpu_push(context->commands, &push, sizeof push);
     gpu_bind_indices(context->commands, d->volumes.indices.buffer, d->volumes.indices.offset);
@@ -263,7 +265,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
     const struct draw_data *d = data;
     struct gpu_graphics_params state = {.fragment = &shader_volumes_frag,
                                         .constant_count = 2,
-                                        .constants = {[LISTS_ID] = d->volumes.list.kind, [COUNT_LIGHTS_ID] = d->counters.id != 0},
+                                        .constants = {[LIGHTING_ID] = d->volumes.lighting.bits, [COUNT_LIGHTS_ID] = d->counters.id != 0},
                                         .color_count = 1,
                                         .color_formats = {d->format},
                                         .blends = {GPU_BLEND_ADD}};

@@ -43,14 +43,14 @@ void main() {
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
     vec3 to_light;
-    vec3 illuminance = light_reach(push.list, push.list.list.directional_count + in_light, position, to_light);
+    vec3 illuminance = light_reach(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, position, to_light);
     if (MASKED == 1u) illuminance *= texelFetch(textures[push.mask], pixel, 0).r;
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
     surface s = gbuffer_surface_at(push.gbuffer, pixel, at, position, vec3(0.0));
-    if (LIST_SHADOWED)
-        illuminance *= light_visibility(push.list, push.list.list.directional_count + in_light, shadowed_point_of(push.list, position, facing_normal(s)), to_light, false);
+    if (LIGHTING_SHADOWED)
+        illuminance *= light_visibility(push.lighting, push.lighting.scope.lights.directional_count + in_light, shadowed_point_of(push.lighting, position, facing_normal(s)), to_light, false);
     count_rays(push.view, push.counters);
     layers_view b = layers_prepare(s, push.view, to_viewer(push.view, position));
-    out_radiance = vec4(min(illuminance * light_lobes(push.list, push.list.list.directional_count + in_light, s, b, to_light), vec3(MOST)), 0.0);
+    out_radiance = vec4(min(illuminance * light_lobes(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, s, b, to_light), vec3(MOST)), 0.0);
 }

@@ -31,7 +31,7 @@ struct volumes_hook {
 };
 
 struct volumes_input {
-    const struct light_input *lights;
+    const struct lighting *scopes; /* what lights the view */
     VkDeviceAddress view;
     bool cull;      /* only volumes in view; default true */
     uint32_t shape; /* VOLUME_… of volumes_shared.h; default VOLUME_SOLIDS */
@@ -39,7 +39,7 @@ struct volumes_input {
 };
 /** The lights whose volumes are drawn, ready to be drawn by any number of passes. */
 struct volumes {
-    struct light_list list;        /* all lights */
+    struct lighting lighting;      /* by all lights */
     graph_buffer sums, ids,
         draws; /* two prefix sums per light; instance -> local light; indirect draws: two, then `alone` of one light */
     graph_buffer totals;           /* struct light_totals: volumes drawn, 0, 0 */

@@ -86,7 +86,7 @@ vec2 depths_of(gpu_entity_bounds light) {
 
 void main() {
     uint id = push.ids.at[gl_InstanceIndex], vertex = uint(gl_VertexIndex);
-    gpu_entity_bounds light = push.list.list.entities.at[id];
+    gpu_entity_bounds light = push.lighting.scope.lights.entities.at[id];
     out_light = id;
     out_rank = gl_InstanceIndex;
     out_depths = depths_of(light);
@@ -124,7 +124,7 @@ void main() {
     vertex -= VOLUME_SPHERE_VERTICES;
     bool far = vertex >= VOLUME_RING;
     float angle = float(vertex % VOLUME_RING) * (2.0 * PI / float(VOLUME_RING));
-    gpu_shape shape = shape_of(push.list, light);
+    gpu_shape shape = shape_of(lights_of(push.lighting), light);
     float cosine = volume_cosine(shape), tangent = sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
     float slack = 1e-3 * shape.range + pixel_size(light.center) + 1e-6 * length(shape.position);
     float along = far ? shape.range + slack : -slack;

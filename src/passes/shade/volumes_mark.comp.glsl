@@ -16,10 +16,10 @@ void main() {
         push.sums.at[2u * index] = 0u; // becomes the total
         return;
     }
-    gpu_entity_bounds bounds = push.list.list.entities.at[index];
+    gpu_entity_bounds bounds = push.lighting.scope.lights.entities.at[index];
     bool drawn = bounds.radius > 0.0 && (push.cull == 0u || light_in_view(push.view, bounds.center, bounds.radius));
     bool solid = push.shape == VOLUME_SOLIDS || push.shape == VOLUME_DEPTH_BOUNDS || push.shape == VOLUME_STENCIL;
-    bool cone = solid && drawn && volume_is_cone(shape_of(push.list, bounds));
+    bool cone = solid && drawn && volume_is_cone(shape_of(lights_of(push.lighting), bounds));
     push.sums.at[index] = drawn && !cone ? 1u : 0u;
     push.sums.at[push.light_count + index] = drawn && cone ? 1u : 0u;
 }

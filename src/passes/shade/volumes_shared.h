@@ -35,7 +35,7 @@
 /* Spheres are sorted before cones; each kind ascends by light. */
 struct gpu_volumes_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) sums;   /* kind * light_count + light, and one more: 1 for the volumes drawn, then their prefix sum */
     ADDRESS(uint_array) ids;    /* instance -> local light */
     ADDRESS(volume_draws) draws;
@@ -49,7 +49,7 @@ struct gpu_volumes_push {
 /* What the vertex shader reads: push constants of all that draws volumes begin with it. */
 struct gpu_volume_head {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(const_uint_array) ids;
     ADDRESS(uint_array) counters;
 };
@@ -57,7 +57,7 @@ struct gpu_volume_head {
 /* The same, and more. */
 struct gpu_volume_push {
     ADDRESS(view_block) view;
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(const_uint_array) ids;
     ADDRESS(uint_array) counters;
     ADDRESS(uint_array) words;     /* with several samples a pixel, as the last: samples_shared.h */

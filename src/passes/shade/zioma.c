@@ -20,7 +20,7 @@ static void execute_layer(const struct graph_context *context, const void *data)
     struct gpu_graphics_params state = {
         .fragment = &shader_zioma_layer_frag,
         .constant_count = 14,
-        .constants = {[LISTS_ID] = d->volumes.list.kind, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+        .constants = {[LIGHTING_ID] = d->volumes.lighting.bits, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
                       [SAMPLES_ID] = d->samples, [ZIOMA_LAYER_ID] = d->layer > 0},
         .color_count = d->samples > 1 ? 0 : 2,
         .color_formats = {RAY_FORMAT, COLOR_FORMAT},
@@ -37,7 +37,7 @@ static void execute_layer(const struct graph_context *context, const void *data)
 struct material_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters, totals;
     graph_image rays[ZIOMA_LAYERS], colors[ZIOMA_LAYERS], places[ZIOMA_LAYERS], last, ranges;
     uint32_t layers;
@@ -48,7 +48,7 @@ static void execute_material(const struct graph_context *context, const void *da
     const struct material_data *d = data;
     struct gpu_zioma_material_push push = {
         .geometry = {.view = d->view,
-                     .lights = d->lights,
+                     .lighting = d->lighting,
                      .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .totals = graph_address(context, d->totals),
         .layers = d->layers,
@@ -64,7 +64,7 @@ static void execute_samples(const struct graph_context *context, const void *dat
     const struct material_data *d = data;
     struct gpu_zioma_samples_push push = {
         .geometry = {.view = d->view,
-                     .lights = d->lights,
+                     .lighting = d->lighting,
                      .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .totals = graph_address(context, d->totals),
         .layers = d->layers,
@@ -86,7 +86,7 @@ void zioma_add(struct graph *graph, const struct shade_input *input, const struc
     struct material_data material = {.scene = input->scene,
                                      .draws = *input->draws,
                                      .view = input->view,
-                                     .lights = volumes->list.header,
+                                     .lighting = volumes->lighting.address,
                                      .counters = input->counters,
                                      .totals = volumes->totals,
                                      .ranges = bounds.ranges,
@@ -121,7 +121,7 @@ void zioma_add(struct graph *graph, const struct shade_input *input, const struc
     }
     material.state = (struct gpu_graphics_params){.fragment = samples > 1 ? &shader_zioma_samples_frag : &shader_zioma_frag,
                                                   .constant_count = 2,
-                                                  .constants = {[LISTS_ID] = volumes->list.kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                                  .constants = {[LIGHTING_ID] = volumes->lighting.bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                                   .color_count = 1,
                                                   .color_formats = {graph_image_info(graph, radiance).format},
                                                   .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -132,7 +132,7 @@ void zioma_add(struct graph *graph, const struct shade_input *input, const struc
         graph_add_pass(graph, "light layers shaded", GRAPH_QUEUE_GRAPHICS, samples > 1 ? execute_samples : execute_material,
                        &material, sizeof material);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
-    light_list_use(pass, &volumes->list, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, &volumes->lighting, GRAPH_READ_FRAGMENT);
     for (uint32_t i = 0; i < layers; i++) {
         if (samples > 1) {
             graph_use_image(pass, material.places[i], GRAPH_SAMPLE_FRAGMENT);

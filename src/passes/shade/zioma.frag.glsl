@@ -4,7 +4,7 @@
 // Forward shading by the lights that the layers hold. Where all are taken, those that come after the last are looked for one by one.
 #include "common.glsl"
 #include "lights/iterate.glsl"
-#define MATERIAL_LAYERS LIST_LAYERS
+#define MATERIAL_LAYERS LIGHTING_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"
@@ -23,7 +23,7 @@ void main() {
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     if (material_culled(materials, in_ids.x) || hole) discard;
     view_block v = push.geometry.view;
-    light_list_block l = push.geometry.lights;
+    lighting_block l = push.geometry.lighting;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 to_view = to_viewer(v, s.position);
     layers_view b = layers_prepare(s, v, to_view);
@@ -36,14 +36,14 @@ void main() {
         vec4 color = texelFetch(textures[push.colors[stored]], pixel, 0);
         vec3 to_light = ray.xyz;
         // A rectangle's layer names it: its direction is not all there is to know.
-        if (LIST_RECTANGLES && color.a > 0.0) sum += color.rgb * ray.w * light_lobes(l, l.list.directional_count + uint(color.a) - 1u, s, b, to_light);
+        if (LIGHTING_RECTANGLES && color.a > 0.0) sum += color.rgb * ray.w * light_lobes(lights_of(l), l.scope.lights.directional_count + uint(color.a) - 1u, s, b, to_light);
         else sum += color.rgb * ray.w * layers_cos(s, b, to_light);
     }
     useful = stored;
     if (stored == push.layers) {
         uint last = uint(round((1.0 - texelFetch(textures[push.last], pixel, 0).r) * 16777216.0)); // index + 1
-        for (uint i = last; i < l.list.local_count; i++) {
-            uint light = l.list.directional_count + i;
+        for (uint i = last; i < l.scope.list.list.local_count; i++) {
+            uint light = l.scope.lights.directional_count + i;
             bool reaches;
             sum += light_at(l, light, s, b, shadowed, reaches);
             visited++;

@@ -28,9 +28,9 @@ void main() {
     if (depth <= 0.0 && (SAMPLES <= 1u || sample_bounds_empty(seen))) discard; // sky
     if (LAYER > 0u && place >= texelFetch(textures[push.previous], pixel, 0).r) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[(uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u], 1u);
-    uint light = push.head.list.list.directional_count + in_light;
+    uint light = push.head.lighting.scope.lights.directional_count + in_light;
     if (SAMPLES > 1u) { // reaches some sample, as far as its sphere tells
-        gpu_entity_bounds bounds = push.head.list.list.entities.at[in_light];
+        gpu_entity_bounds bounds = push.head.lighting.scope.lights.entities.at[in_light];
         if (!sample_bounds_reached(v, pixel, seen, bounds.center, bounds.radius)) discard;
         out_ray = out_color = vec4(0.0);
         gl_FragDepth = place;
@@ -38,12 +38,12 @@ void main() {
     }
     vec3 to_light;
     vec3 position = gbuffer_position(v, pixel, view_depth_of(v, depth));
-    float strength = light_strength(push.head.list, light, position, to_light);
-    vec3 color = push.head.list.list.lights.at[light].color;
+    float strength = light_strength(lights_of(push.head.lighting), light, position, to_light);
+    vec3 color = push.head.lighting.scope.lights.lights.at[light].color;
     if (strength <= 0.0 || color * strength == vec3(0.0)) discard;
-    if (LIST_SHADOWED) color *= light_visibility(push.head.list, light, shadowed_point_of(push.head.list, position, to_light), to_light, false);
+    if (LIGHTING_SHADOWED) color *= light_visibility(push.head.lighting, light, shadowed_point_of(push.head.lighting, position, to_light), to_light, false);
     count_rays(v, push.head.counters);
     out_ray = vec4(to_light, strength);
-    out_color = vec4(color, LIST_RECTANGLES && push.head.list.list.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE ? float(in_light + 1u) : 0.0);
+    out_color = vec4(color, LIGHTING_RECTANGLES && push.head.lighting.scope.lights.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE ? float(in_light + 1u) : 0.0);
     gl_FragDepth = place;
 }

@@ -6,7 +6,7 @@
 layout(early_fragment_tests) in;
 #include "common.glsl"
 #include "lights/iterate.glsl"
-#define MATERIAL_LAYERS LIST_LAYERS
+#define MATERIAL_LAYERS LIGHTING_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "shade.glsl"
@@ -24,7 +24,7 @@ void main() {
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     if (material_culled(materials, in_ids.x)) discard; // holes are cut (forward.frag.glsl)
     view_block v = push.geometry.view;
-    light_list_block l = push.geometry.lights;
+    lighting_block l = push.geometry.lighting;
     vec3 view_position = (v.view.world_to_view * vec4(s.position, 1.0)).xyz;
     ivec2 pixel = ivec2(pixel_of(v, view_position));
     vec3 to_view = to_viewer(v, s.position);
@@ -32,7 +32,7 @@ void main() {
     shadowed_point shadowed = shadowed_point_of(l, s.position, facing_normal(s));
     precise vec3 sum = suns_at(l, s, b, shadowed);
     bool known = sample_bounds_hold(texelFetch(textures[push.ranges], pixel, 0), -view_position.z);
-    uint next = 0u, end = l.list.local_count, stored = 0u, visited = 0u, useful = 0u;
+    uint next = 0u, end = l.scope.list.list.local_count, stored = 0u, visited = 0u, useful = 0u;
     for (;;) {
         if (known && stored < push.layers) {
             float place = texelFetch(textures[push.places[stored]], pixel, 0).r;
@@ -42,7 +42,7 @@ void main() {
         }
         if (next >= end) break;
         bool reaches;
-        sum += light_at(l, l.list.directional_count + next, s, b, shadowed, reaches);
+        sum += light_at(l, l.scope.lights.directional_count + next, s, b, shadowed, reaches);
         next++;
         visited++;
         if (reaches) useful++;

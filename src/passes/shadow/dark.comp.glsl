@@ -79,10 +79,10 @@ bool is_dark(gpu_shadow_maps maps, uint row, uint bias, gpu_shape shape, request
 }
 
 bool stays(gpu_shadow_maps maps, uint light, request_box box) {
-    light_list_block l = push.list;
-    if (!request_box_reached(box, l.list.lights.at[light].shape)) return false;
+    lighting_block l = push.lighting;
+    if (!request_box_reached(box, l.scope.lights.lights.at[light].shape)) return false;
     gpu_shape shape = request_shape(l, light);
-    if (!light_casts(l, light) || !shadow_has_map(shape)) return true;
+    if (!light_casts(lights_of(l), light) || !shadow_has_map(shape)) return true;
     uint row = request_row(l, light), bias = maps.biases.at[row];
     return bias == SHADOW_TRACED || !is_dark(maps, row, bias, shape, box);
 }
@@ -90,16 +90,16 @@ bool stays(gpu_shadow_maps maps, uint light, request_box box) {
 shared uint words[GROUP / 32u];
 
 void main() {
-    light_list_block l = push.list;
-    uint thread = gl_LocalInvocationIndex, tile = gl_WorkGroupID.y * l.list.tiles_x + gl_WorkGroupID.x;
-    gpu_cell cell = l.list.cells.at[tile];
+    lighting_block l = push.lighting;
+    uint thread = gl_LocalInvocationIndex, tile = gl_WorkGroupID.y * l.scope.list.list.tiles_x + gl_WorkGroupID.x;
+    gpu_cell cell = l.scope.list.list.cells.at[tile];
     bool told = thread == 0u && uvec2(push.classes) != uvec2(0u);
     if (told) push.classes.at[2u * tile] = push.classes.at[2u * tile + 1u] = 0u;
     if (cell.count == GPU_CELL_ALL || cell.count == 0u) return;
     find_boxes();
     request_box whole = box_of(group_parts);
-    uint_array ids = uint_array(l.list.ids);
-    gpu_shadow_maps maps = shadow_maps_block(l.list.shadow_maps).maps;
+    uint_array ids = uint_array(l.scope.list.list.ids);
+    gpu_shadow_maps maps = shadow_maps_block(l.scope.shadows.maps).maps;
     uint kept = 0u;
     for (uint first = 0u; first < cell.count && !is_empty(whole); first += GROUP) {
         if (thread < GROUP / 32u) words[thread] = 0u;
@@ -108,7 +108,7 @@ void main() {
         bool is_left = at < cell.count;
         if (is_left) {
             id = ids.at[cell.offset + at];
-            is_left = stays(maps, l.list.directional_count + id, whole);
+            is_left = stays(maps, l.scope.lights.directional_count + id, whole);
         }
         uint word = thread / 32u, bit = 1u << (thread % 32u);
         if (is_left) atomicOr(words[word], bit);
@@ -119,7 +119,7 @@ void main() {
         barrier();
     }
     if (thread == 0u) {
-        l.list.cells.at[tile].count = kept;
+        l.scope.list.list.cells.at[tile].count = kept;
         if (told) push.classes.at[2u * tile] = cell.count;
         if (told) push.classes.at[2u * tile + 1u] = cell.count - kept;
         atomicAdd(push.counts.counts.entries, cell.count);

@@ -12,7 +12,7 @@
 #ifndef FNL_PASSES_SHADOW_DARK_H
 #define FNL_PASSES_SHADOW_DARK_H
 
-#include "passes/lights/light_list.h"
+#include "passes/lighting/lighting.h"
 #include "passes/shadow/fill.h"
 #include "passes/shadow/pages.h"
 
@@ -20,10 +20,10 @@
 void shadow_least_add(struct graph *graph, const struct shadow_pages *pages, const struct shadow_fill *fill);
 
 /**
- * Shortens `list`: of GPU_LIST_TILES with tiles of 8 pixels, without GPU_LIST_SCATTERED and GPU_LIST_FILTERED, and with the maps of this frame. `depth` is
+ * Shortens `list`: of GPU_LIST_TILES with tiles of 8 pixels, without GPU_LIST_SCATTERED and GPU_LIGHTING_FILTERED, and with the maps of this frame. `depth` is
  * what its tiles were made for, with one sample a pixel; shading must look up nothing else with it. After shadow_least_add(). `classes` (id 0: none): gets for
  * each tile how many lights were in its list, and how many of them left.
  */
-void shadow_dark_add(struct graph *graph, const struct shadow_pages *pages, const struct light_list *list, graph_image depth, graph_buffer classes);
+void shadow_dark_add(struct graph *graph, const struct shadow_pages *pages, const struct lighting *lighting, graph_image depth, graph_buffer classes);
 
 #endif

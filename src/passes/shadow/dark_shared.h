@@ -18,7 +18,7 @@ struct gpu_shadow_least_push {
 };
 
 struct gpu_shadow_dark_push {
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(const_uint_array) least;
     ADDRESS(shadow_counts_block) counts;
     ADDRESS(uint_array) classes; /* by tile: lights in its list, of them those that leave; null: nobody asks */

@@ -111,11 +111,11 @@ static graph_image add_atlas(struct graph *graph, struct shadow_state *state) {
 }
 
 /* How coarse the pages of each light are. */
-static void add_choice(struct build *b, gpu_device *device) {
+static void add_choice(struct build *b) {
     struct graph *graph = b->graph;
-    const struct light_input *lights = b->input->lights;
+    const struct light_set *lights = &b->input->lighting->lights;
     struct gpu_shadow_rows_push rows = {.row_count = b->out.row_count, .sun_rows = b->sun_rows, .updates = b->input->updates};
-    light_list_header(device, lights, &rows.list);
+    rows.lighting = b->input->lighting->address;
     graph_dispatch(
         graph, &(struct graph_dispatch){.name = "shadow rows",
                                         .pipeline = {.shader = &shader_pages_rows_comp},
@@ -265,8 +265,8 @@ static struct shadow_pages kept_pages(struct graph *graph, struct shadow_state *
 
 struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
                                      const struct shadow_pages_input *input) {
-    const uint32_t last = state->turn, now = 1 - last, sun_rows = input->suns.id ? input->lights->directional_count * SHADOW_SUN_ROWS : 0,
-                   row_count = sun_rows + input->lights->local_count, face_count = row_count * SHADOW_FACES, side = state->atlas.params.width / SHADOW_PAGE,
+    const uint32_t last = state->turn, now = 1 - last, sun_rows = input->suns.id ? input->lighting->lights.directional_count * SHADOW_SUN_ROWS : 0,
+                   row_count = sun_rows + input->lighting->lights.local_count, face_count = row_count * SHADOW_FACES, side = state->atlas.params.width / SHADOW_PAGE,
                    cells = side * side, page_limit = cells * CELL_PAGES, blocks = DIVIDE_UP(page_limit, SHADOW_BLOCK),
                    sum_count = 2 * SHADOW_CLASSES * blocks + (SHADOW_CLASSES + 1) * cells + 1;
     if (row_count > state->row_room) {
@@ -302,7 +302,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
     graph_add_clear(graph, "shadow tallies clear", GRAPH_QUEUE_GRAPHICS,
                     (struct graph_clear){.buffers = {b.tallies, b.rooms, b.cells}});
     graph_add_clear(graph, "shadow held clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b.out.held}});
-    add_choice(&b, device);
+    add_choice(&b);
     add_wanted(&b);
     add_idle(&b);
     add_list(&b);

@@ -6,7 +6,7 @@
 #include "common.glsl"
 
 #ifndef LIGHTS_ITERATE_GLSL
-layout(buffer_reference) buffer light_list_block;
+layout(buffer_reference) readonly buffer lighting_block;
 #endif
 #ifndef SHADOWS_FACES_GLSL
 layout(buffer_reference) buffer shadow_page_array;

@@ -21,7 +21,7 @@
 #ifndef FNL_PASSES_SHADOW_PAGES_H
 #define FNL_PASSES_SHADOW_PAGES_H
 
-#include "passes/lights/light_list.h"
+#include "passes/lighting/lighting.h"
 #include "passes/shadow/split.h"
 #include "shadows/maps_shared.h"
 
@@ -55,7 +55,7 @@ struct shadow_pages_input {
     graph_buffer suns;   /* of shadow_suns_add(). id 0: directional lights have no rows */
     VkDeviceAddress updates; /* a number for each directional, then each local light: not 0, and its pages are drawn again where it is another than in the last frame. 0: 0 for all */
     const struct shadow_split_input *split; /* NULL: all lights that cast shadows have maps (split.h) */
-    const struct light_input *lights; /* whose rows they are: at least one, as many as the state was prepared for or fewer */
+    const struct lighting *lighting; /* whose lights' rows they are: at least one, as many as the state was prepared for or fewer */
 };
 struct shadow_pages {
     graph_buffer held, before, pages,

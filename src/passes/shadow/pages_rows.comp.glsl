@@ -24,9 +24,9 @@ float flux_of(gpu_light light) {
 }
 
 // The flux, times the part of the directions from the viewer that the light's volume takes; up to a factor that all lights of a view share.
-float importance_of(light_list_block l, uint row, gpu_light light) {
-    gpu_entity_bounds bounds = l.list.entities.at[row];
-    float away = l.list.view.view.orthographic > 0.5 ? 1.0 : max(distance(bounds.center, l.list.view.view.eye), bounds.radius);
+float importance_of(lighting_block l, uint row, gpu_light light) {
+    gpu_entity_bounds bounds = l.scope.lights.entities.at[row];
+    float away = l.scope.view.view.orthographic > 0.5 ? 1.0 : max(distance(bounds.center, l.scope.view.view.eye), bounds.radius);
     float size = bounds.radius / max(away, 1e-20);
     return max(flux_of(light) * size * size, 0.0);
 }
@@ -62,13 +62,13 @@ void main() {
         now = shape_of_row(sun, row % SHADOW_SUN_ROWS);
         now.hull_count = update_of(index);
         float radius = ldexp(SHADOW_SUN_REACH, sun.coarsest); // its light falls on all of this
-        importance = luminance(push.list.list.lights.at[index].color) * PI * radius * radius;
+        importance = luminance(push.lighting.scope.lights.lights.at[index].color) * PI * radius * radius;
     } else {
         uint local = row - push.sun_rows;
-        gpu_light light = push.list.list.lights.at[push.list.list.directional_count + local];
+        gpu_light light = push.lighting.scope.lights.lights.at[push.lighting.scope.lights.directional_count + local];
         now = shape_of(light.shape);
-        now.hull_count = update_of(push.list.list.directional_count + local);
-        importance = importance_of(push.list, local, light);
+        now.hull_count = update_of(push.lighting.scope.lights.directional_count + local);
+        importance = importance_of(push.lighting, local, light);
     }
     bool changed = push.shapes.at[row] != now;
     if (changed) push.shapes.at[row] = now;

@@ -51,7 +51,7 @@ struct gpu_shadow_cell {
 #define SHADOW_ROOMS ((SHADOW_YOUTHS + 1u) * SHADOW_ROOM_WORDS)
 
 struct gpu_shadow_rows_push {
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(const_shadow_sun_array) suns;
     ADDRESS(shadow_shape_array) shapes; /* those that the last frame's pages were drawn for; those of this frame come in their place */
     ADDRESS(uint_array) rows;

@@ -103,15 +103,15 @@ static struct answer run_frame(struct bench *b) {
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     struct gpu_slice view = gpu_frame_allocate(device, sizeof b->view);
     memcpy(view.data, &b->view, sizeof b->view);
-    const struct light_input input = {.buffer = graph_import_buffer(b->graph, "test lights", &lights),
-                                      .entities = lights.address + bounds,
-                                      .lights = lights.address,
-                                      .directional_count = DIRECTIONAL,
-                                      .local_count = b->row_count,
-                                      .view = view.address};
+    const struct light_set set = {.buffer = graph_import_buffer(b->graph, "test lights", &lights),
+                                  .entities = lights.address + bounds,
+                                  .lights = lights.address,
+                                  .directional_count = DIRECTIONAL,
+                                  .local_count = b->row_count};
+    const struct lighting lighting = lighting_add(device, &(struct lighting){.lights = set, .view = view.address}, NULL);
     struct shadow_pages made = shadow_pages_add(
         b->graph, device, &b->state,
-        &(struct shadow_pages_input){.wanted = graph_import_buffer(b->graph, "test wanted", &wanted), .lights = &input});
+        &(struct shadow_pages_input){.wanted = graph_import_buffer(b->graph, "test wanted", &wanted), .lighting = &lighting});
     a.page_limit = made.page_limit;
     assert_int_equal(made.row_count, b->row_count);
     struct list_reads reads;

@@ -19,14 +19,14 @@ shared uint lights[GROUP], light_count;       // that are left of a batch
 shared uint pairs[SHARE * QUADS], pair_count; // of them with a quad: light * QUADS + quad
 
 bool is_reached(uint light, request_box box) {
-    return light_casts(push.list, light) && shadow_has_map(request_shape(push.list, light)) &&
-           request_box_reached(box, push.list.list.lights.at[light].shape);
+    return light_casts(lights_of(push.lighting), light) && shadow_has_map(request_shape(push.lighting, light)) &&
+           request_box_reached(box, push.lighting.scope.lights.lights.at[light].shape);
 }
 
 bool is_missing(uint light, request_box box) {
     // What filters look up besides is not known of boxes.
-    return LIST_FILTERED && push.list.list.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS ||
-           !request_box_made(push.wanted, request_row(push.list, light), request_shape(push.list, light), box);
+    return LIGHTING_FILTERED && push.lighting.scope.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS ||
+           !request_box_made(push.wanted, request_row(push.lighting, light), request_shape(push.lighting, light), box);
 }
 
 // Pixels of the group that a light may reach, by quads.
@@ -34,9 +34,9 @@ void weigh(uint light) {
     uint pixels = 0u;
     for (uint quad = 0u; quad < QUADS; quad++) {
         request_box box = box_of_quad(quad);
-        if (!is_empty(box) && request_box_reached(box, push.list.list.lights.at[light].shape)) pixels += 4u;
+        if (!is_empty(box) && request_box_reached(box, push.lighting.scope.lights.lights.at[light].shape)) pixels += 4u;
     }
-    request_weigh(push.list, push.wanted, request_row(push.list, light), pixels);
+    request_weigh(push.lighting, push.wanted, request_row(push.lighting, light), pixels);
 }
 
 // `box`: that of the only quad whose pairs the thread finds.
@@ -51,11 +51,11 @@ void find_pairs(uint first, request_box box) {
 // Of a single pixel of a quad.
 void ask(uint light, uint quad, uint k) {
 #ifdef COUNT // for the test: how often, behind the last row
-    atomicAdd(push.wanted.at[push.list.list.local_count * SHADOW_ROW_WORDS], 1u);
+    atomicAdd(push.wanted.at[push.lighting.scope.list.list.local_count * SHADOW_ROW_WORDS], 1u);
 #endif
     if (SAMPLES == 1u) {
         vec4 point = pixel_points[quad * 4u + k];
-        if (point.w > 0.0) request_of_light(push.list, push.wanted, light, point.xyz, point.w);
+        if (point.w > 0.0) request_of_light(push.lighting, push.wanted, light, point.xyz, point.w);
         return;
     }
     uvec2 pixel = pixel_of_quad(quad, k);
@@ -63,32 +63,32 @@ void ask(uint light, uint quad, uint k) {
     float last = 0.0;
     for (uint s = 0u; s < samples; s++) {
         vec3 position;
-        if (sample_position(pixel, s, last, position)) request_of_light(push.list, push.wanted, light, position, shadow_slack(push.list, position));
+        if (sample_position(pixel, s, last, position)) request_of_light(push.lighting, push.wanted, light, position, shadow_slack(push.lighting, position));
     }
 }
 
 void ask_suns(uvec2 pixel) {
-    uint samples = push.list.list.directional_count > 0u ? samples_of(pixel) : 0u;
+    uint samples = push.lighting.scope.lights.directional_count > 0u ? samples_of(pixel) : 0u;
     float last = 0.0;
     for (uint s = 0u; s < samples; s++) {
         vec3 position;
-        if (sample_position(pixel, s, last, position)) request_suns(push.list, push.wanted, position, shadow_slack(push.list, position));
+        if (sample_position(pixel, s, last, position)) request_suns(push.lighting, push.wanted, position, shadow_slack(push.lighting, position));
     }
 }
 
 void main() {
-    light_list_block l = push.list;
+    lighting_block l = push.lighting;
     uint thread = gl_LocalInvocationIndex;
     ask_suns(pixel_of_quad(thread / 4u, thread % 4u));
     find_boxes();
     request_box whole = box_of(group_parts);
     if (is_empty(whole)) return;
     request_box own = box_of_quad(thread % QUADS); // GROUP is a multiple of QUADS
-    uint next = 0u, end = l.list.local_count;
+    uint next = 0u, end = l.scope.list.list.local_count;
     bool is_direct = true;
     if (LIST_KIND == GPU_LIST_TILES) {
-        uvec2 tile = tile_of(l, gl_WorkGroupID.xy * 8u);
-        gpu_cell cell = l.list.cells.at[tile.y * l.list.tiles_x + tile.x];
+        uvec2 tile = tile_of(list_of(l), gl_WorkGroupID.xy * 8u);
+        gpu_cell cell = l.scope.list.list.cells.at[tile.y * l.scope.list.list.tiles_x + tile.x];
         is_direct = cell.count == GPU_CELL_ALL;
         if (!is_direct) {
             next = cell.offset;
@@ -99,7 +99,7 @@ void main() {
         if (thread == 0u) light_count = 0u;
         barrier();
         if (next + thread < end) {
-            uint light = l.list.directional_count + (is_direct ? next + thread : l.list.ids.at[next + thread]);
+            uint light = l.scope.lights.directional_count + (is_direct ? next + thread : l.scope.list.list.ids.at[next + thread]);
             if (is_reached(light, whole)) {
                 if (SHADOW_WEIGHS != 0u) weigh(light);
                 if (is_missing(light, whole)) lights[atomicAdd(light_count, 1u)] = light;

@@ -10,8 +10,8 @@
 layout(constant_id = SHADOW_WEIGHS_ID) const uint SHADOW_WEIGHS = 0u; // 1: pixels are counted, too
 
 // Behind the bits of all rows: how many pixels each light may reach.
-void request_weigh(light_list_block l, uint_array wanted, uint row, uint pixels) {
-    uint rows = l.list.directional_count * SHADOW_SUN_ROWS + l.list.local_count;
+void request_weigh(lighting_block l, uint_array wanted, uint row, uint pixels) {
+    uint rows = l.scope.lights.directional_count * SHADOW_SUN_ROWS + l.scope.list.list.local_count;
     if (pixels > 0u) atomicAdd(wanted.at[rows * SHADOW_ROW_WORDS + row], pixels);
 }
 
@@ -56,10 +56,10 @@ bool request_walk_next(inout request_walk w) {
 }
 
 // `near`: metres within which shading may place the point.
-void request_face(light_list_block l, uint_array wanted, uint light, uint row, gpu_shape shape, uint face, vec3 ray, vec3 position, float near) {
+void request_face(lighting_block l, uint_array wanted, uint light, uint row, gpu_shape shape, uint face, vec3 ray, vec3 position, float near) {
     vec4 clip = shadow_face_clip(shape, face, ray);
     vec2 ndc = clip.xy / clip.w;
-    view_block v = l.list.view;
+    view_block v = l.scope.view;
     float slack = near / (shape.kind == GPU_SHAPE_BOX ? min(shape.size.x, shape.size.y) : clip.w);
     float across = shadow_across(shape, clip.w, pixel_width(v, length(v.view.eye - position)));
     uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
@@ -70,7 +70,7 @@ void request_face(light_list_block l, uint_array wanted, uint light, uint row, g
 }
 
 // All faces that the point may be seen in: more than one only at their edges. Rarely so: the loop leaves out the others.
-void request_light(light_list_block l, uint_array wanted, uint light, uint row, gpu_shape shape, vec3 position, float near) {
+void request_light(lighting_block l, uint_array wanted, uint light, uint row, gpu_shape shape, vec3 position, float near) {
     vec3 ray = position - shape.position, size = abs(ray);
     float least = max(size.x, max(size.y, size.z)) - 2.0 * near;
     bvec3 is_seen = shape.kind == GPU_SHAPE_BOX ? bvec3(true, false, false) : greaterThanEqual(size, vec3(max(least, 1e-30)));
@@ -82,25 +82,25 @@ void request_light(light_list_block l, uint_array wanted, uint light, uint row, 
     }
 }
 
-uint request_row(light_list_block l, uint light) { return light + shadow_maps_block(l.list.shadow_maps).maps.first_row; }
+uint request_row(lighting_block l, uint light) { return light + shadow_maps_block(l.scope.shadows.maps).maps.first_row; }
 
 // The shape as far as pages depend on it: without code for boxes where there are none.
-gpu_shape request_shape(light_list_block l, uint light) {
-    gpu_shape shape = l.list.lights.at[light].shape;
-    if (LIST_SIMPLE) shape.kind = GPU_SHAPE_SPHERE;
+gpu_shape request_shape(lighting_block l, uint light) {
+    gpu_shape shape = l.scope.lights.lights.at[light].shape;
+    if (LIGHTING_SIMPLE) shape.kind = GPU_SHAPE_SPHERE;
     return shape;
 }
 
-void request_of_light(light_list_block l, uint_array wanted, uint light, vec3 position, float near) {
+void request_of_light(lighting_block l, uint_array wanted, uint light, vec3 position, float near) {
     gpu_shape shape = request_shape(l, light);
-    if (!light_casts(l, light) || !shadow_has_map(shape) || !light_reaches(l, light, position)) return;
+    if (!light_casts(lights_of(l), light) || !shadow_has_map(shape) || !light_reaches(lights_of(l), light, position)) return;
     request_light(l, wanted, light, request_row(l, light), shape, position, near);
 }
 
 // Of the grid that suits the point, or where its blocks do not hold all of the point, of coarser ones besides.
-void request_sun(light_list_block l, uint_array wanted, uint light, vec3 position, float near) {
-    gpu_shadow_sun sun = shadow_maps_block(l.list.shadow_maps).maps.suns.at[light];
-    view_block v = l.list.view;
+void request_sun(lighting_block l, uint_array wanted, uint light, vec3 position, float near) {
+    gpu_shadow_sun sun = shadow_maps_block(l.scope.shadows.maps).maps.suns.at[light];
+    view_block v = l.scope.view;
     float seen_from = length(v.view.eye - position), pixel = pixel_width(v, seen_from), part = near / seen_from + 1e-4;
     vec2 at = vec2(dot(position, sun.side), dot(position, sun.up));
     int coarsest = shadow_sun_grid(sun, pixel * (1.0 + part));
@@ -115,7 +115,7 @@ void request_sun(light_list_block l, uint_array wanted, uint light, vec3 positio
             for (int x = low.x; x <= high.x; x++) {
                 ivec2 block = ivec2(x, y) >> 4;
                 uint row = shadow_sun_row(light, grid, block), last = 0u;
-                if (LIST_FILTERED) {
+                if (LIGHTING_FILTERED) {
                     gpu_shape shape = shadow_sun_shape(sun, grid, block);
                     vec3 ray = position - shape.position;
                     last = shadow_coarsest_level(l, light, shape, 0u, shadow_face_clip(shape, 0u, ray), ray, 0u);
@@ -128,17 +128,17 @@ void request_sun(light_list_block l, uint_array wanted, uint light, vec3 positio
 }
 
 // Of all directional lights.
-void request_suns(light_list_block l, uint_array wanted, vec3 position, float near) {
-    for (uint i = 0u; i < l.list.directional_count; i++)
-        if (light_casts(l, i) && any(greaterThan(l.list.lights.at[i].color, vec3(0.0)))) request_sun(l, wanted, i, position, near);
+void request_suns(lighting_block l, uint_array wanted, vec3 position, float near) {
+    for (uint i = 0u; i < l.scope.lights.directional_count; i++)
+        if (light_casts(lights_of(l), i) && any(greaterThan(l.scope.lights.lights.at[i].color, vec3(0.0)))) request_sun(l, wanted, i, position, near);
 }
 
-void request_pages(light_list_block l, uint_array wanted, light_point point) {
+void request_pages(lighting_block l, uint_array wanted, light_point point) {
     float near = shadow_slack(l, point.position);
     request_suns(l, wanted, point.position, near);
-    light_cursor cursor = lights_begin(l, point);
-    FOR_EACH_LIGHT(l, cursor, light) {
-        if (SHADOW_WEIGHS != 0u && light_casts(l, light) && shadow_has_map(request_shape(l, light)) && light_reaches(l, light, point.position))
+    light_cursor cursor = lights_begin(list_of(l), point);
+    FOR_EACH_LIGHT(list_of(l), cursor, light) {
+        if (SHADOW_WEIGHS != 0u && light_casts(lights_of(l), light) && shadow_has_map(request_shape(l, light)) && light_reaches(lights_of(l), light, point.position))
             request_weigh(l, wanted, request_row(l, light), 1u);
         request_of_light(l, wanted, light, point.position, near);
     }

@@ -19,5 +19,5 @@ void main() {
     point.position = in_position;
     point.normal = vec3(0.0);
     point.item = LIGHT_NO_ITEM;
-    request_pages(push.lights, push.counters, point);
+    request_pages(push.lighting, push.counters, point);
 }

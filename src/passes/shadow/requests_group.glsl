@@ -40,11 +40,11 @@ request_box box_of_quad(uint quad) {
 
 uvec2 pixel_of_quad(uint quad, uint k) { return gl_WorkGroupID.xy * 8u + uvec2(quad % 4u, quad / 4u) * 2u + uvec2(k & 1u, k >> 1u); }
 
-uint samples_of(uvec2 pixel) { return all(lessThan(pixel, push.list.list.view.view.size)) ? SAMPLES : 0u; }
+uint samples_of(uvec2 pixel) { return all(lessThan(pixel, push.lighting.scope.view.view.size)) ? SAMPLES : 0u; }
 
 // False: sky, or the depth of the last sample.
 bool sample_position(uvec2 pixel, uint s, inout float last, out vec3 position) {
-    view_block v = push.list.list.view;
+    view_block v = push.lighting.scope.view;
     float depth = SAMPLES > 1u ? texelFetch(textures_multisampled[push.depth], ivec2(pixel), int(s)).r
                                : texelFetch(textures[push.depth], ivec2(pixel), 0).r;
     position = vec3(0.0);
@@ -57,7 +57,7 @@ bool sample_position(uvec2 pixel, uint s, inout float last, out vec3 position) {
 
 // Of quads, then of the group.
 void find_boxes() {
-    view_block v = push.list.list.view;
+    view_block v = push.lighting.scope.view;
     uint thread = gl_LocalInvocationIndex;
     if (thread < QUADS) {
         float p[PARTS];
@@ -70,7 +70,7 @@ void find_boxes() {
             for (uint s = 0u; s < samples; s++) {
                 vec3 position;
                 if (!sample_position(pixel, s, last, position)) continue;
-                float width = pixel_width(v, length(v.view.eye - position)), near = shadow_slack(push.list, position);
+                float width = pixel_width(v, length(v.view.eye - position)), near = shadow_slack(push.lighting, position);
                 keep_point(thread * 4u + k, position, near);
                 for (int i = 0; i < 3; i++) {
                     p[i] = min(p[i], position[i]);

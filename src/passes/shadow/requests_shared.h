@@ -5,7 +5,7 @@
 #include "shared.h"
 
 struct gpu_shadow_requests_push {
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) wanted; /* SHADOW_ROW_WORDS words for each local light */
     uint depth;                 /* sampled index */
 };

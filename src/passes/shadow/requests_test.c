@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The requests of work groups, against those of every pixel by itself. */
-#include "passes/shadow/maps.h"
+#include "passes/shadow/requests.h"
 #include "passes/shadow/requests_shared.h"
 #include "shaders.h"
 #include "tests/list_bench.h"
@@ -26,25 +26,27 @@ static struct asked ask(const struct ask *a) {
     list_lab_begin(&lab);
     struct gpu_slice maps = gpu_frame_allocate(harness_device(), sizeof(struct gpu_shadow_maps));
     assert_non_null(maps.data);
-    *(struct gpu_shadow_maps *)maps.data = (struct gpu_shadow_maps){.first_row = 0 - lab.input.directional_count};
-    lab.input.maps.address = maps.address;
+    *(struct gpu_shadow_maps *)maps.data = (struct gpu_shadow_maps){.first_row = 0 - lab.input.set.directional_count};
     struct tiled_params tiled = tiled_params_default();
     tiled.pool_capacity = a->pool_capacity;
     struct light_list list = a->tiles ? tiled_add(lab.graph, harness_device(), &lab.input, &lab.in_view, depth, &tiled)
                                       : light_list_all_add(lab.graph, harness_device(), &lab.input);
-    list.kind = (list.kind & ~GPU_LIST_MAPS) | (a->simple ? GPU_LIST_SIMPLE : 0);
-    list.maps = (struct shadow_maps){0};
+    struct lighting scopes = {.lights = lab.input.set, .view = lab.input.view, .shadows.maps.address = maps.address};
+    scopes.lights.simple = a->simple;
+    struct lighting lighting = lighting_add(harness_device(), &scopes, &list);
+    lighting.bits &= ~GPU_LIGHTING_MAPS;
+    lighting.shadows.maps = (struct shadow_maps){0};
     struct asked out = {.words = a->light_count * SHADOW_ROW_WORDS};
     graph_buffer wanted = graph_create_buffer(lab.graph, "wanted", out.words * 4ull + 4);
     graph_add_clear(lab.graph, "clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {wanted}});
-    struct gpu_shadow_requests_push push = {.list = list.header};
+    struct gpu_shadow_requests_push push = {.lighting = lighting.address};
     struct graph_pass *pass =
         graph_dispatch(lab.graph, &(struct graph_dispatch){.name = "ask",
-                                                           .pipeline = {a->shader, 2, {list.kind, 1}},
+                                                           .pipeline = {a->shader, 2, {lighting.bits, 1}},
                                                            .groups = {DIVIDE_UP(a->view->size.x, 8u), DIVIDE_UP(a->view->size.y, 8u)},
                                                            GRAPH_PUSH(push),
                                                            GRAPH_ROWS(graph_samples(&push.depth, depth), graph_changes(&push.wanted, wanted))});
-    light_list_use(pass, &list, GRAPH_READ_COMPUTE);
+    lighting_use(pass, &lighting, GRAPH_READ_COMPUTE);
     list_lab_run(&lab, &wanted, 1);
     out.wanted = list_reads_take(&lab.reads, 0);
     list_lab_close(&lab);

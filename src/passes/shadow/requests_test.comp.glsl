@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform push_block { gpu_shadow_requests_push push
 
 void main() {
     uvec2 pixel = gl_GlobalInvocationID.xy;
-    view_block v = push.list.list.view;
+    view_block v = push.lighting.scope.view;
     if (any(greaterThanEqual(pixel, v.view.size))) return;
     float depth = texelFetch(textures[push.depth], ivec2(pixel), 0).r;
     if (!(depth > 0.0)) return;
@@ -21,7 +21,7 @@ void main() {
     point.position = (v.view.view_to_world * vec4(seen, 1.0)).xyz;
     point.normal = vec3(0.0);
     point.item = LIGHT_NO_ITEM;
-    request_pages(push.list, push.wanted, point);
-    for (uint i = 0u; i < push.list.list.local_count; i++)
-        if (light_reaches(push.list, i, point.position)) atomicAdd(push.wanted.at[push.list.list.local_count * SHADOW_ROW_WORDS], 1u);
+    request_pages(push.lighting, push.wanted, point);
+    for (uint i = 0u; i < push.lighting.scope.list.list.local_count; i++)
+        if (light_reaches(lights_of(push.lighting), i, point.position)) atomicAdd(push.wanted.at[push.lighting.scope.list.list.local_count * SHADOW_ROW_WORDS], 1u);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/shadow/split.h"
 
+#include "passes/lighting/lighting.h"
 #include "passes/shadow/fill.h"
 #include "passes/shadow/fill_shared.h"
 #include "passes/shadow/pages.h"
@@ -33,19 +34,19 @@ void shadow_drawn_add(struct graph *graph, const struct shadow_pages *pages, con
                                                               graph_changes(&push.kept, pages->split))});
 }
 
-void shadow_probe_add(struct graph *graph, const struct shadow_pages *pages, const struct light_list *list, graph_image depth, uint32_t seed) {
+void shadow_probe_add(struct graph *graph, const struct shadow_pages *pages, const struct lighting *lighting, graph_image depth, uint32_t seed) {
     const struct graph_image_params image = graph_image_info(graph, depth);
-    struct light_list rays = *list;
-    rays.kind &= ~(GPU_LIST_MAPS | GPU_LIST_FILTERED);
-    rays.maps = (struct shadow_maps){0};
-    struct gpu_shadow_probe_push push = {.list = list->header, .seed = seed};
+    struct lighting rays = *lighting;
+    rays.bits &= ~(GPU_LIGHTING_MAPS | GPU_LIGHTING_FILTERED);
+    rays.shadows.maps = (struct shadow_maps){0};
+    struct gpu_shadow_probe_push push = {.lighting = lighting->address, .seed = seed};
     const enum graph_role before = graph_set_role(graph, GRAPH_ROLE_SHADOW_PROBE);
     struct graph_pass *pass =
         graph_dispatch(graph, &(struct graph_dispatch){.name = "shadow probe",
-                                                       .pipeline = {&shader_split_probe_comp, 1, {[LISTS_ID] = rays.kind}},
+                                                       .pipeline = {&shader_split_probe_comp, 1, {[LIGHTING_ID] = rays.bits}},
                                                        .groups = {DIVIDE_UP(image.width, 32u), DIVIDE_UP(image.height, 32u)},
                                                        GRAPH_PUSH(push),
                                                        GRAPH_ROWS(graph_changes(&push.counts, pages->split_counts), graph_samples(&push.depth, depth))});
     graph_set_role(graph, before);
-    light_list_use(pass, &rays, GRAPH_READ_COMPUTE);
+    lighting_use(pass, &rays, GRAPH_READ_COMPUTE);
 }

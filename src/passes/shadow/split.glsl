@@ -7,7 +7,7 @@
 layout(buffer_reference) buffer split_row_array;
 layout(buffer_reference) buffer split_counts_block;
 #if !defined(LIGHTS_ITERATE_GLSL) && !defined(SHADOW_PAGES_GLSL)
-layout(buffer_reference) buffer light_list_block;
+layout(buffer_reference) readonly buffer lighting_block;
 #endif
 #if !defined(SHADOWS_FACES_GLSL) && !defined(SHADOW_PAGES_GLSL)
 layout(buffer_reference) buffer shadow_page_array;

@@ -17,7 +17,7 @@
 #include "graph/graph.h"
 #include "passes/shadow/split_shared.h"
 
-struct light_list;
+struct lighting;
 struct shadow_pages;
 struct shadow_fill;
 
@@ -38,8 +38,8 @@ void shadow_drawn_add(struct graph *graph, const struct shadow_pages *pages, con
 
 /**
  * Sends rays from one pixel of each 4x4 of `depth` to one of its lights, for their time alone: GRAPH_ROLE_SHADOW_PROBE. `list` is one of tiles or
- * of all lights, and has GPU_LIST_RAYS.
+ * of all lights, and has GPU_LIGHTING_RAYS.
  */
-void shadow_probe_add(struct graph *graph, const struct shadow_pages *pages, const struct light_list *list, graph_image depth, uint32_t seed);
+void shadow_probe_add(struct graph *graph, const struct shadow_pages *pages, const struct lighting *lighting, graph_image depth, uint32_t seed);
 
 #endif

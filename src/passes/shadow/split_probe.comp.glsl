@@ -14,7 +14,7 @@ uint next(inout uint state) { // the generator of Numerical Recipes, its high bi
 }
 
 void main() {
-    view_block v = push.list.list.view;
+    view_block v = push.lighting.scope.view;
     uint state = push.seed ^ gl_GlobalInvocationID.y * 9781u ^ gl_GlobalInvocationID.x * 6271u;
     uvec2 pixel = gl_GlobalInvocationID.xy * 4u + uvec2(next(state) % 4u, next(state) % 4u);
     if (any(greaterThanEqual(pixel, v.view.size))) return;
@@ -28,17 +28,17 @@ void main() {
     point.normal = vec3(0.0);
     point.item = LIGHT_NO_ITEM;
     uint count = 0u, chosen = 0u;
-    light_cursor cursor = lights_begin(push.list, point);
-    FOR_EACH_LIGHT(push.list, cursor, light) {
-        if (!light_casts(push.list, light) || !light_reaches(push.list, light, point.position)) continue;
+    light_cursor cursor = lights_begin(list_of(push.lighting), point);
+    FOR_EACH_LIGHT(list_of(push.lighting), cursor, light) {
+        if (!light_casts(lights_of(push.lighting), light) || !light_reaches(lights_of(push.lighting), light, point.position)) continue;
         count++;
         if (next(state) % count == 0u) chosen = light;
     }
     if (count == 0u) return;
     vec3 to_light;
-    light_strength(push.list, chosen, point.position, to_light);
-    float open = rays_visibility(push.list, ray_everything(), chosen, point.position, to_light, to_light, light_distance(push.list, chosen, point.position, to_light),
-                                 1e-4, shadow_slack(push.list, point.position));
+    light_strength(lights_of(push.lighting), chosen, point.position, to_light);
+    float open = rays_visibility(push.lighting, ray_everything(), chosen, point.position, to_light, to_light, light_distance(lights_of(push.lighting), chosen, point.position, to_light),
+                                 1e-4, shadow_slack(push.lighting, point.position));
     atomicAdd(push.counts.counts.probed, 1u);
     if (open > 0.0) atomicAdd(push.counts.counts.open, 1u);
 }

@@ -47,7 +47,7 @@ struct gpu_shadow_drawn_push {
 };
 
 struct gpu_shadow_probe_push {
-    ADDRESS(light_list_block) list;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(split_counts_block) counts;
     uint depth;  /* sampled index */
     uint seed;

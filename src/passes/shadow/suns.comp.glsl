@@ -38,11 +38,11 @@ int exponent_above(float x) { return int(floatBitsToUint(clamp(x, 1e-6, 1e30)) >
 
 void main() {
     uint index = LINEAR_INVOCATION;
-    if (index >= push.list.list.directional_count) return;
-    view_block v = push.list.list.view;
+    if (index >= push.lighting.scope.lights.directional_count) return;
+    view_block v = push.lighting.scope.view;
     world_box box = world_box_of(push.rays);
     gpu_shadow_sun sun;
-    sun.direction = push.list.list.lights.at[index].shape.direction;
+    sun.direction = push.lighting.scope.lights.lights.at[index].shape.direction;
     vec3 size = abs(sun.direction), aside = size.x <= size.y && size.x <= size.z ? vec3(1.0, 0.0, 0.0)
                                           : size.y <= size.z                   ? vec3(0.0, 1.0, 0.0)
                                                                                : vec3(0.0, 0.0, 1.0);

@@ -131,7 +131,7 @@ struct texturing texturing_virtual_add(struct graph *graph, const struct shade_i
 /* The specialised pipeline; `list` or NULL: of several samples. */
 static struct gpu_compute_params pipeline_of(const struct gpu_shader *shader, const struct shade_input *input,
                                              const struct texturing *t, const struct visible_list *list, VkFormat format) {
-    const uint32_t values[15] = {[LISTS_ID] = input->lights->kind,
+    const uint32_t values[15] = {[LIGHTING_ID] = input->lighting->bits,
                                  [COUNT_LIGHTS_ID] = input->counters.id != 0,
                                  [HAS_LIGHTS_ID] = 1,
                                  [HAS_METAL_ID] = 1,
@@ -158,7 +158,7 @@ static void add_target_rows(struct graph_pass *pass, const struct texturing *t, 
 static void use_shading(struct graph_pass *pass, const struct shade_input *input, const struct texturing *t) {
     geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
     if (t->pages.address) virtual_use_sample(pass, &t->pages);
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
 }
 
 /* ---- several samples ---- */
@@ -181,7 +181,7 @@ static struct visible_list shade_samples(struct graph *graph, const struct shade
     uint64_t bytes = format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12 : 8;
     graph_buffer results = graph_create_buffer(graph, "texturing results", list.capacity * bytes);
     struct gpu_texturing_samples_push shade = {
-        .view = input->view, .scene = input->scene->scene, .lights = input->lights->header, .pages = t->pages.address};
+        .view = input->view, .scene = input->scene->scene, .lighting = input->lighting->address, .pages = t->pages.address};
     const struct gpu_shader *shader = t->form & TEXTURING_VIRTUAL ? &shader_virtual_samples_shade_comp
                                                                   : &shader_texturing_samples_shade_comp;
     pass = graph_dispatch(
@@ -208,7 +208,7 @@ struct visible_list texturing_shade_add(struct graph *graph, const struct shade_
         t->form & TEXTURING_VIRTUAL ? &shader_virtual_shade_comp : &shader_texturing_shade_comp;
     struct gpu_texturing_push push = {.view = input->view,
                                       .scene = input->scene->scene,
-                                      .lights = input->lights->header,
+                                      .lighting = input->lighting->address,
                                       .pages = t->pages.address,
                                       .background = {input->background[0], input->background[1], input->background[2]}};
     struct graph_pass *pass = graph_dispatch(
@@ -230,7 +230,7 @@ struct visible_list texturing_shade_add(struct graph *graph, const struct shade_
 struct forward_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
 };
@@ -238,7 +238,7 @@ struct forward_data {
 static void execute_forward(const struct graph_context *context, const void *data) {
     const struct forward_data *d = data;
     struct gpu_geometry_push push = {
-        .view = d->view, .lights = d->lights, .counters = d->counters.id ? graph_address(context, d->counters) : 0};
+        .view = d->view, .lighting = d->lighting, .counters = d->counters.id ? graph_address(context, d->counters) : 0};
     geometry_draw(context, d->scene, &d->draws, GEOMETRY_NOT_IN(VIRTUAL_FORWARD), &d->state, NULL, push);
 }
 
@@ -247,11 +247,11 @@ void texturing_forward_add(struct graph *graph, const struct shade_input *input,
     struct forward_data data = {.scene = input->scene,
                                 .draws = *input->draws,
                                 .view = input->view,
-                                .lights = input->lights->header,
+                                .lighting = input->lighting->address,
                                 .counters = input->counters};
     data.state = (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                               .constant_count = 2,
-                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                              .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {graph_image_info(graph, radiance).format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -261,7 +261,7 @@ void texturing_forward_add(struct graph *graph, const struct shade_input *input,
     struct graph_pass *pass =
         graph_add_pass(graph, "lit forward", GRAPH_QUEUE_GRAPHICS, execute_forward, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_NOT_IN(VIRTUAL_FORWARD));
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
     graph_depth_read_only(pass, depth);

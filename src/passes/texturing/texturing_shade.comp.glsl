@@ -7,7 +7,7 @@
 #include "common.glsl"
 #include "shade.glsl"
 #ifndef MATERIAL_TEXEL
-#define MATERIAL_LAYERS LIST_LAYERS
+#define MATERIAL_LAYERS LIGHTING_LAYERS
 #endif
 #include "material.glsl"
 #include "decals_raster.glsl"
@@ -104,7 +104,7 @@ vec3 shade(ivec2 pixel, int at, vec2 point, float depth) {
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.view, push.scene);
     vec3 radiance =
-        shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth_of(push.view, depth), LIGHT_NO_ITEM);
+        shade_surface(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth_of(push.view, depth), LIGHT_NO_ITEM);
 #ifdef MATERIAL_TEXEL
     if (SHOWS_LEVELS == 1u) radiance = vec3(atlas_level + float(VIRTUAL_STEP * atlas_tier), atlas_level, float(atlas_tier));
 #endif

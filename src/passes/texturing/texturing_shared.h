@@ -32,7 +32,7 @@ struct gpu_texturing_geometry_push {
 struct gpu_texturing_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     ADDRESS(virtual_block) pages;    /* of virtual texturing */
     uint targets[TEXTURING_TARGETS]; /* sampled */
@@ -56,7 +56,7 @@ struct gpu_texturing_surfaces_push {
 struct gpu_texturing_samples_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     ADDRESS(virtual_block) pages;
     ADDRESS(uint_array) words;

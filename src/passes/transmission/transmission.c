@@ -167,7 +167,7 @@ static graph_image add_behind(struct graph *graph, const struct shade_input *inp
 struct draw_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     graph_image behind;
     struct gpu_graphics_params state;
@@ -177,7 +177,7 @@ struct draw_data {
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct draw_data *d = data;
     struct gpu_transmission_push push = {.geometry = {.view = d->view,
-                                                      .lights = d->lights,
+                                                      .lighting = d->lighting,
                                                       .counters = d->counters.id ? graph_address(context, d->counters) : 0},
                                          .behind = graph_sampled(context, d->behind),
                                          .last_mip = (float)(d->mips - 1)};
@@ -190,13 +190,13 @@ static void add_draw(struct graph *graph, const struct shade_input *input, uint3
     struct draw_data data = {.scene = input->scene,
                              .draws = *input->draws,
                              .view = input->view,
-                             .lights = input->lights->header,
+                             .lighting = input->lighting->address,
                              .counters = input->counters,
                              .behind = behind,
                              .mips = mips};
     data.state = (struct gpu_graphics_params){.fragment = &shader_transmission_frag,
                                               .constant_count = 2,
-                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                              .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {target.format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -206,7 +206,7 @@ static void add_draw(struct graph *graph, const struct shade_input *input, uint3
     struct graph_pass *pass =
         graph_add_pass(graph, graph_numbered_name(graph, "transmission", layer), GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_GLASS);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_use_image(pass, behind, GRAPH_SAMPLE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, NULL);

@@ -68,7 +68,7 @@ struct fill_data {
     struct linked lists;
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
 };
@@ -77,7 +77,7 @@ static void execute_fill(const struct graph_context *context, const void *data) 
     const struct fill_data *d = data;
     const struct linked *l = &d->lists;
     struct gpu_linked_push push = {
-        .geometry = {.view = d->view, .lights = d->lights, .counters = address_or_zero(context, d->counters)},
+        .geometry = {.view = d->view, .lighting = d->lighting, .counters = address_or_zero(context, d->counters)},
         .sums = graph_address(context, l->sums),
         .written = graph_address(context, l->written),
         .colors = graph_address(context, l->colors),
@@ -94,18 +94,18 @@ static void add_fill(struct graph *graph, const struct shade_input *input, const
                              .scene = input->scene,
                              .draws = *input->draws,
                              .view = input->view,
-                             .lights = input->lights->header,
+                             .lighting = input->lighting->address,
                              .counters = input->counters,
                              .state = blend_state(&shader_linked_fill_frag, lists->samples)};
     fill.state.constant_count = 2;
-    fill.state.constants[LISTS_ID] = input->lights->kind;
+    fill.state.constants[LIGHTING_ID] = input->lighting->bits;
     fill.state.constants[COUNT_LIGHTS_ID] = input->counters.id != 0;
     fill.state.color_count = 1;
     fill.state.color_formats[0] = graph_image_info(graph, radiance).format;
     fill.state.blends[0] = GPU_BLEND_ALPHA;
     struct graph_pass *pass = graph_add_pass(graph, "linked fill", GRAPH_QUEUE_GRAPHICS, execute_fill, &fill, sizeof fill);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_BLEND);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->glass.id) graph_use_image(pass, input->glass, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_use_buffer(pass, lists->sums, GRAPH_READ_FRAGMENT);

@@ -24,7 +24,7 @@ uint32_t weighted_bytes(bool half) { return half ? 8 + 2 : 16 + 4; }
 struct draw_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters;
     struct gpu_graphics_params state;
     bool half;
@@ -33,7 +33,7 @@ struct draw_data {
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct draw_data *d = data;
     struct gpu_weighted_push push = {.geometry = {.view = d->view,
-                                                  .lights = d->lights,
+                                                  .lighting = d->lighting,
                                                   .counters = d->counters.id ? graph_address(context, d->counters) : 0},
                                      .half_sums = d->half};
     geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_BLEND, &d->state, NULL, &push.geometry, sizeof push);
@@ -77,12 +77,12 @@ struct weighted_sums weighted_sums_add(struct graph *graph, const struct shade_i
     struct draw_data draw = {.scene = input->scene,
                              .draws = *input->draws,
                              .view = input->view,
-                             .lights = input->lights->header,
+                             .lighting = input->lighting->address,
                              .counters = input->counters,
                              .half = half};
     draw.state = (struct gpu_graphics_params){.fragment = &shader_weighted_frag,
                                               .constant_count = 2,
-                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                              .constants = {[LIGHTING_ID] = input->lighting->bits, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 2,
                                               .color_formats = {formats.sum, formats.density},
                                               .blends = {GPU_BLEND_ADD, GPU_BLEND_ADD},
@@ -93,7 +93,7 @@ struct weighted_sums weighted_sums_add(struct graph *graph, const struct shade_i
     struct graph_pass *pass =
         graph_add_pass(graph, "weighted blend", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_BLEND);
-    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    lighting_use(pass, input->lighting, GRAPH_READ_FRAGMENT);
     if (input->glass.id) graph_use_image(pass, input->glass, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, sum, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});

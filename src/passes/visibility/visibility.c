@@ -119,9 +119,9 @@ struct shade_data {
     struct visible_list list;
     const struct geometry_scene *scene;
     graph_image radiance;
-    VkDeviceAddress view, lights;
+    VkDeviceAddress view, lighting;
     graph_buffer counters, results;
-    uint32_t kind, width, height, samples;
+    uint32_t bits, width, height, samples;
     VkFormat format;
     float background[3];
 };
@@ -129,7 +129,7 @@ struct shade_data {
 /* Decals may give a material what it has not. */
 static void set_constants(const struct shade_data *d, uint32_t class_bits, struct gpu_compute_params *params) {
     bool all = d->list.listed != VISIBLE_SORTED, decals = d->scene->features != 0;
-    const uint32_t values[16] = {[LISTS_ID] = all || class_bits & GPU_CLASS_LAYERS ? d->kind : d->kind & ~GPU_LIST_LAYERS,
+    const uint32_t values[16] = {[LIGHTING_ID] = all || class_bits & GPU_CLASS_LAYERS ? d->bits : d->bits & ~GPU_LIGHTING_LAYERS,
                                  [COUNT_LIGHTS_ID] = d->counters.id != 0,
                                  [HAS_LIGHTS_ID] = all || decals || class_bits & GPU_CLASS_LIT,
                                  [HAS_METAL_ID] = all || decals || class_bits & GPU_CLASS_METAL,
@@ -153,7 +153,7 @@ static struct graph_pass *add_shade(struct graph *graph, struct graph_pass *pass
     const bool listed = list->listed != VISIBLE_GRID, several = d->samples > 1, counts = d->counters.id;
     struct gpu_visibility_push push = {.view = d->view,
                                        .scene = d->scene->scene,
-                                       .lights = d->lights,
+                                       .lighting = d->lighting,
                                        .indices = d->scene->indices->address,
                                        .ids_high = GPU_TEXTURE_NONE,
                                        .triangle_bits = v->triangle_bits,
@@ -193,9 +193,9 @@ struct visibility_shaded visibility_shade_add(struct graph *graph, const struct 
                               .scene = input->scene,
                               .radiance = radiance,
                               .view = input->view,
-                              .lights = input->lights->header,
+                              .lighting = input->lighting->address,
                               .counters = input->counters,
-                              .kind = input->lights->kind,
+                              .bits = input->lighting->bits,
                               .width = input->width,
                               .height = input->height,
                               .samples = MAX(target.samples, 1u),
@@ -211,7 +211,7 @@ struct visibility_shaded visibility_shade_add(struct graph *graph, const struct 
         if (!lists || data.list.classes >> c & 1) pass = add_shade(graph, pass, &data, c);
     graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE);
     geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    lighting_use(pass, input->lighting, GRAPH_READ_COMPUTE);
     if (data.samples == 1) return (struct visibility_shaded){.ranges = data.list.ranges};
     visible_spread_add(graph, input, &data.list, data.results, radiance);
     return (struct visibility_shaded){data.list.ranges, data.list.words, data.list.counts};

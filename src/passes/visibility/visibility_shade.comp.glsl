@@ -6,7 +6,7 @@
 #define MATERIAL_GRADIENTS
 #include "common.glsl"
 #include "shade.glsl"
-#define MATERIAL_LAYERS LIST_LAYERS
+#define MATERIAL_LAYERS LIGHTING_LAYERS
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "passes/visibility/triangle.glsl"
@@ -95,7 +95,7 @@ vec3 shade(ivec2 pixel, vec2 point, uvec2 id) {
     in_pixel = uvec2(pixel);
     decals_on_surface(s, push.view, push.scene);
     float view_depth = -(push.view.view.world_to_view * vec4(s.position, 1.0)).z;
-    return shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, in_ids.y);
+    return shade_surface(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth, in_ids.y);
 }
 
 // The samples of a triangle are shaded at their middle, which lies in the part that is seen.

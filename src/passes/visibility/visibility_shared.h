@@ -7,7 +7,7 @@
 struct gpu_visibility_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(light_list_block) lights;
+    ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) counters;
     ADDRESS(const_uint_array) indices; /* of the scene */
     ADDRESS(uint_array) entries;       /* with lists: what is shaded, see visible_shared.h */

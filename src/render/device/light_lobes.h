@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/** The specular lobes by which rectangle lights are integrated: lights_shared.h says what the numbers are. */
+/** The specular lobes by which rectangle lights are integrated: lighting_shared.h says what the numbers are. */
 #ifndef FNL_RENDER_DEVICE_LIGHT_LOBES_H
 #define FNL_RENDER_DEVICE_LIGHT_LOBES_H
 
-#include "lights/lights_shared.h"
+#include "lighting/lighting_shared.h"
 
 extern const float light_lobes[AREA_LOBE_ROWS * AREA_LOBE_COLUMNS * AREA_LOBE_VALUES];
 

@@ -472,19 +472,20 @@ fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_
     return FNL_OK;
 }
 
-struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights) {
+struct light_set device_lights_set(const struct device_scene *d, graph_buffer lights) {
     uint32_t local_count = d->scene->light_slot_end;
     VkDeviceAddress first_place = d->lights.address + d->sun_room * sizeof(struct gpu_light);
-    return (struct light_input){.buffer = lights,
-                                .entities = d->bound_buffer.address,
-                                .shapes = first_place,
-                                .planes = d->planes.address,
-                                .lights = first_place - d->sun_data.count * sizeof(struct gpu_light),
-                                .kinds = 1u << GPU_ENTITY_LIGHT,
-                                .profiles = d->profiled_count > 0 ? d->profiles.buffer.address : 0,
-                                .lobes = d->area_count > 0 ? d->lobes.buffer.address : 0,
-                                .simple = d->shaped_count == 0,
-                                .directional_count = d->sun_data.count,
-                                .local_count = local_count,
-                                .unlit_count = local_count - d->lit_count};
+    struct light_set set = {.buffer = lights,
+                            .entities = d->bound_buffer.address,
+                            .shapes = first_place,
+                            .planes = d->planes.address,
+                            .lights = first_place - d->sun_data.count * sizeof(struct gpu_light),
+                            .profiles = d->profiled_count > 0 ? d->profiles.buffer.address : 0,
+                            .lobes = d->area_count > 0 ? d->lobes.buffer.address : 0,
+                            .simple = d->shaped_count == 0,
+                            .directional_count = d->sun_data.count,
+                            .local_count = local_count,
+                            .unlit_count = local_count - d->lit_count};
+    light_set_send(d->device, &set);
+    return set;
 }

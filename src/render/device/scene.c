@@ -325,8 +325,8 @@ fnl_result device_scene_add(struct device_scene_user *user, struct graph *graph,
                                             .triangle_count = d->triangle_count,
                                             .index_count = d->index_count,
                                             .pool_triangles = user->pool_triangles};
-    out->lights = device_lights_input(d, lights);
-    out->lights.environment = device_environment_add(d, graph);
-    out->lights.layered = device_has_layers(d);
+    out->lights = device_lights_set(d, lights);
+    out->environment = device_environment_add(d, graph);
+    out->layered = device_has_layers(d);
     return FNL_OK;
 }

@@ -16,6 +16,7 @@
 #include "passes/geometry/skin.h"
 #include "passes/texturing/virtual.h"
 #include "decals_shared.h"
+#include "passes/ambient/environment.h"
 #include "passes/lights/light_list.h"
 #include "passes/shadow/rays.h"
 #include "scene/scene.h"
@@ -283,7 +284,9 @@ void device_scene_forget(struct device_scene *d);
 
 struct device_scene_frame {
     struct geometry_scene geometry;
-    struct light_input lights; /* view, width and height are left to the caller */
+    struct light_set lights;
+    struct environment_light environment; /* without reflection probes */
+    bool layered;              /* some material has layers */
     bool moved;                /* instances or vertices are elsewhere than in the user's last frame */
     bool lost;                 /* the frame wants what the last one drew, and that is not known (any more) */
     /** With wants_previous, where something moved or came: what the user's last frame drew, with rows of 0 for instances that it did not
@@ -344,10 +347,10 @@ fnl_result device_lights_prepare(struct device_scene *d);
 void device_lights_finish(struct device_scene *d);
 /** Declares the update of the light array: sends only the lights that changed, but all directional ones if any of those did. */
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
-/** The lights as one frame sees them; view, width and height are left to the caller. */
 /** For each directional light, then for each place: 0, or a number of the request that its shadow maps were last drawn for (fnl_shadow_update). */
 void device_lights_updates(const struct device_scene *d, uint32_t *out);
-struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights);
+/** The lights as one frame sees them. */
+struct light_set device_lights_set(const struct device_scene *d, graph_buffer lights);
 /** The part that needs no device: fills light_data, light_bounds, sun_data and plane_data from d->scene. */
 fnl_result device_lights_gather(struct device_scene *d);
 /** Local lights that the next frame lights with: of the scene as it is now, before they are gathered. Costs a look at what changed. */

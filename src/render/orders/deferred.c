@@ -61,7 +61,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     const struct gbuffer *gbuffer = &f->gbuffer;
     decals_on_gbuffer_add(f, input, gbuffer);
     order_add_lists(f, f->depth, gbuffer);
-    const bool sampled = f->lights.kind & GPU_LIST_SAMPLED, denoised = shadows_denoised(f->frame) && sampled;
+    const bool sampled = f->lights.bits & GPU_LIGHTING_SAMPLED, denoised = shadows_denoised(f->frame) && sampled;
     if (shadows_guided(f->frame) && sampled) input->guide = shadow_sampled_guide(f);
     if (denoised) input->apart = denoise_begin(f->graph, f->radiance);
     struct shade_classes classes = {0};
@@ -100,20 +100,18 @@ static struct surface_layers add_base(struct frame_state *f, struct shade_input 
 static void add_with_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
     decals_on_gbuffer_add(f, input, &gbuffer);
-    struct light_list own = {0}; /* of what is lit forward */
+    struct lighting own = {0}; /* of what is lit forward */
     bool has_lists = surfaces_have_blend(f) || gbuffer.mask.id;
     if (has_lists) {
         order_add_lists(f, f->depth, gbuffer.mask.id && f->frame->msaa == 1 ? &gbuffer : NULL);
         own = f->lights;
         if (!gbuffer.mask.id) f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
     } else {
-        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+        f->lights = f->blend_lights = order_light_by_all(f);
         graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     }
-    struct light_input none = f->scene->lights;
-    none.local_count = 0;
-    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
-    input->lights = &base;
+    const struct lighting base = order_light_by_suns(f);
+    input->lighting = &base;
     struct surface_layers layers = add_base(f, input, &gbuffer);
     uint32_t shape = (uint32_t)f->frame->volume_shape;
     if (shape == VOLUME_STENCIL && !volumes_stencil_supported(f->r->device)) shape = VOLUME_DEPTH_BOUNDS;
@@ -124,7 +122,7 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
         volumes_add(f->graph, input, &volumes, &gbuffer, f->radiance);
     counters_note(f, "volumes.draws", layers.count * (2 + 2 * volumes.alone));
     if (gbuffer.mask.id) {
-        input->lights = &own;
+        input->lighting = &own;
         add_rest(f, input, &gbuffer);
     }
     f->gbuffer = gbuffer;

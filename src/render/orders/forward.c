@@ -8,18 +8,18 @@
 
 /* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
 static bool draws_batches(const struct frame_state *f) {
-    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && list_kind(&f->lights) == GPU_LIST_ITEMS;
+    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && list_kind(&f->lights.list) == GPU_LIST_ITEMS;
 }
 
 static bool draws_per_light(const struct frame_state *f) {
-    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && list_kind(&f->lights) == GPU_LIST_ITEMS &&
-           multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
+    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && list_kind(&f->lights.list) == GPU_LIST_ITEMS &&
+           multipass_fits(f->r->device, &f->scene->geometry, f->lighting.lights.local_count);
 }
 
 /* The log is told once by each renderer that mesh lists stand in for others, the statistics with every frame. */
 static void tell_of_mesh_lists(struct frame_state *f) {
     bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
-    if (!own || list_kind(&f->lights) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
+    if (!own || list_kind(&f->lights.list) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
     f->drawn_lists = FNL_LISTS_MESH;
     if (!renderer_tells(f->r, &f->r->told_of_mesh_lists)) return;
     const char *name = fnl_value_name(FNL_ENUM_LISTS, f->frame->lists);
@@ -30,11 +30,11 @@ static void tell_of_mesh_lists(struct frame_state *f) {
         log_warning(&f->r->host,
                     "%s lists: %u lights times %u groups of objects are too many passes, or this device cannot add 32-bit "
                     "floats: objects are drawn with mesh lists",
-                    name, f->scene->lights.local_count, f->scene->geometry.group_count);
+                    name, f->lighting.lights.local_count, f->scene->geometry.group_count);
 }
 
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
-    const struct light_input *lights = &f->scene->lights;
+    const struct light_set *lights = &f->lighting.lights;
     order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* a single pass knows no depth beforehand */
     if (draws_batches(f)) {
         batches_add(f->graph, input, f->radiance, f->depth);

@@ -60,7 +60,7 @@ static void add_blend_lists(struct frame_state *f) {
         order_add_lists(f, f->depth, NULL);
         f->lights = f->blend_lights;
     } else {
-        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+        f->lights = f->blend_lights = order_light_by_all(f);
         graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     }
 }
@@ -69,10 +69,8 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
     struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, LIGHT_BUFFER_TWO, f->depth);
     split_surfaces(f, input, &surfaces);
     add_blend_lists(f);
-    struct light_input none = f->scene->lights;
-    none.local_count = 0;
-    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
-    input->lights = &base;
+    const struct lighting base = order_light_by_suns(f);
+    input->lighting = &base;
     struct light_sums sums = light_sums_create(f->graph, input, LIGHT_BUFFER_TWO, 1, volumes_format(f->r->device),
                                                surfaces.layers.count);
     light_sums_add(f->graph, input, &surfaces, &sums);
@@ -95,8 +93,8 @@ static void add_light_indexed(struct frame_state *f, struct shade_input *input, 
     struct volumes volumes = order_prepare_volumes(f, VOLUME_DEPTH_BOUNDS);
     struct indexed_params params = {(uint32_t)f->frame->light_indexed.packing, f->frame->light_indexed.layers};
     struct indexed_samples samples = {0};
-    f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->scene->lights, f->depth, &params, &samples);
-    input->lights = &f->lights;
+    f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->lighting, f->depth, &params, &samples);
+    input->lighting = &f->lights;
     if (f->frame->msaa > 1)
         light_indexed_samples_add(f->graph, input, &samples, f->radiance, f->depth);
     else
@@ -110,8 +108,8 @@ static void add_zioma(struct frame_state *f, struct shade_input *input, bool pre
     uint32_t layers = MIN(f->frame->light_indexed.layers, ZIOMA_LAYERS);
     zioma_add(f->graph, input, &volumes, layers, f->radiance, f->depth);
     counters_note(f, "light-buffer.bytes", (f->frame->msaa > 1 ? 4ull : 36ull) * layers * input->width * input->height);
-    f->lights.totals = volumes.totals;
-    f->lights.totals_known = false;
+    f->lights.list.totals = volumes.totals;
+    f->lights.list.totals_known = false;
 }
 
 /* Everything of light at a lower resolution, lists included: the frame, for as long as they are made, is a smaller one. */
@@ -119,16 +117,14 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     UNUSED(prepass);
     const fnl_frame *frame = f->frame;
     struct gpu_view view = f->view;
-    struct light_input *lights = &f->scene->lights;
-    const struct light_input whole = *lights;
     fnl_frame low_frame = *frame;
     low_frame.msaa = f->view.samples = 1; /* materials alone have more */
-    lights->width = low_frame.width = f->view.size.x = DIVIDE_UP(frame->width, frame->light_buffer.scale);
-    lights->height = low_frame.height = f->view.size.y = DIVIDE_UP(frame->height, frame->light_buffer.scale);
+    low_frame.width = f->view.size.x = DIVIDE_UP(frame->width, frame->light_buffer.scale);
+    low_frame.height = f->view.size.y = DIVIDE_UP(frame->height, frame->light_buffer.scale);
     f->view.inverse_size = (vec2){1 / (float)low_frame.width, 1 / (float)low_frame.height};
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
     if (slice.data) memcpy(slice.data, &f->view, sizeof f->view);
-    lights->view = slice.address;
+    f->lighting.view = slice.address;
     f->frame = &low_frame;
 
     /* What else is drawn over opaque surfaces comes before blended ones. */
@@ -147,13 +143,11 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
 
     f->view = view;
     f->frame = frame;
-    lights->width = whole.width;
-    lights->height = whole.height;
-    lights->view = whole.view;
+    f->lighting.view = f->view_address;
     graph_set_role(f->graph, GRAPH_ROLE_LISTS);
     f->blend_lights = order_add_fallback_lists(f);
     graph_set_role(f->graph, GRAPH_ROLE_SHADING);
-    input->lights = &f->blend_lights;
+    input->lighting = &f->blend_lights;
     inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
     if (blend) shading_add_sky(f);
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);

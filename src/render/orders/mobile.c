@@ -95,22 +95,20 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     if (!by_volumes || has_blend)
         order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
     graph_set_role(f->graph, GRAPH_ROLE_SHADING);
-    struct light_list base;
+    struct lighting base;
     struct volumes volumes;
     if (by_volumes) {
-        struct light_input suns = f->scene->lights;
-        suns.local_count = 0;
-        base = light_list_all_add(f->graph, f->r->device, &suns);
-        input->lights = suns.directional_count ? &base : NULL;
+        base = order_light_by_suns(f);
+        input->lighting = base.lights.directional_count ? &base : NULL;
         uint32_t shape = (uint32_t)f->frame->volume_shape;
         if (shape == VOLUME_STENCIL) shape = VOLUME_DEPTH_BOUNDS; /* the scope has no stencil */
         volumes = order_prepare_volumes(f, shape);
-        if (!has_blend) f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+        if (!has_blend) f->blend_lights = order_light_by_all(f);
         f->lights = f->blend_lights;
         if (!has_blend) order_count_volumes(f, &volumes);
     }
     struct shade_input blend_input = *input;
-    blend_input.lights = &f->blend_lights;
+    blend_input.lighting = &f->blend_lights;
     if (!f->frame->count_lights) blend_input.counters = (graph_buffer){0};
     const struct mobile_blend blend = {.input = &blend_input,
                                        .weighted = f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED,

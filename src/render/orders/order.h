@@ -62,9 +62,12 @@ const struct order *shading_order(fnl_shading shading);
  */
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
 /** Makes additional lists, for pixels that the frame's lists do not serve. Their passes get the role that is current at the call. */
-struct light_list order_add_fallback_lists(struct frame_state *f);
+struct lighting order_add_fallback_lists(struct frame_state *f);
 /** Makes tiles beside them for all that `depth` shows. */
 struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth);
+/** The view's lighting without lists: by all lights, or by the directional ones. */
+struct lighting order_light_by_all(struct frame_state *f);
+struct lighting order_light_by_suns(struct frame_state *f);
 /** Notes what f->gbuffer takes, and what a pixel has beside it, as gbuffer.bytes. */
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes);
 /** The local lights' volumes of a shape of volumes_shared.h. */

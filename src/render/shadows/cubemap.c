@@ -184,7 +184,7 @@ static uint64_t key_of(const fnl_renderer *r, const struct renderer_probe *probe
     return hash_bytes(&seen, sizeof seen, hash_bytes(words, sizeof words, 1)) | 1;
 }
 
-static void begin(struct frame_state *shared, struct device_scene_frame *scene) {
+static void begin(struct frame_state *shared) {
     fnl_renderer *r = shared->r;
     struct renderer_probes *p = &r->probes;
     const fnl_shadow_options *options = &shared->frame->shadow;
@@ -212,9 +212,9 @@ static void begin(struct frame_state *shared, struct device_scene_frame *scene) 
     if (!baking.data) return;
     *(struct gpu_probes *)baking.data = *(const struct gpu_probes *)head.data;
     ((struct gpu_probes *)baking.data)->flags = p->moves ? PROBES_MOVERS : 0;
-    struct probes *out = &scene->lights.probes;
+    struct probes *out = &shared->lighting.shadows.rooms;
     *out = (struct probes){.count = count, .address = head.address};
-    scene->lights.shadow_bits |= GPU_LIST_CUBEMAP;
+    shared->lighting.shadows.bits |= GPU_LIGHTING_CUBEMAP;
     for (uint32_t i = 0; i < count; i++) {
         struct renderer_probe *probe = &p->list.data[i];
         ((struct gpu_probe *)list.data)[i] = probe_of(probe);

@@ -15,7 +15,7 @@ static bool timed(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_S
 static bool may_probe(const fnl_frame *frame) { return frame->msaa == 1 && timed(frame); }
 
 /* What the next frames decide by. */
-void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct light_list *surfaces, graph_image depth) {
+void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct lighting *surfaces, graph_image depth) {
     const struct shadow_costs *costs = &f->r->shadow_costs;
     shadow_drawn_add(f->graph, pages, filled);
     const bool asks = f->graph == f->r->asking_graph; /* some frame will need the pipeline */

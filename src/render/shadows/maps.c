@@ -2,7 +2,7 @@
 #include "render/shadows/maps.h"
 
 #include "passes/shadow/dark.h"
-#include "passes/shadow/maps.h"
+#include "passes/shadow/requests.h"
 #include "render/orders/order.h"
 #include "render/shadows/method.h"
 #include "render/step.h"
@@ -48,28 +48,28 @@ static graph_image depth_of(struct frame_state *f) {
     return depth;
 }
 
-/* Lists with which nothing is shaded; requests must know of filters. */
-static struct light_list without_shadows(struct light_list list) {
-    list.kind &= ~GPU_LIST_SHADOWED | GPU_LIST_FILTERED;
-    list.rays = (struct rays){0};
-    list.maps = (struct shadow_maps){0};
-    return list;
+/* For passes that do not shade; requests depend on the filter. */
+static struct lighting without_shadows(struct lighting lighting) {
+    lighting.bits &= ~GPU_LIGHTING_SHADOWED | GPU_LIGHTING_FILTERED;
+    lighting.shadows.rays = (struct rays){0};
+    lighting.shadows.maps = (struct shadow_maps){0};
+    return lighting;
 }
 
 /* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
 static void add_requests(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
-    struct light_list list = without_shadows(*surfaces);
-    COUNTERS_COPY(f, list.totals, 0, surface_lights);
+    struct lighting lighting = without_shadows(lighting_add(f->r->device, &f->lighting, surfaces));
+    COUNTERS_COPY(f, surfaces->totals, 0, surface_lights);
     const bool splits = shadows_have(f->frame, SHADOWS_SPLIT);
     if (wanted->id)
-        shadow_requests_more_add(f->graph, &list, suns, *wanted, depth, splits);
+        shadow_requests_more_add(f->graph, &lighting, suns, *wanted, depth, splits);
     else
-        *wanted = shadow_requests_add(f->graph, &list, suns, shadow_row_count(&f->scene->lights), depth, splits);
+        *wanted = shadow_requests_add(f->graph, &lighting, suns, shadow_row_count(&f->lighting.lights), depth, splits);
     const struct geometry_scene *scene = &f->scene->geometry;
     const bool blend = surfaces_have_blend(f), glass = surfaces_have_glass(f);
-    if (blend || glass) list = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
-    if (blend) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, false, f->view_address, depth, splits);
-    if (glass) shadow_requests_blend_add(f->graph, &list, suns, *wanted, scene, &f->draws, true, f->view_address, depth, splits);
+    if (blend || glass) lighting = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
+    if (blend) shadow_requests_blend_add(f->graph, &lighting, suns, *wanted, scene, &f->draws, false, f->view_address, depth, splits);
+    if (glass) shadow_requests_blend_add(f->graph, &lighting, suns, *wanted, scene, &f->draws, true, f->view_address, depth, splits);
 }
 
 /* Batches and passes per light draw objects by lists of their own. */
@@ -89,7 +89,7 @@ static void pop_view(const struct frame_state *f, uint32_t count) {
 
 /* Which lights' maps are drawn on request, and which request it is; address 0: no light's. */
 static VkDeviceAddress add_updates(const struct frame_state *f) {
-    const struct light_input *lights = &f->scene->lights;
+    const struct light_set *lights = &f->lighting.lights;
     if (!f->r->scene->has_requested) return 0;
     struct gpu_slice updates = gpu_frame_allocate(f->r->device, (lights->directional_count + lights->local_count) * sizeof(uint32_t));
     if (updates.data) device_lights_updates(f->r->device_scene, updates.data); /* else the frame fails */
@@ -113,7 +113,7 @@ static bool are_settled(const struct frame_state *views, uint32_t count) {
 /* What a set of maps is made from. */
 struct asked {
     graph_buffer suns;
-    const struct light_input *lights;
+    const struct lighting *lighting; /* of the view that asks; maps have their address only */
     uint32_t pairs; /* that there is room for */
     graph_image depths[GROUP_MOST + GROUP_FAR];
     struct light_list surfaces[GROUP_MOST + GROUP_FAR];
@@ -133,7 +133,7 @@ static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, 
     const struct shadow_split_input split = {.page_rays = shadow_hybrid_page_rays(f->r, f->frame)};
     const struct shadow_pages_input input = {.wanted = wanted,
                                              .suns = asked->suns,
-                                             .lights = asked->lights,
+                                             .lighting = asked->lighting,
                                              .updates = add_updates(f),
                                              .split = shadows_have(f->frame, SHADOWS_SPLIT) ? &split : NULL};
     const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &input);
@@ -155,26 +155,27 @@ static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, 
 }
 
 /* Takes lights that are in shadow out of the lists of a view. */
-static void add_dark(struct frame_state *f, uint32_t count, const struct shadow_pages *pages, struct light_list *surfaces, graph_image depth) {
-    if (!shadow_maps_classify(f->frame) || list_kind(surfaces) != GPU_LIST_TILES) return;
+static void add_dark(struct frame_state *f, uint32_t count, const struct shadow_pages *pages, const struct lighting *surfaces, graph_image depth) {
+    if (!shadow_maps_classify(f->frame) || list_kind(&surfaces->list) != GPU_LIST_TILES) return;
     push_view(f, count);
     if (f->frame->debug == FNL_DEBUG_SHADOW_CLASSES)
         f->shadow_classes = graph_create_buffer(f->graph, "shadow classes", DIVIDE_UP(f->frame->width, 8u) * DIVIDE_UP(f->frame->height, 8u) * 8ull);
     shadow_dark_add(f->graph, pages, surfaces, depth, f->shadow_classes);
-    f->surface_lights = *surfaces;
+    f->surface_lights = surfaces->list;
     pop_view(f, count);
 }
 
 /* One set of maps for `count` views; those of eyes lie as the head's view asks for. The names of the first view's maps are pushed. */
 void shadow_maps_add(struct frame_state *views, uint32_t count) {
     struct frame_state *f = views;
-    struct light_input *lights = &f->scene->lights, shared = *lights;
+    const struct light_set *lights = &f->lighting.lights;
+    struct lighting scopes = f->lighting;
     if (!shadow_maps_possible(f->r, f->frame) || shadow_row_count(lights) == 0) return;
-    struct asked asked = {.lights = &shared, .pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count)};
+    struct asked asked = {.pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count)};
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
     struct gpu_shadow_maps *maps = slice.data;
     if (!maps) return; /* the frame fails */
-    if (f->display && f->display->head_address) shared.view = f->display->head_address;
+    if (f->display && f->display->head_address) scopes.view = f->display->head_address;
     graph_push_names(f->graph, "shadows");
     const struct gpu_sampler_params point = {.wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                              .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
@@ -182,10 +183,11 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
     *maps = (struct gpu_shadow_maps){.point = gpu_sampler_index(f->r->device, &point),
                                      .texel = 1.0f / (float)shadow_maps_side(f->frame),
                                      .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
-    asked.suns = shadow_suns_add(f->graph, f->r->device, &shared, &f->rays);
+    const struct lighting shared = lighting_add(f->r->device, &scopes, NULL);
+    asked.lighting = &shared;
+    asked.suns = shadow_suns_add(f->graph, &shared, &f->rays);
     if (asked.suns.id) graph_put_address(f->graph, &maps->suns, asked.suns);
-    for (uint32_t i = 0; i < count; i++) views[i].scene->lights.maps.address = slice.address;
-    shared.maps.address = slice.address;
+    for (uint32_t i = 0; i < count; i++) views[i].lighting.shadows.maps.address = slice.address;
     const bool settled = are_settled(views, count);
     struct shadow_fill filled = {0};
     const struct shadow_pages pages = settled ? shadow_pages_again(f->graph, &f->kept->shadows.pages) : add_pages(views, count, &asked, &filled);
@@ -204,11 +206,11 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
                                          .suns = asked.suns,
                                          .atlas = pages.atlas,
                                          .address = slice.address};
-        views[i].scene->lights.maps = made;
+        views[i].lighting.shadows.maps = made;
         if (settled) continue;
-        asked.surfaces[i].maps = made;
-        if (i == 0 && pages.split.id) shadow_hybrid_add(f, &pages, &filled, asked.surfaces, asked.depths[0]);
-        add_dark(&views[i], count, &pages, &asked.surfaces[i], asked.depths[i]);
+        const struct lighting surfaces = lighting_add(f->r->device, &views[i].lighting, &asked.surfaces[i]);
+        if (i == 0 && pages.split.id) shadow_hybrid_add(f, &pages, &filled, &surfaces, asked.depths[0]);
+        add_dark(&views[i], count, &pages, &surfaces, asked.depths[i]);
     }
     graph_pop_names(f->graph);
     COUNTERS_COPY(f, pages.counts, 0, shadows);

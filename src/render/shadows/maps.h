@@ -25,6 +25,6 @@ void shadow_maps_add(struct frame_state *views, uint32_t count);
 /** How many rays take as long as drawing a page, given or measured. */
 float shadow_hybrid_page_rays(const fnl_renderer *r, const fnl_frame *frame);
 /** Collects what later frames decide by; called after the pages of the frame's views are added. */
-void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct light_list *surfaces, graph_image depth);
+void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct lighting *surfaces, graph_image depth);
 
 #endif

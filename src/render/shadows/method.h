@@ -26,8 +26,8 @@ struct shadow_method {
     fnl_result (*prepare_view)(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view);
     /* Whether the times of the frame's passes are wanted. */
     bool (*timed)(const fnl_frame *frame);
-    /* Adds what all views share to the frame and to `scene`. */
-    void (*begin)(struct frame_state *shared, struct device_scene_frame *scene);
+    /* Adds what all views share to the frame and to its lighting. */
+    void (*begin)(struct frame_state *shared);
     /* Before the lists of a view are made. */
     void (*begin_view)(struct frame_state *f);
     /* After what is drawn before lists: what `count` views share, so that lists made afterwards cast shadows. */

@@ -44,10 +44,10 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
 }
 
 static void begin_view(struct frame_state *f) {
-    struct light_input *lights = &f->scene->lights;
-    lights->shadow_bits |= GPU_LIST_SAMPLED;
-    lights->shadow_rays = f->frame->shadow.rays;
-    lights->shadow_seed = f->frame->shadow.seed + MAX(f->temporal.index, f->temporal.sequence);
+    struct shadows *shadows = &f->lighting.shadows;
+    shadows->bits |= GPU_LIGHTING_SAMPLED;
+    shadows->ray_count = f->frame->shadow.rays;
+    shadows->seed = f->frame->shadow.seed + MAX(f->temporal.index, f->temporal.sequence);
 }
 
 /* Noise in what is captured would last. */
