@@ -190,6 +190,7 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
                    (double)light.wedge_angles[1] * 180 / 3.14159265358979);
         if (light.kind == FNL_LIGHT_RECTANGLE)
             printf("  %.4g x %.4g m%s", (double)light.rectangle_size[0], (double)light.rectangle_size[1], light.two_sided ? ", two-sided" : "");
+        if (light.mask != 255) printf("  mask 0x%02x", light.mask);
         const char *name = name_of(scene, FNL_ENTITY_LIGHT, i);
         if (*name) printf("  %s", name);
         putchar('\n');
@@ -330,6 +331,7 @@ static json_t *json_light(const char *name, const fnl_light_params *light) {
     const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
     if (light->kind != FNL_LIGHT_RECTANGLE)
         json_object_set_new(object, parallel ? "source_angle" : "source_radius", json_real((double)(parallel ? light->source_angle : light->source_radius)));
+    json_object_set_new(object, "mask", json_integer((json_int_t)light->mask));
     json_object_set_new(object, "casts_shadows", json_boolean(light->casts_shadows));
     json_object_set_new(object, "shadow_update", json_string(fnl_value_name(FNL_ENUM_SHADOW_UPDATE, light->shadow_update)));
     return object;

@@ -38,6 +38,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer con
 #define LINEAR_INVOCATION (LINEAR_GROUP * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
 
 const float PI = 3.14159265358979323846;
+const uint LIGHT_MASK_ALL = 255u; // a light mask of surfaces that every light affects
 
 // The library keeps a finite largest value in 16-bit targets.
 const float HALF_MAX = 65504.0;

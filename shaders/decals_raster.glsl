@@ -31,7 +31,7 @@ decal_point decal_raster_point(view_block v, gpu_item item, vec3 dx, vec3 dy) {
     float length2 = dot(in_normal, in_normal);
     p.facing = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0);
     if (dot(p.facing, to_viewer(v, in_position)) < 0.0) p.facing = -p.facing;
-    p.receivers = item.receivers;
+    p.receivers = item.receivers & 255u;
     return p;
 }
 
@@ -52,7 +52,7 @@ void decals_of_mesh(inout surface s, decal_block d, scene_block scene, gpu_item 
 
 // Call where control flow is uniform: derivatives are taken here.
 void decals_on(inout surface s, view_block v, scene_block scene, bool to_gbuffer) {
-    if ((FEATURES & (GPU_FEATURE_DECALS | GPU_FEATURE_MESH_DECALS)) == 0u) return;
+    if ((FEATURES & GPU_FEATURES_DECALS) == 0u) return;
     vec3 dx = in_position_dx, dy = in_position_dy, bind_dx = vec3(0.0), bind_dy = vec3(0.0);
     if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) {
         bind_dx = in_bind_dx;

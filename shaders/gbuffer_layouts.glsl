@@ -331,6 +331,7 @@ vec3 gbuffer_unpack_motion_of(uint form, gbuffer g) {
 // Base colours kept as chroma are left to gbuffer_surface(), which sees the neighbours.
 surface gbuffer_unpack(uint form, gbuffer g, gbuffer_place at, gpu_material_entry entry, vec3 position, vec3 emissive) {
     surface s;
+    s.light_mask = LIGHT_MASK_ALL;
     s.layered = false;
     s.position = position;
     s.normal = gbuffer_unpack_normal(form, g.targets[gbuffer_normal_target(form)], at);

@@ -196,6 +196,7 @@ surface material_surface(material_array materials, uint material, out bool hole)
     vec4 base = material_base_color(materials, material);
     hole = material_cut(materials, material, base.a);
     surface s;
+    s.light_mask = LIGHT_MASK_ALL;
     s.position = in_position;
     s.alpha = (materials.at[material].flags & GPU_MATERIAL_BLEND) != 0u ? clamp(base.a, 0.0, 1.0) : 1.0;
 

@@ -33,6 +33,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer clu
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer scene_block { gpu_scene scene; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer draw_array { gpu_draw at[]; };
 
+// The light mask of a draw item.
+uint item_light_mask(scene_block scene, uint item) { return scene.scene.items.at[item].receivers >> GPU_ITEM_LIGHTS_SHIFT & 255u; }
+
 vec3 transform_point(gpu_instance instance, vec3 p) {
     vec4 h = vec4(p, 1.0);
     return vec3(dot(instance.rows[0], h), dot(instance.rows[1], h), dot(instance.rows[2], h));

@@ -33,6 +33,8 @@
 /* Bits of the feature constant of shaders that draw the scene (gpu_graphics_params.features). */
 #define GPU_FEATURE_DECALS 1u      /* box and volume decals are looked up in a list */
 #define GPU_FEATURE_MESH_DECALS 2u /* some instance has decals of its own, in the space of its mesh */
+#define GPU_FEATURES_DECALS (GPU_FEATURE_DECALS | GPU_FEATURE_MESH_DECALS)
+#define GPU_FEATURE_LIGHT_MASKS 8u /* lights have masks: items that lack bits are shaded forward where the item is not known */
 #define GPU_FEATURE_COMPACTED 4u   /* draws leave out triangles: passes/geometry/clusters.h */
 
 /* Vertex data apart from the position, which is a stream of its own (3 floats). */
@@ -123,8 +125,9 @@ struct gpu_cluster {
 struct gpu_item {
     uint instance;
     uint primitive;
-    uint receivers;    /* 8 bits: decals that share one are on it */
+    uint receivers;    /* 8 bits: decals that share one are on it; from GPU_ITEM_LIGHTS_SHIFT on 8 bits: lights that share one affect it */
 };
+#define GPU_ITEM_LIGHTS_SHIFT 8u
 
 /* A run of items of one primitive: one indirect draw. */
 struct gpu_group {

@@ -152,7 +152,7 @@ vec3 shade_surface(surface s, view_block v, lighting_block l, uint_array counter
         }
         FOR_EACH_LIGHT(list_of(l), cursor, light) {
             vec3 to_light;
-            vec3 arriving = light_reach(lights_of(l), light, s.position, to_light);
+            vec3 arriving = light_reach(lights_of(l), light, s.position, s.light_mask, to_light);
             if (COUNT_LIGHTS == 1u) visited++;
             if (arriving != vec3(0.0)) {
                 if (COUNT_LIGHTS == 1u && walk == 1u) useful++;

@@ -33,6 +33,7 @@ struct surface {
     vec3 emissive;        // cd/m^2; an unlit surface is black with its colour here
     vec3 dielectric_f0;   // reflectance at normal incidence of the non-metal part
     float dielectric_f90; // at grazing incidence (KHR_materials_specular's strength)
+    uint light_mask;      // 8 bits: lights that share one affect it; LIGHT_MASK_ALL where the item is not known
     bool layered;         // the rest holds
     surface_layers layers;
 };

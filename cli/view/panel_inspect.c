@@ -10,6 +10,23 @@
 
 #define DEGREES 57.2957795f
 
+bool view_show_light_mask(uint32_t *mask) {
+    char shown[16] = "all";
+    bool edited = false;
+    if (*mask != 255) snprintf(shown, sizeof shown, "0x%02x", *mask);
+    ui_item_width(100);
+    if (!ui_combo("light mask", shown)) return false;
+    for (uint32_t bit = 0; bit < 8; bit++) {
+        char label[16];
+        snprintf(label, sizeof label, "bit %u", bit);
+        if (!ui_choice(label, *mask >> bit & 1)) continue;
+        *mask ^= 1u << bit;
+        edited = true;
+    }
+    ui_combo_end();
+    return edited;
+}
+
 bool view_show_vector(const char *name, fnl_vec3 *value, const char *format) {
     static const char *const axes[] = {"x", "y", "z"};
     float *numbers[] = {&value->x, &value->y, &value->z};
@@ -88,6 +105,8 @@ static void show_object(struct view *v, uint32_t index) {
     }
     struct view_edit edit = {.kind = VIEW_EDIT_VISIBLE, .id = v->select.id, .before.visible = instance.visible, .after.visible = instance.visible};
     if (ui_checkbox("visible", &edit.after.visible)) view_edit_do(v, &edit);
+    edit = (struct view_edit){.kind = VIEW_EDIT_LIGHT_MASK, .id = v->select.id, .before.light_mask = instance.light_mask, .after.light_mask = instance.light_mask};
+    if (view_show_light_mask(&edit.after.light_mask)) view_edit_do(v, &edit);
     if (instance.joint_count)
         ui_note("%u joints move it.", instance.joint_count);
     else

@@ -70,6 +70,7 @@ static void change_likewise(fnl_light_params *light, const fnl_light_params *bef
     LIKEWISE(source_radius);
     LIKEWISE(source_angle);
     LIKEWISE(casts_shadows);
+    LIKEWISE(mask);
     LIKEWISE(shadow_update);
 #undef LIKEWISE
 }
@@ -238,6 +239,7 @@ void view_show_light(struct view *v, uint32_t index) {
     if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= view_show_vector("position, m", &light.position, "%.3f");
     if (light.kind != FNL_LIGHT_POINT) edited |= view_show_vector("direction", &light.direction, "%.3f");
     edited |= put_at_camera(v, &light);
+    edited |= view_show_light_mask(&light.mask);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
     bool requested = light.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     if (light.casts_shadows && ui_checkbox("freeze its shadow map", &requested)) {

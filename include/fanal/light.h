@@ -83,6 +83,11 @@ typedef struct fnl_light_params {
      * horizontal angle 0 at direction x up, growing towards `up`: a point that has one has these two as wedges do.
      */
     fnl_light_profile_id profile;
+    /**
+     * Light mask, 8 bits: the light affects instances that share a bit with it (fnl_scene_set_instance_light_mask); default 255. All instances cast shadows of
+     * the light, whatever their masks. In each light list the light stays listed for all surfaces in its volume.
+     */
+    uint32_t mask;
 } fnl_light_params;
 
 FNL_API fnl_light_params fnl_light_params_default(void);

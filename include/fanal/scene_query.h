@@ -112,6 +112,8 @@ typedef struct fnl_instance_info {
     uint32_t joint_count;   /**< of its skin; 0: it has none */
     uint32_t morph_target_count; /**< of its mesh */
     const float *morph_weights;  /**< the present weight of each target, valid until the scene is changed; NULL: all are 0 */
+    uint32_t receivers;          /**< decals that it receives: fnl_scene_set_instance_receivers */
+    uint32_t light_mask;         /**< lights that affect it: fnl_scene_set_instance_light_mask */
 } fnl_instance_info;
 
 FNL_API fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_instance_info *out);

@@ -23,7 +23,7 @@ shadowed_point shadowed_towards(shadowed_point p, surface s, vec3 to_light) {
 // Radiance towards the viewer, cd/m^2. `reaches`: whether the surface is inside the light's volume.
 vec3 light_at(lighting_block l, uint light, surface s, layers_view b, shadowed_point p, out bool reaches) {
     vec3 to_light;
-    vec3 arriving = light_reach(lights_of(l), light, s.position, to_light);
+    vec3 arriving = light_reach(lights_of(l), light, s.position, s.light_mask, to_light);
     reaches = arriving != vec3(0.0);
     if (!reaches) return vec3(0.0);
     if (LIGHTING_SHADOWED) arriving *= light_visibility(l, light, shadowed_towards(p, s, to_light), to_light, false);
@@ -37,7 +37,7 @@ vec3 suns_at(lighting_block l, surface s, layers_view b, shadowed_point p) {
     uint count = l.scope.lights.directional_count;
     for (uint i = 0u; i < count; i++) {
         vec3 to_sun;
-        vec3 arriving = sun_reach(lights_of(l), i, to_sun);
+        vec3 arriving = sun_reach(lights_of(l), i, s.light_mask, to_sun);
         if (LIGHTING_SHADOWED) arriving *= light_visibility(l, i, shadowed_towards(p, s, to_sun), to_sun, true);
         sum += arriving * layers_cos(s, b, to_sun);
     }

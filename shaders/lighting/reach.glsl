@@ -129,16 +129,22 @@ float light_strength(light_set_block l, uint light, vec3 position, out vec3 to_l
     return attenuation;
 }
 
-// The same with the light's colour. Of a directional light: sun_reach().
-vec3 light_reach(light_set_block l, uint light, vec3 position, out vec3 to_light) {
+// Whether a light affects surfaces with this light mask.
+bool light_meets(light_set_block l, uint light, uint mask) { return !LIGHTING_MASKS || (l.set.masks.at[light] & mask) != 0u; }
+
+// The same with the light's color, for a surface with a light mask. Of a directional light: sun_reach().
+vec3 light_reach(light_set_block l, uint light, vec3 position, uint mask, out vec3 to_light) {
+    to_light = vec3(0.0);
+    if (!light_meets(l, light, mask)) return vec3(0.0);
     precise float strength = light_strength(l, light, position, to_light);
     if (strength == 0.0) return vec3(0.0);
     precise vec3 result = l.set.lights.at[light].color * strength;
     return result;
 }
 
-vec3 sun_reach(light_set_block l, uint light, out vec3 to_light) {
+vec3 sun_reach(light_set_block l, uint light, uint mask, out vec3 to_light) {
     to_light = -l.set.lights.at[light].shape.direction;
+    if (!light_meets(l, light, mask)) return vec3(0.0);
     return l.set.lights.at[light].color;
 }
 

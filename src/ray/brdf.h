@@ -36,6 +36,7 @@ struct ray_surface {
     double offset; /* how far off it rays have to start so that rounding does not make them hit it, metres */
     dvec3 f0;      /* reflectance of the dielectric part along the normal */
     double f90;    /* and at grazing angles */
+    uint32_t light_mask; /* lights that share a bit with it affect the surface */
     bool layered;  /* the next holds */
     struct ray_layers layers;
     bool lamps_shine_through; /* rays to lamps go straight through sheets and volumes: these send none of that light themselves */

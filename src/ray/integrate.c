@@ -105,6 +105,7 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
         const struct ray_light *l = ray_scene_light(c->scene, c->walk->lights.data[i]);
         dvec3 to_light;
         double distance, strength;
+        if (!(l->mask & s->light_mask)) continue;
         if (l->kind == FNL_LIGHT_RECTANGLE) {
             double random[2];
             ray_samples_draw(c->samples, 2, random);

@@ -21,6 +21,7 @@ struct ray_light {
     const struct light_hull *hull; /* borrowed; or NULL */
     const struct light_profile *profile; /* borrowed; or NULL. Points that have one have side, up and along too */
     bool casts_shadows;
+    uint32_t mask; /* surfaces whose light mask shares no bit with it get nothing */
     double source; /* radius of what casts its shadows, metres; of directional lights and boxes half the angle that it fills */
 };
 

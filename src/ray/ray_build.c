@@ -226,6 +226,7 @@ static fnl_result add_node(struct ray_scene *s, const struct scene_node *node, u
             if (!deforms) shared[node->mesh] = mesh;
             in.mesh = mesh;
         }
+        in.light_mask = 255u & ~node->unlit;
         if (s->meshes.data[in.mesh].part_count) TRY(attach_instance(s, &in));
     }
     return FNL_OK;

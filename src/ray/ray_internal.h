@@ -30,6 +30,7 @@ struct ray_instance {
     dvec3 axes[3], origin; /* columns of the matrix */
     dvec3 cofactors[3];    /* columns that carry normals */
     double mirror;         /* -1 where it mirrors */
+    uint32_t light_mask;   /* lights that share a bit affect it */
     uint32_t first_glow;   /* into ray_scene.glows, one for each part of the mesh; SCENE_NONE: nothing of it glows */
 };
 

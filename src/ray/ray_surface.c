@@ -239,7 +239,7 @@ struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hi
     const struct ray_instance *in = &s->instances.data[hit->instance];
     const uint32_t *corners = part->primitive->indices + 3 * (size_t)hit->triangle;
     const struct scene_material *m = part->material;
-    struct ray_surface out = {0};
+    struct ray_surface out = {.light_mask = in->light_mask};
     struct ray_uv uv = {0};
     dvec3 p[3];
     double u = hit->u, v = hit->v, color[4], texel[4];

@@ -309,6 +309,39 @@ static void test_sky_and_ground_light_a_floor(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Two squares, each with a lamp of its own above both: each is lit by one of them, a third by none, and a lamp for all adds to each. */
+static void test_lights_heed_masks(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params floor = matt(0.5f);
+    for (uint32_t i = 0; i < 3; i++) {
+        add_square(scene, &floor, vec3_make(0.4f, 1, 0.4f), vec3_make((float)i, 0, 0));
+        fnl_entity_info info;
+        assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_INSTANCE, i, &info), FNL_OK);
+        assert_int_equal(fnl_scene_set_instance_light_mask(scene, info.id.instance, 1u << i), FNL_OK);
+    }
+    static const uint32_t masks[] = {1, 2, 255};
+    static const float lux[] = {1, 4, 16};
+    for (uint32_t i = 0; i < 3; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.kind = FNL_LIGHT_DIRECTIONAL;
+        light.direction = (fnl_vec3){0, -1, 0};
+        light.intensity = lux[i];
+        light.mask = masks[i];
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    }
+    static const double sums[] = {17, 20, 16};
+    for (uint32_t i = 0; i < 3; i++) {
+        fnl_trace_params p = look_down(vec3_make((float)i, 0, 0), 0.1f, 0.5f, 2);
+        p.samples = 1, p.bounces = 0;
+        fnl_trace trace = trace_scene(scene, &p);
+        assert_float_equal(mean_of(&trace.radiance, 0), sums[i] * 0.5 * 0.96 / DPI, sums[i] * 0.02);
+        fnl_trace_free(NULL, &trace);
+    }
+    fnl_scene_destroy(&scene);
+}
+
 /* One bright texel of 2048: what a floor gets of it, by the integral over the four cells into which it is interpolated. Few paths would ever meet it. */
 static void test_one_bright_texel_needs_few_samples(void **state) {
     UNUSED(state);
@@ -611,6 +644,7 @@ int main(void) {
         cmocka_unit_test(test_area_light_has_its_form_factor),
         cmocka_unit_test(test_white_furnace_in_an_environment),
         cmocka_unit_test(test_sky_and_ground_light_a_floor),
+        cmocka_unit_test(test_lights_heed_masks),
         cmocka_unit_test(test_one_bright_texel_needs_few_samples),
         cmocka_unit_test(test_light_sampling_keeps_the_mean),
         cmocka_unit_test(test_samples_are_as_sharp_as_a_larger_picture),

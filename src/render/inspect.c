@@ -53,7 +53,7 @@ void inspect_declare(struct frame_state *f) {
                                         .layered = f->lighting.layered,
                                         .whole = &whole,
                                         .own = volumes ? NULL : &f->lights,
-                                        .own_skips_layered = surfaces_have_layers_over(f),
+                                        .own_skips_layered = surfaces_over(f) != 0,
                                         .counters = volumes ? f->counters : (graph_buffer){0},
                                         .out = graph_import_buffer(f->graph, "pixel", &f->r->pixel.answer)});
     struct graph_pass *host = graph_add_pass(f->graph, "to host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);

@@ -193,17 +193,18 @@ void shading_take_layer(struct frame_state *f, const struct frame_state *togethe
     if (together->visibility.depth.id) f->visibility = visibility_layer(f->graph, &together->visibility, layer);
 }
 
-/* What the order stores or sums up has no room for layers. */
-static void add_layered(struct frame_state *f, const struct shade_input *input) {
-    if (!surfaces_have_layers_over(f)) return;
-    graph_push_names(f->graph, "layers");
+/* What the path stores or sums up has no room for layers, or does not know the item. */
+static void add_surfaces_over(struct frame_state *f, const struct shade_input *input) {
+    const uint32_t layout = surfaces_over(f);
+    if (!layout) return;
+    graph_push_names(f->graph, layout == GEOMETRY_LAYERED ? "layers" : "masks");
     const struct lighting lights = order_add_fallback_lists(f); /* the order's own may be of other pixels, or none at all */
     graph_pop_names(f->graph);
-    struct shade_input layered = *input;
-    layered.lighting = &lights;
-    forward_add(f->graph, &layered, GEOMETRY_NOT_IN(GEOMETRY_LAYERED), true, f->radiance, f->depth);
-    f->forward_layouts |= 1u << GEOMETRY_LAYERED;
-    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(GEOMETRY_LAYERED));
+    struct shade_input over = *input;
+    over.lighting = &lights;
+    forward_add(f->graph, &over, GEOMETRY_NOT_IN(layout), true, f->radiance, f->depth);
+    f->forward_layouts |= 1u << layout;
+    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(layout));
 }
 
 static struct transmission find_glass(struct frame_state *f, const struct shade_input *input) {
@@ -280,7 +281,7 @@ void shading_add(struct frame_state *f) {
     graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     if (hides) hidden_area_blacken(f->graph, &f->hidden, f->radiance, f->depth);
     if (f->mono) mono_composite(f);
-    add_layered(f, &input);
+    add_surfaces_over(f, &input);
     decals_redraw(f, &input);
     if (f->eyes) return; /* which see the sky, and what is transparent, by themselves */
     shading_add_sky(f);

@@ -11,8 +11,10 @@ bool surfaces_have_blend(const struct frame_state *f) {
 
 bool surfaces_have_glass(const struct frame_state *f) { return geometry_draw_count(&f->scene->geometry, GEOMETRY_GLASS) > 0; }
 
-bool surfaces_have_layers_over(const struct frame_state *f) {
-    return !frame_is(f->frame, SHADING_LAYERS) && geometry_draw_count(&f->scene->geometry, GEOMETRY_NOT_IN(GEOMETRY_LAYERED)) > 0;
+uint32_t surfaces_over(const struct frame_state *f) {
+    const bool masks = frame_is(f->frame, SHADING_ITEMS) || shading_is(f->frame->shading, SHADING_LAYOUTS); /* a G-buffer marks what is shaded forward */
+    const uint32_t layout = !frame_is(f->frame, SHADING_LAYERS) ? GEOMETRY_LAYERED : masks ? 0 : GEOMETRY_MASKED;
+    return layout && geometry_draw_count(&f->scene->geometry, GEOMETRY_NOT_IN(layout)) > 0 ? layout : 0;
 }
 
 fnl_gbuffer surfaces_layout(const struct frame_state *f) {

@@ -9,8 +9,11 @@
 bool surfaces_have_blend(const struct frame_state *f);
 /** Whether there are transmissive surfaces. */
 bool surfaces_have_glass(const struct frame_state *f);
-/** Whether layered materials are drawn over the order's picture. */
-bool surfaces_have_layers_over(const struct frame_state *f);
+/**
+ * Which opaque surfaces are drawn forward over the path's picture: GEOMETRY_LAYERED, if it shades no layers (that includes those with a light mask);
+ * GEOMETRY_MASKED, if it does not know the item; 0: none.
+ */
+uint32_t surfaces_over(const struct frame_state *f);
 /** The layout of the frame's G-buffer: the default becomes FNL_GBUFFER_LAYERS where that holds more of the scene. */
 fnl_gbuffer surfaces_layout(const struct frame_state *f);
 

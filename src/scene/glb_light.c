@@ -85,6 +85,7 @@ static void write_light(struct glb *g, json_t *object, const fnl_light_params *p
 #undef OTHER
     write_shape(g, object, p);
     write_shadows(g, object, p);
+    glb_set_extra(g, object, "FNL_light_mask", p->mask == 255 ? NULL : json_integer((json_int_t)p->mask));
 }
 
 /* ---- lights of the document ---- */
@@ -96,7 +97,7 @@ static bool same_light(const fnl_light_params *a, const fnl_light_params *b) {
     return x.kind == y.kind && !differ(x.color, y.color, 3) && x.intensity == y.intensity && x.range == y.range && x.inner_cone_angle == y.inner_cone_angle &&
            x.outer_cone_angle == y.outer_cone_angle && x.length == y.length && !differ(x.wedge_angles, y.wedge_angles, 2) &&
            !differ(&x.box_size.x, &y.box_size.x, 3) && x.inner_fraction == y.inner_fraction && x.source_radius == y.source_radius &&
-           !differ(x.rectangle_size, y.rectangle_size, 2) && x.two_sided == y.two_sided && x.source_angle == y.source_angle && x.casts_shadows == y.casts_shadows && x.shadow_update == y.shadow_update && x.profile.index == y.profile.index &&
+           !differ(x.rectangle_size, y.rectangle_size, 2) && x.two_sided == y.two_sided && x.source_angle == y.source_angle && x.casts_shadows == y.casts_shadows && x.shadow_update == y.shadow_update && x.mask == y.mask && x.profile.index == y.profile.index &&
            x.profile.generation == y.profile.generation;
 }
 
@@ -127,8 +128,8 @@ static void patch_profiled(struct glb *g, uint32_t node, const fnl_light_params 
     for (int i = 0; i < 4 && multiplier * candela != now->intensity; i++) multiplier = nextafterf(multiplier, multiplier * candela < now->intensity ? INFINITY : 0);
     if (now->intensity != base->intensity) glb_set(g, reference, "multiplier", glb_float(multiplier));
     if (differ(now->color, base->color, 3)) glb_set(g, reference, "color", glb_floats(now->color, 3));
-    if (now->source_radius != base->source_radius || now->casts_shadows != base->casts_shadows || now->shadow_update != base->shadow_update || now->kind != base->kind || now->range != base->range)
-        glb_left_out(g, "the kind, range or shadows of a light with a profile");
+    if (now->source_radius != base->source_radius || now->casts_shadows != base->casts_shadows || now->shadow_update != base->shadow_update || now->mask != base->mask || now->kind != base->kind || now->range != base->range)
+        glb_left_out(g, "the kind, range, shadows or mask of a light with a profile");
 }
 
 /* The object of a light that is only this one's, to be changed. */

@@ -143,6 +143,7 @@ static void patch_node(struct glb *g, json_t *object, uint32_t index) {
     bool other = false;
     for (uint32_t i = 0; i < targets && now->morph_weights; i++) other = other || now->morph_weights[i] != (weights ? weights[i] : 0);
     if (other && !glb_animates_node(g, index, SCENE_PATH_WEIGHTS)) glb_set(g, object, "weights", glb_floats(now->morph_weights, targets));
+    if (now->unlit != base->unlit) glb_set_extra(g, object, "FNL_light_mask", now->unlit ? json_integer(255 & ~now->unlit) : NULL);
     if (now->refuses != base->refuses) glb_set(g, glb_extension(g, object, "FNL_decal"), "receiverMask", json_integer(255 & ~now->refuses));
 }
 
@@ -241,6 +242,7 @@ static void write_node(struct glb *g, json_t *object, uint32_t index) {
     for (uint32_t i = 0; i < g->scene->cameras.count; i++)
         if (g->scene->cameras.data[i].node == index) glb_set(g, object, "camera", json_integer((json_int_t)camera_of(g, &g->scene->cameras.data[i])));
     if (node->hidden) glb_set(g, glb_extension(g, object, "KHR_node_visibility"), "visible", json_false());
+    if (node->unlit) glb_set_extra(g, object, "FNL_light_mask", json_integer(255 & ~node->unlit));
     if (node->refuses) glb_set(g, glb_extension(g, object, "FNL_decal"), "receiverMask", json_integer(255 & ~node->refuses));
 }
 

@@ -113,6 +113,12 @@ static void load_shadows(struct gltf *g, json_t *light_object, const struct at *
         gltf_warn(g, AT_KEY(at, "update"), "is neither always nor on-request; it is ignored");
 }
 
+void gltf_light_mask(struct gltf *g, json_t *object, const struct at *at, uint32_t *mask) {
+    json_t *extras = json_object_get(object, "extras");
+    uint64_t number;
+    if (json_is_object(extras) && gltf_uint(g, extras, AT_KEY(at, "extras"), "FNL_light_mask", false, 0, 255, &number)) *mask = (uint32_t)number;
+}
+
 static void load_light(struct gltf *g, json_t *object, const struct at *at, struct gltf_light *out) {
     fnl_light_params *light = &out->params;
     *light = fnl_light_params_default();
@@ -143,6 +149,7 @@ static void load_light(struct gltf *g, json_t *object, const struct at *at, stru
     }
     load_shape(g, object, at, light);
     load_shadows(g, object, at, light);
+    gltf_light_mask(g, object, at, &light->mask);
     out->valid = true;
 }
 

@@ -90,6 +90,9 @@ static void load_node(struct gltf *g, json_t *object, const struct at *at, uint3
     if (node->mesh == SCENE_NONE) node->skin = SCENE_NONE;
     load_weights(g, object, at, node);
     load_node_extensions(g, object, at, index, node);
+    uint32_t mask = 255;
+    gltf_light_mask(g, object, at, &mask);
+    node->unlit = (uint8_t)~mask;
 }
 
 /* ---- hierarchy ---- */

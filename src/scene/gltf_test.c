@@ -539,6 +539,30 @@ static void test_material_shadows_in_extras(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Masks of lights and nodes; what is none is warned of. */
+static void test_light_masks_in_extras(void **state) {
+    UNUSED(state);
+    static const char json[] =
+        "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_mask\":6}},{\"type\":\"point\",\"extras\":{\"FNL_light_mask\":256}},{\"type\":\"point\"}]}},"
+        "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}},\"extras\":{\"FNL_light_mask\":3}},"
+        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}},\"extras\":{\"FNL_light_mask\":\"all\"}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
+        "}";
+    fnl_scene *scene = load_logged(json, "masks.glb");
+    assert_non_null(strstr(file_log.text, "/lights/1/extras/FNL_light_mask"));
+    assert_non_null(strstr(file_log.text, "/nodes/1/extras/FNL_light_mask"));
+    assert_int_equal(file_log.count, 2);
+    static const uint32_t lights[] = {6, 255, 255}, nodes[] = {3, 255, 255};
+    for (uint32_t i = 0; i < 3; i++) {
+        fnl_instance_info node;
+        assert_int_equal(scene->lights.data[i].params.mask, lights[i]);
+        assert_int_equal(fnl_scene_query_instance(scene, i, &node), FNL_OK);
+        assert_int_equal(node.light_mask, nodes[i]);
+    }
+    assert_true(scene->has_light_masks);
+    fnl_scene_destroy(&scene);
+}
+
 /* What lights say of their shadows; what is no such thing is warned of. */
 static void test_light_shadows_in_extras(void **state) {
     UNUSED(state);
@@ -596,6 +620,7 @@ int main(void) {
         cmocka_unit_test(test_sample_lights),
         cmocka_unit_test(test_light_shapes_in_extras),
         cmocka_unit_test(test_material_shadows_in_extras),
+        cmocka_unit_test(test_light_masks_in_extras),
         cmocka_unit_test(test_light_shadows_in_extras),
         cmocka_unit_test(test_sample_cameras),
     };

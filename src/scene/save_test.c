@@ -185,6 +185,7 @@ static void same_light(const fnl_light_params *a, const fnl_light_params *b) {
     assert_int_equal(a->kind, b->kind);
     assert_memory_equal(a->color, b->color, sizeof a->color);
     assert_true(a->intensity == b->intensity && a->casts_shadows == b->casts_shadows && a->shadow_update == b->shadow_update);
+    assert_int_equal(a->mask, b->mask);
     assert_true(parallel ? a->source_angle == b->source_angle : a->source_radius == b->source_radius && a->range == b->range);
     if (a->kind != FNL_LIGHT_DIRECTIONAL) assert_memory_equal(&a->position, &b->position, sizeof a->position);
     if (a->kind != FNL_LIGHT_POINT) assert_memory_equal(&a->direction, &b->direction, sizeof a->direction);
@@ -267,6 +268,7 @@ static void test_lights_of_all_kinds_survive_to_the_bit(void **state) {
         p.inner_fraction = between(&r, 0, 1);
         p.casts_shadows = i % 2;
         p.shadow_update = i % 3 ? FNL_SHADOW_UPDATE_ALWAYS : FNL_SHADOW_UPDATE_ON_REQUEST;
+        p.mask = i % 3 ? 255 : i & 255;
         p.source_radius = i % 4 ? 0 : between(&r, 0, 1);
         assert_int_equal(fnl_scene_add_light(scene, &p, &id), FNL_OK);
     }
@@ -478,6 +480,7 @@ static void change_lights(fnl_scene *scene, fnl_light_params *moved) {
     p.intensity = 0.1f;
     p.casts_shadows = false;
     p.shadow_update = FNL_SHADOW_UPDATE_ON_REQUEST;
+    p.mask = 6;
     assert_int_equal(fnl_scene_set_light(scene, entity(scene, FNL_ENTITY_LIGHT, 1).id.light, &p), FNL_OK);
     fnl_scene_query_light(scene, 2, &p); /* is put elsewhere */
     p.position = vec3_make(1.1f, 2.2f, 3.3f);
@@ -501,6 +504,7 @@ static void test_changes_are_patched_in(void **state) {
     const mat4 turned = mat4_from_trs(vec3_make(1, 2, 3), quat_normalize((quat){0.1f, 0.2f, 0.3f, 0.9f}), vec3_make(1, 2, 3)); /* an animated node: no matrix */
     assert_int_equal(fnl_scene_set_instance_transform(scene, entity(scene, FNL_ENTITY_INSTANCE, 0).id.instance, &turned), FNL_OK);
     assert_int_equal(fnl_scene_set_instance_visible(scene, entity(scene, FNL_ENTITY_INSTANCE, 4).id.instance, false), FNL_OK);
+    assert_int_equal(fnl_scene_set_instance_light_mask(scene, entity(scene, FNL_ENTITY_INSTANCE, 2).id.instance, 4), FNL_OK);
     assert_int_equal(fnl_scene_remove_instance(scene, entity(scene, FNL_ENTITY_INSTANCE, 6).id.instance), FNL_OK);
     fnl_material_params m;
     fnl_scene_query_material(scene, 0, &m);
@@ -542,7 +546,12 @@ static void test_changes_are_patched_in(void **state) {
     fnl_scene_query_light(again, 0, &p);
     assert_true(p.intensity == 3 && p.casts_shadows);
     fnl_scene_query_light(again, 1, &p);
-    assert_true(p.intensity == 0.1f && !p.casts_shadows && p.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST);
+    assert_true(p.intensity == 0.1f && !p.casts_shadows && p.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST && p.mask == 6);
+    fnl_instance_info node;
+    for (uint32_t i = 1; i < 4; i++) {
+        fnl_scene_query_instance(again, i, &node);
+        assert_int_equal(node.light_mask, i == 2 ? 4 : 255);
+    }
     fnl_scene_query_light(again, 2, &p);
     same_light(&p, &moved);
     same_material(&scene->materials.data[0], &again->materials.data[0]);

@@ -366,8 +366,12 @@ void scene_node_edited(fnl_scene *scene, uint32_t node) {
 
 void scene_set_receivers(fnl_scene *scene, uint32_t index, uint32_t receivers) {
     scene->nodes.data[index].refuses = (uint8_t)~receivers;
-    scene->structure_version++;
-    list_edited(scene, index);
+    scene_node_edited(scene, index);
+}
+
+void scene_set_light_mask(fnl_scene *scene, uint32_t index, uint32_t mask) {
+    scene->nodes.data[index].unlit = (uint8_t)~mask;
+    scene_node_edited(scene, index);
 }
 
 void scene_show_node(fnl_scene *scene, uint32_t index, bool visible) {

@@ -195,8 +195,9 @@ struct scene_node {
     uint32_t instance_count;     /* 1 without `instances` */
     uint32_t generation;         /* for fnl_instance_id */
     uint64_t moved_version;      /* transform_version at which `world` or `morph_weights` last changed */
-    uint64_t edited_version;     /* structure_version at which it last came, went, was hidden or shown, or got other receivers */
+    uint64_t edited_version;     /* structure_version at which it last came, went, was hidden or shown, or got other receivers or another light mask */
     uint8_t refuses;             /* receiver bits that the node lacks: decals that share no other are not on it */
+    uint8_t unlit;               /* light mask bits that the node lacks: lights that share no other do not affect it */
 };
 
 /** What stands for the same thing, finest first: nodes, or with of_mesh the mesh of the first node and those of nodes below it (levels.c). */
@@ -436,6 +437,7 @@ struct fnl_scene {
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
     bool has_rectangles;              /* some light was a rectangle at some time */
+    bool has_light_masks;             /* some light had another mask than 255 at some time */
     bool has_requested;               /* some light's shadow maps were drawn on request at some time */
     uint32_t shadow_requests;         /* numbers of requests that were given */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
@@ -523,6 +525,8 @@ void scene_free_weights(fnl_scene *scene, struct scene_node *node);
 void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *nodes, const mat4 *locals, uint32_t count);
 /** Which decals a node receives. */
 void scene_set_receivers(fnl_scene *scene, uint32_t node, uint32_t receivers);
+/** Which lights affect it. */
+void scene_set_light_mask(fnl_scene *scene, uint32_t node, uint32_t mask);
 /** Finds out which nodes of a tree are active. */
 void scene_activate(fnl_scene *scene, uint32_t root);
 /**

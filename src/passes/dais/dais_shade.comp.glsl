@@ -42,6 +42,7 @@ vec3 shade(ivec2 pixel, uint mask, uint reference, uint shading) {
     float view_depth = dais_interpolate(push.view, push.pool, reference, vec2(pixel) + shading_place(mask));
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    if (LIGHTING_MASKS) s.light_mask = item_light_mask(push.scene, in_ids.y);
     decals_on_surface(s, push.view, push.scene);
     // All shading samples or none: which of them found room is a race.
     ambient_known = SHARED_SAMPLES == 1u && shading != 0u && push.counts.at[DAIS_SAMPLES] < push.sample_capacity;

@@ -32,6 +32,7 @@ surface read_surface(uint flags) {
     s.metallic = target(4u).a;
     s.occlusion = target(5u).x;
     s.alpha = 1.0;
+    s.light_mask = uint(target(5u).z);
     s.layered = LIGHTING_LAYERS && (flags & INSPECT_LAYERED) != 0u;
     if (s.layered) {
         s.layers.clearcoat_normal = layer(0u).xyz;
@@ -61,8 +62,8 @@ bool is_outside(uint light, shadowed_point p, vec3 to_light) {
 // What a light gives; false: nothing, its volume does not hold the surface. `p.normal` says by which side shadows are looked for.
 bool evaluate(surface s, layers_view b, uint light, inout shadowed_point p, out gpu_inspect_light g) {
     bool is_sun = light < push.lighting.scope.lights.directional_count;
-    vec3 to_light, visible = vec3(1.0), illuminance = sun_reach(lights_of(push.lighting), light, to_light);
-    if (!is_sun) illuminance = light_reach(lights_of(push.lighting), light, s.position, to_light);
+    vec3 to_light, visible = vec3(1.0), illuminance = sun_reach(lights_of(push.lighting), light, s.light_mask, to_light);
+    if (!is_sun) illuminance = light_reach(lights_of(push.lighting), light, s.position, s.light_mask, to_light);
     bool reaches = illuminance != vec3(0.0);
     g.light = light;
     g.shadow = INSPECT_SHADOW_NONE;
@@ -143,7 +144,7 @@ void main() {
         if (lane == 0u) push.out_pixel.pixel.flags = 0u;
         return;
     }
-    uint flags = INSPECT_HIT | uint(target(5u).y);
+    uint flags = INSPECT_HIT | uint(target(5u).z);
     surface s = read_surface(flags);
     vec3 to_view = to_viewer(push.view, s.position);
     layers_view b = layers_prepare(s, push.view, to_view);

@@ -27,7 +27,7 @@ layout(location = 1) out vec4 out_normal;     // view depth
 layout(location = 2) out vec4 out_base_color; // roughness
 layout(location = 3) out vec4 out_f0;         // f90
 layout(location = 4) out vec4 out_emissive;   // metallic
-layout(location = 5) out vec4 out_rest;       // occlusion, flags
+layout(location = 5) out vec4 out_rest;       // occlusion, flags, light mask
 #endif
 
 void main() {
@@ -53,6 +53,6 @@ void main() {
     out_f0 = vec4(s.dielectric_f0, s.dielectric_f90);
     out_emissive = vec4(s.emissive, s.metallic);
     uint told = ((flags & GPU_MATERIAL_LAYERED) != 0u ? INSPECT_LAYERED : 0u) | ((flags & GPU_MATERIAL_UNLIT) != 0u ? INSPECT_UNLIT : 0u);
-    out_rest = vec4(s.occlusion, float(told), 0.0, 0.0);
+    out_rest = vec4(s.occlusion, float(told), float(item_light_mask(push.scene, in_ids.y)), 0.0);
 #endif
 }

@@ -61,7 +61,7 @@ bool look_at_wall(lighting_block l, uint light, shadowed_point p, out gpu_probe 
     probe = p.probes.probes.at[p.probe];
     bool endless = light < l.scope.lights.directional_count;
     vec3 to_light = -l.scope.lights.lights.at[light].shape.direction;
-    if (!endless) light_reach(lights_of(l), light, p.position, to_light);
+    if (!endless) light_reach(lights_of(l), light, p.position, LIGHT_MASK_ALL, to_light);
     float away = endless ? 1.0 : light_distance(lights_of(l), light, p.position, to_light);
     if (!(dot(p.normal, to_light) > 0.0) || !endless && probe_holds(probe, p.place + probe_turn(probe, to_light) * away)) return false;
     bool parallel = endless || l.scope.lights.lights.at[light].shape.kind == GPU_SHAPE_BOX;
@@ -126,7 +126,7 @@ vec3 classes_color(lighting_block l, shadowed_point p, bool is_surface, float gr
         if (is_surface) {
             uint light = l.scope.lights.directional_count + l.scope.list.list.ids.at[cell.offset + i];
             vec3 to_light;
-            bool open = light_reach(lights_of(l), light, p.position, to_light) != vec3(0.0) && light_may_face(lights_of(l), light, p.normal, to_light);
+            bool open = light_reach(lights_of(l), light, p.position, LIGHT_MASK_ALL, to_light) != vec3(0.0) && light_may_face(lights_of(l), light, p.normal, to_light);
             if (open && light_casts(lights_of(l), light)) open = map_visibility(l, light, p) != 0.0; // -1: rays answer
             if (open) atomicOr(lit, 1u);
             else atomicOr(unlit, 1u);
@@ -171,7 +171,7 @@ void main() {
     FOR_EACH_LIGHT(list_of(l), cursor, light) {
         vec3 to_light;
         if (sky) break;
-        float lux = luminance(light_reach(lights_of(l), light, position.xyz, to_light)) * max(dot(normal.xyz, to_light), 0.0);
+        float lux = luminance(light_reach(lights_of(l), light, position.xyz, LIGHT_MASK_ALL, to_light)) * max(dot(normal.xyz, to_light), 0.0);
         add_light(t, l, light, lux, shadowed, to_light, light_distance(lights_of(l), light, position.xyz, to_light));
     }
     vec3 color = vec3(grey * 0.5);

@@ -20,5 +20,5 @@ void main() {
     if (dot(normal, to_view) < 0.0) normal = -normal;
     face = face2 > 1e-36 ? face * inversesqrt(face2) : normal;
     if (dot(face, to_view) < 0.0) face = -face;
-    out_receivers = receivers_pack(push.scene.scene.items.at[in_ids.y].receivers, face, normal);
+    out_receivers = receivers_pack(push.scene.scene.items.at[in_ids.y].receivers & 255u, face, normal);
 }

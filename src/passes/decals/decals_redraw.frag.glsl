@@ -41,6 +41,7 @@ void main() {
     if (color.a <= 0.0) discard;
 
     surface s;
+    s.light_mask = LIGHT_MASK_ALL;
     s.layered = false;
     s.position = in_position;
     s.normal = decal_normal(decals, in_decal, sampler_index, place, p, p.facing);

@@ -15,8 +15,8 @@
 enum { GEOMETRY_UV1 = 1, GEOMETRY_COLORS = 2 };
 
 /* Bits of gpu_material.forward_layouts and geometry_bucket.forward_layouts behind those of the G-buffer layouts and VIRTUAL_FORWARD: the materials
- * have layers; what is behind shows through them. */
-enum { GEOMETRY_LAYERED = 10, GEOMETRY_TRANSMISSIVE = 11 };
+ * have layers; the items have a light mask (buckets only); what is behind shows through them. */
+enum { GEOMETRY_LAYERED = 10, GEOMETRY_MASKED = 11, GEOMETRY_TRANSMISSIVE = 12 };
 
 struct geometry_bucket {
     VkPrimitiveTopology topology;

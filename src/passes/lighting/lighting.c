@@ -14,6 +14,7 @@ static uint32_t shadow_bits(const struct shadows *shadows) {
 static uint32_t bits_of(const struct lighting *l) {
     uint32_t bits = l->list.kind | shadow_bits(&l->shadows) | environment_kind(&l->environment);
     if (l->lights.simple || l->lights.local_count == 0) bits |= GPU_LIGHTING_SIMPLE;
+    if (l->lights.masks) bits |= GPU_LIGHTING_MASKS;
     if (l->lights.profiles) bits |= GPU_LIGHTING_PROFILES;
     if (l->lights.lobes) bits |= GPU_LIGHTING_RECTANGLES;
     if (l->layered) bits |= GPU_LIGHTING_LAYERS;

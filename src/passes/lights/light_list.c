@@ -21,6 +21,7 @@ struct gpu_light_set light_set_block(const struct light_set *set) {
                                   .entities = set->entities,
                                   .shapes = set->shapes,
                                   .planes = set->planes,
+                                  .masks = set->masks,
                                   .profiles = set->profiles,
                                   .lobes = set->lobes};
 }

@@ -22,7 +22,7 @@ void main() {
     if (index >= push.light_count * push.points_each) return;
     uint light = index / push.points_each;
     vec3 to_light;
-    push.answers.at[index].illuminance = light_reach(set_of(push.list), light, push.points.at[index], to_light);
+    push.answers.at[index].illuminance = light_reach(set_of(push.list), light, push.points.at[index], LIGHT_MASK_ALL, to_light);
     push.answers.at[index].to_light = to_light;
     push.answers.at[index].reaches = light_reaches(set_of(push.list), light, push.points.at[index]) ? 1u : 0u;
     if (index % push.points_each == 0u) {

@@ -112,6 +112,7 @@ bool mobile_is_sky(mobile_texel g) {
 // The surface of a pixel that shows one, without its glow, which is in the light already.
 surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view_depth) {
     surface s;
+    s.light_mask = LIGHT_MASK_ALL;
     s.layered = false;
     vec3 color, normal, f0 = vec3(MOBILE_F0);
     float metallic = 0.0;

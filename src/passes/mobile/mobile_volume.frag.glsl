@@ -29,7 +29,7 @@ void main() {
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
     vec3 to_light;
-    vec3 illuminance = light_reach(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, s.position, to_light);
+    vec3 illuminance = light_reach(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, s.position, LIGHT_MASK_ALL, to_light);
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
     if (LIGHTING_SHADOWED)

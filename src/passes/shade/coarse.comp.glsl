@@ -95,7 +95,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     brdf_lobes lobes;
     uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lighting.scope.lights.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        vec3 to_sun, color = sun_reach(lights_of(push.lighting), i, to_sun);
+        vec3 to_sun, color = sun_reach(lights_of(push.lighting), i, LIGHT_MASK_ALL, to_sun);
         if (!brdf_lobes_of(s.normal, b, to_sun, lobes)) continue;
         coarse_light f = brdf_parts(s, lobes);
         if (LIGHTING_SHADOWED) color *= light_visibility(push.lighting, i, shadowed, to_sun, true);
@@ -107,7 +107,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     FOR_EACH_LIGHT(list_of(push.lighting), cursor, light) {
         bool wanted = SPLIT != COARSE_SPLIT_SHARP || (parts & (has_edge(light) ? PART_PIXEL : PART_SLOW)) != 0u;
         vec3 to_light, illuminance = vec3(0.0);
-        if (wanted) illuminance = light_reach(lights_of(push.lighting), light, s.position, to_light);
+        if (wanted) illuminance = light_reach(lights_of(push.lighting), light, s.position, LIGHT_MASK_ALL, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
             if (LIGHTING_SHADOWED) illuminance *= light_visibility(push.lighting, light, shadowed, to_light, false);

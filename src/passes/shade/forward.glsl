@@ -23,6 +23,7 @@ vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
     material_array materials = push.scene.scene.materials;
     bool hole;
     surface s = material_surface(materials, in_ids.x, hole);
+    if (LIGHTING_MASKS) s.light_mask = item_light_mask(push.scene, in_ids.y);
 #ifdef TRANSMISSION // thickness is measured in the mesh: lengths of the instance's axes, as one number
     gpu_instance instance = push.scene.scene.instances.at[push.scene.scene.items.at[in_ids.y].instance];
     s.layers.thickness *= pow(abs(dot(instance.rows[0].xyz, cross(instance.rows[1].xyz, instance.rows[2].xyz))), 1.0 / 3.0);

@@ -38,6 +38,7 @@ void main() {
     if (HOLES_ARE_CUT == 0u && hole) discard;
     uint form = GBUFFER_GIVEN, count = gbuffer_target_count(form);
     bool is_forward = (materials.at[in_ids.x].forward_layouts >> GBUFFER_FORM_LAYOUT(form) & 1u) != 0u;
+    if ((FEATURES & GPU_FEATURE_LIGHT_MASKS) != 0u) is_forward = is_forward || item_light_mask(push.geometry.scene, in_ids.y) != LIGHT_MASK_ALL;
     uint id = is_forward ? 0u : in_ids.x;
     gpu_material_entry entry;
     if (gbuffer_has_id(form)) entry = push.entries.at[id];

@@ -30,6 +30,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    if (LIGHTING_MASKS) s.light_mask = item_light_mask(push.geometry.scene, in_ids.y);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     uvec2 cell = uvec2(pixel);
     float view_depth;

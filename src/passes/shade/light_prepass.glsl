@@ -67,7 +67,7 @@ light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_a
     uint directional_count = l.scope.lights.directional_count;
     brdf_lobes lobes;
     for (uint i = 0u; i < directional_count; i++) {
-        vec3 to_sun, illuminance = sun_reach(lights_of(l), i, to_sun);
+        vec3 to_sun, illuminance = sun_reach(lights_of(l), i, LIGHT_MASK_ALL, to_sun);
         if (!brdf_lobes_of(s.normal, b, to_sun, lobes)) continue;
         if (LIGHTING_SHADOWED) illuminance *= light_visibility(l, i, shadowed, to_sun, true);
         light_sums_add(sums, s, lobes, illuminance);
@@ -76,7 +76,7 @@ light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_a
     uint visited = 0u, useful = 0u;
     FOR_EACH_LIGHT(list_of(l), cursor, light) {
         vec3 to_light;
-        vec3 illuminance = light_reach(lights_of(l), light, s.position, to_light);
+        vec3 illuminance = light_reach(lights_of(l), light, s.position, LIGHT_MASK_ALL, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
             if (LIGHTING_SHADOWED) illuminance *= light_visibility(l, light, shadowed, to_light, false);

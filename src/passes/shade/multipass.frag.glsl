@@ -12,6 +12,7 @@ void main() {
     material_array materials = push.geometry.scene.scene.materials;
     bool hole;
     surface s = material_surface(materials, in_ids.x, hole);
+    if (LIGHTING_MASKS) s.light_mask = item_light_mask(push.geometry.scene, in_ids.y);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     if (!is_shown(materials, hole)) discard;
     view_block v = push.geometry.view;

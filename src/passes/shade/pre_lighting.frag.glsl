@@ -39,7 +39,7 @@ void main() {
     uint counter = (uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter], 1u);
     vec3 to_light;
-    vec3 illuminance = light_reach(lights_of(push.head.lighting), push.head.lighting.scope.lights.directional_count + in_light, position, to_light);
+    vec3 illuminance = light_reach(lights_of(push.head.lighting), push.head.lighting.scope.lights.directional_count + in_light, position, LIGHT_MASK_ALL, to_light);
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter + 1u], 1u);
     light_surface s = light_surface_of(push.surfaces, pixel, at, position);

@@ -43,7 +43,7 @@ void main() {
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
     vec3 to_light;
-    vec3 illuminance = light_reach(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, position, to_light);
+    vec3 illuminance = light_reach(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, position, LIGHT_MASK_ALL, to_light);
     if (MASKED == 1u) illuminance *= texelFetch(textures[push.mask], pixel, 0).r;
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);

@@ -16,7 +16,7 @@ static uint32_t form_of(const struct geometry_scene *scene, bool is_virtual, boo
     uint32_t form = is_virtual ? TEXTURING_VIRTUAL : derived ? TEXTURING_SLOPES : TEXTURING_GRADIENTS;
     if (!is_virtual && scene->attributes & GEOMETRY_UV1) form |= TEXTURING_UV1;
     if (scene->attributes & GEOMETRY_COLORS) form |= TEXTURING_COLORS;
-    if (scene->features) form |= TEXTURING_ITEMS | TEXTURING_SLOPES;
+    if (scene->features & GPU_FEATURES_DECALS) form |= TEXTURING_ITEMS | TEXTURING_SLOPES;
     if (scene->features & GPU_FEATURE_MESH_DECALS) form |= TEXTURING_BIND;
     if (samples > 1) form |= TEXTURING_SAMPLES;
     return form;

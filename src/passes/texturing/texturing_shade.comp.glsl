@@ -79,7 +79,7 @@ void fill(ivec2 pixel, int at, vec2 point, float depth) {
 #endif
     in_pixel = uvec2(pixel);
     in_bind = in_bind_dx = in_bind_dy = in_position_dx = in_position_dy = vec3(0.0);
-    if (FEATURES == 0u) return;
+    if ((FEATURES & GPU_FEATURES_DECALS) == 0u) return;
     // As a square of four pixels takes them.
     vec2 corner = vec2(pixel & ~1) + 0.5;
     vec2 back = corner - point;

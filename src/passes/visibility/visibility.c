@@ -128,7 +128,7 @@ struct shade_data {
 
 /* Decals may give a material what it has not. */
 static void set_constants(const struct shade_data *d, uint32_t class_bits, struct gpu_compute_params *params) {
-    bool all = d->list.listed != VISIBLE_SORTED, decals = d->scene->features != 0;
+    bool all = d->list.listed != VISIBLE_SORTED, decals = (d->scene->features & GPU_FEATURES_DECALS) != 0;
     const uint32_t values[16] = {[LIGHTING_ID] = all || class_bits & GPU_CLASS_LAYERS ? d->bits : d->bits & ~GPU_LIGHTING_LAYERS,
                                  [COUNT_LIGHTS_ID] = d->counters.id != 0,
                                  [HAS_LIGHTS_ID] = all || decals || class_bits & GPU_CLASS_LIT,

@@ -92,6 +92,7 @@ vec3 shade(ivec2 pixel, vec2 point, uvec2 id) {
     }
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    if (LIGHTING_MASKS) s.light_mask = item_light_mask(push.scene, in_ids.y);
     in_pixel = uvec2(pixel);
     decals_on_surface(s, push.view, push.scene);
     float view_depth = -(push.view.view.world_to_view * vec4(s.position, 1.0)).z;

@@ -23,7 +23,16 @@ static int compare_groups(const void *a, const void *b) {
     const struct device_group *x = a, *y = b;
     if (x->bucket != y->bucket) return x->bucket < y->bucket ? -1 : 1;
     if (x->primitive != y->primitive) return x->primitive < y->primitive ? -1 : 1;
-    return (int)x->mirrored - (int)y->mirrored;
+    if (x->mirrored != y->mirrored) return (int)x->mirrored - (int)y->mirrored;
+    return (int)x->masked - (int)y->masked;
+}
+
+/* Bits of geometry_bucket.forward_layouts of items with a light mask: what shades without knowing the item cannot shade them. */
+enum { MASKED_LAYOUTS = ((1 << FNL_GBUFFER_COUNT) - 1) | 1 << GEOMETRY_LAYERED | 1 << GEOMETRY_MASKED };
+
+static struct gpu_item item_of(const struct device_scene *d, uint32_t instance, uint32_t primitive, uint32_t node) {
+    const struct scene_node *n = &d->scene->nodes.data[node];
+    return (struct gpu_item){instance, primitive, (255u & ~n->refuses) | (255u & ~n->unlit) << GPU_ITEM_LIGHTS_SHIFT};
 }
 
 /* The primitives on the device: those of the scene, then those of deforming nodes, which start at first_primitive. */
@@ -32,22 +41,23 @@ static const struct gpu_primitive *primitives_of(const struct device_scene *d) {
 }
 
 /* What draws a primitive, of which `source` is the scene's. */
-static struct device_group group_of(const struct device_scene *d, uint32_t primitive, uint32_t source, bool mirrored) {
+static struct device_group group_of(const struct device_scene *d, uint32_t primitive, uint32_t source, bool mirrored, bool masked) {
     const struct scene_material standard = scene_material_default();
     const struct scene_primitive *p = &d->scene->primitives.data[source];
     const struct scene_material *material = material_of(d->scene, p, &standard);
     uint32_t id = p->material == SCENE_NONE ? d->scene->materials.count : p->material;
+    const uint32_t forward = device_material_forward_layouts(d, material, id) | (masked ? MASKED_LAYOUTS : 0);
     return (struct device_group){
-        .bucket = bucket_bits(material, device_material_forward_layouts(d, material, id), p->topology, mirrored),
-        .primitive = primitive,
-        .mirrored = mirrored};
+        .bucket = bucket_bits(material, forward, p->topology, mirrored), .primitive = primitive, .mirrored = mirrored, .masked = masked};
 }
+
+enum { KEYS = 4 }; /* of a primitive */
 
 /* Sorts all items: by group, and within a group in the order of nodes and their instances. */
 struct item_walk {
     struct device_scene *d;
-    uint32_t key_count;  /* keys are primitive * 2 + mirrored */
-    uint32_t *sources;   /* scene primitive of each key */
+    uint32_t key_count;  /* keys are primitive * KEYS + masked * 2 + mirrored */
+    uint32_t *sources;   /* scene primitive of each primitive */
     uint32_t *counts;    /* of each key; then where its next item goes */
     bool counts_only;
 };
@@ -62,16 +72,16 @@ static void walk_items(struct item_walk *w) {
         if (d->nodes.data[n].first_instance == SCENE_NONE) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
         uint32_t own = d->nodes.data[n].first_primitive;
+        const bool masked = d->nodes.data[n].masked;
         for (uint32_t k = 0; k < node->instance_count; k++) {
             mat4 m = device_instance_matrix(scene, node, k);
             bool mirrored = mat4_determinant3(&m) < 0;
             for (uint32_t i = 0; i < mesh->primitive_count; i++) {
                 uint32_t primitive = own == SCENE_NONE ? mesh->first_primitive + i : own + i;
                 if (primitives[primitive].index_count == 0) continue;
-                uint32_t *at = &w->counts[primitive * 2 + mirrored];
+                uint32_t *at = &w->counts[primitive * KEYS + masked * 2 + mirrored];
                 if (!w->counts_only) {
-                    d->item_list.data[*at] = (struct gpu_item){
-                        d->nodes.data[n].first_instance + k, primitive, (uint8_t)~node->refuses};
+                    d->item_list.data[*at] = item_of(d, d->nodes.data[n].first_instance + k, primitive, n);
                     d->item_nodes.data[*at] = n;
                 }
                 ++*at;
@@ -154,7 +164,7 @@ static fnl_result sort_items(struct item_walk *w) {
     d->group_list.count = 0;
     for (uint32_t key = 0; key < w->key_count; key++) {
         if (w->counts[key] == 0) continue;
-        struct device_group group = group_of(d, key / 2, w->sources[key], key & 1);
+        struct device_group group = group_of(d, key / KEYS, w->sources[key / KEYS], key & 1, key & 2);
         group.count = w->counts[key];
         item_count += group.count;
         if (!array_push(&d->host, &d->group_list, group)) return FNL_ERROR_MEMORY;
@@ -171,7 +181,7 @@ static fnl_result sort_items(struct item_walk *w) {
     for (uint32_t i = 0; i < d->group_list.count; i++) {
         struct device_group *group = &d->group_list.data[i];
         group->first = d->item_list.count;
-        w->counts[group->primitive * 2 + group->mirrored] = group->first;
+        w->counts[group->primitive * KEYS + group->masked * 2 + group->mirrored] = group->first;
         d->item_list.count += group->count;
     }
     d->item_nodes.count = d->item_list.count;
@@ -182,21 +192,18 @@ static fnl_result sort_items(struct item_walk *w) {
 
 static void map_sources(struct item_walk *w) {
     const fnl_scene *scene = w->d->scene;
-    for (uint32_t i = 0; i < scene->primitives.count; i++) w->sources[i * 2] = w->sources[i * 2 + 1] = i;
+    for (uint32_t i = 0; i < scene->primitives.count; i++) w->sources[i] = i;
     for (uint32_t n = 0; n < scene->nodes.count; n++) {
         uint32_t own = w->d->nodes.data[n].first_primitive;
         if (own == SCENE_NONE) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[scene->nodes.data[n].mesh];
-        for (uint32_t i = 0; i < mesh->primitive_count; i++) {
-            uint32_t key = (own + i) * 2;
-            w->sources[key] = w->sources[key + 1] = mesh->first_primitive + i;
-        }
+        for (uint32_t i = 0; i < mesh->primitive_count; i++) w->sources[own + i] = mesh->first_primitive + i;
     }
 }
 
 fnl_result device_items_upload(struct device_scene *d) {
     const uint32_t primitive_count = d->primitives.sent.count / (uint32_t)sizeof(struct gpu_primitive);
-    struct item_walk walk = {.d = d, .key_count = primitive_count * 2};
+    struct item_walk walk = {.d = d, .key_count = primitive_count * KEYS};
     size_t size = MAX(walk.key_count, 1u) * sizeof(uint32_t);
     walk.sources = host_allocate_zero(&d->host, size);
     walk.counts = host_allocate_zero(&d->host, size);
@@ -282,7 +289,7 @@ void device_items_remove(struct device_scene *d, uint32_t node) {
     const struct device_node *place = &d->nodes.data[node];
     const struct scene_mesh *mesh = &d->scene->meshes.data[place->mesh];
     for (uint32_t i = mesh->first_primitive; i < mesh->first_primitive + mesh->primitive_count; i++) {
-        const struct device_group group = group_of(d, i, i, place->mirrored);
+        const struct device_group group = group_of(d, i, i, place->mirrored, place->masked);
         if (primitives_of(d)[i].index_count) remove_item(d, &group, node);
     }
 }
@@ -296,9 +303,8 @@ fnl_result device_items_insert(struct device_scene *d, uint32_t node) {
         return FNL_ERROR_MEMORY;
     for (uint32_t i = mesh->first_primitive; i < mesh->first_primitive + mesh->primitive_count; i++) {
         if (primitives_of(d)[i].index_count == 0) continue;
-        const struct device_group group = group_of(d, i, i, place->mirrored);
-        insert_item(d, &group, node,
-                    (struct gpu_item){place->first_instance, i, (uint8_t)~d->scene->nodes.data[node].refuses});
+        const struct device_group group = group_of(d, i, i, place->mirrored, place->masked);
+        insert_item(d, &group, node, item_of(d, place->first_instance, i, node));
     }
     return FNL_OK;
 }

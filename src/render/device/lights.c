@@ -281,6 +281,10 @@ fnl_result device_lights_prepare(struct device_scene *d) {
     TRY(device_buffer_reserve(d, GPU_USE_LIGHTS, "lights", &d->lights, sent ? d->lights.size : 0, light_bytes));
     TRY(device_buffer_reserve(d, GPU_USE_LIGHTS, "light bounds", &d->bound_buffer, sent ? d->bound_buffer.size : 0,
                               places * sizeof(struct gpu_entity_bounds)));
+    if (scene->has_light_masks) {
+        if (!d->masks.size) d->sent.lights = UINT64_MAX; /* it gets those of all */
+        TRY(device_buffer_reserve(d, GPU_USE_LIGHTS, "light masks", &d->masks, d->masks.size, (d->sun_room + places) * sizeof(uint32_t)));
+    }
     uint64_t plane_bytes = scene->hull_plane_count * sizeof(vec4);
     return device_buffer_reserve(d, GPU_USE_LIGHTS, "light planes", &d->planes, sent ? d->planes.size : 0, plane_bytes);
 }
@@ -289,6 +293,7 @@ void device_lights_finish(struct device_scene *d) {
     gpu_buffer_destroy(d->device, &d->lights);
     gpu_buffer_destroy(d->device, &d->bound_buffer);
     gpu_buffer_destroy(d->device, &d->planes);
+    gpu_buffer_destroy(d->device, &d->masks);
     array_free(&d->host, &d->sun_data);
     array_free(&d->host, &d->light_data);
     array_free(&d->host, &d->light_bounds);
@@ -332,7 +337,7 @@ fnl_result device_lights_fade(struct device_scene_user *user, const struct gpu_v
 /* ---- sending them ---- */
 
 /* Pieces of the buffers, one after the other in the slice. */
-enum target { TO_LIGHTS, TO_BOUNDS, TO_PLANES, TARGETS };
+enum target { TO_LIGHTS, TO_BOUNDS, TO_PLANES, TO_MASKS, TARGETS };
 
 struct piece {
     uint64_t offset, size;
@@ -365,7 +370,7 @@ struct send {
 /* Memory of the frame for so many bytes to copy. */
 static fnl_result begin_send(struct device_scene *d, uint64_t size, uint32_t most_pieces, struct send *out) {
     struct gpu_slice pieces = gpu_frame_allocate(d->device, most_pieces * sizeof(struct piece));
-    *out = (struct send){.data = {.targets = {&d->lights, &d->bound_buffer, &d->planes},
+    *out = (struct send){.data = {.targets = {&d->lights, &d->bound_buffer, &d->planes, &d->masks},
                                   .slice = gpu_frame_allocate(d->device, size),
                                   .pieces = pieces.data},
                          .pieces = pieces.data};
@@ -384,8 +389,20 @@ static void add_piece(struct send *send, enum target target, uint64_t offset, co
 }
 
 static void add_suns(const struct device_scene *d, struct send *send) {
-    add_piece(send, TO_LIGHTS, (d->sun_room - d->sun_data.count) * sizeof(struct gpu_light), d->sun_data.data,
-              d->sun_data.count * sizeof(struct gpu_light));
+    const uint32_t first = d->sun_room - d->sun_data.count;
+    add_piece(send, TO_LIGHTS, first * sizeof(struct gpu_light), d->sun_data.data, d->sun_data.count * sizeof(struct gpu_light));
+    if (!d->masks.size) return;
+    const fnl_scene *scene = d->scene;
+    for (uint32_t i = 0, at = first; i < scene->suns.count; i++) {
+        const struct scene_light *light = &scene->lights.data[scene->suns.data[i]];
+        if (is_lit(scene, light)) add_piece(send, TO_MASKS, at++ * sizeof light->params.mask, &light->params.mask, sizeof light->params.mask);
+    }
+}
+
+static void add_mask(const struct device_scene *d, struct send *send, uint32_t slot) {
+    const struct scene_light *light = light_at(d->scene, slot);
+    const uint32_t mask = light ? light->params.mask : 0;
+    if (d->masks.size) add_piece(send, TO_MASKS, (d->sun_room + slot) * sizeof mask, &mask, sizeof mask);
 }
 
 static void end_send(struct device_scene *d, struct graph *graph, graph_buffer lights, const struct send *send) {
@@ -400,11 +417,13 @@ static fnl_result send_all(struct device_scene *d, struct graph *graph, graph_bu
     uint64_t count = d->scene->light_slot_end, light_size = count * sizeof(struct gpu_light),
              bound_size = count * sizeof(struct gpu_entity_bounds), plane_size = d->planes_taken.end * sizeof(vec4);
     struct send send;
-    TRY(begin_send(d, MAX(d->sun_data.count * sizeof(struct gpu_light) + light_size + bound_size + plane_size, 1u), 4, &send));
+    const uint64_t mask_size = d->masks.size ? (d->sun_data.count + count) * sizeof(uint32_t) : 0;
+    TRY(begin_send(d, MAX(d->sun_data.count * sizeof(struct gpu_light) + light_size + bound_size + plane_size + mask_size, 1u), 6, &send));
     add_suns(d, &send);
     add_piece(&send, TO_LIGHTS, d->sun_room * sizeof(struct gpu_light), d->light_data.data, light_size);
     add_piece(&send, TO_BOUNDS, 0, d->light_bounds.data, bound_size);
     add_piece(&send, TO_PLANES, 0, d->plane_data.data, plane_size);
+    for (uint32_t slot = 0; slot < count && d->masks.size; slot++) add_mask(d, &send, slot);
     end_send(d, graph, lights, &send);
     return FNL_OK;
 }
@@ -424,17 +443,17 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
         uint32_t slot = change_at(d, &changes, i);
         if (slot == SCENE_NONE) continue;
         if (!refresh(d, slot)) return gather_and_send(d, graph, lights);
-        size += sizeof(struct gpu_light) + sizeof(struct gpu_entity_bounds) +
-                d->light_data.data[slot].shape.hull_count * sizeof(vec4);
+        size += sizeof(struct gpu_light) + sizeof(struct gpu_entity_bounds) + d->light_data.data[slot].shape.hull_count * sizeof(vec4) +
+                (d->masks.size ? sizeof(uint32_t) : 0);
         count++;
     }
     bool suns = d->scene->sun_version > d->sent.lights;
     if (suns) TRY(gather_suns(d));
     if (count > (d->sun_data.count + d->scene->light_slot_end) / 2) return send_all(d, graph, lights); /* in one piece */
-    if (suns) size += d->sun_data.count * sizeof(struct gpu_light);
+    if (suns) size += d->sun_data.count * (sizeof(struct gpu_light) + (d->masks.size ? sizeof(uint32_t) : 0));
     if (size == 0) return FNL_OK;
     struct send send;
-    TRY(begin_send(d, size, 3 * count + 1, &send));
+    TRY(begin_send(d, size, 4 * count + 2, &send));
     if (suns) add_suns(d, &send);
     for (uint32_t i = 0; i < changes.count; i++) {
         uint32_t slot = change_at(d, &changes, i);
@@ -445,6 +464,7 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
         add_piece(&send, TO_BOUNDS, slot * sizeof *bounds, bounds, sizeof *bounds);
         add_piece(&send, TO_PLANES, g->shape.hull_first * sizeof(vec4), d->plane_data.data + g->shape.hull_first,
                   g->shape.hull_count * sizeof(vec4));
+        add_mask(d, &send, slot);
     }
     end_send(d, graph, lights, &send);
     return FNL_OK;
@@ -480,6 +500,7 @@ struct light_set device_lights_set(const struct device_scene *d, graph_buffer li
                             .shapes = first_place,
                             .planes = d->planes.address,
                             .lights = first_place - d->sun_data.count * sizeof(struct gpu_light),
+                            .masks = d->masks.size ? d->masks.address + (d->sun_room - d->sun_data.count) * sizeof(uint32_t) : 0,
                             .profiles = d->profiled_count > 0 ? d->profiles.buffer.address : 0,
                             .lobes = d->area_count > 0 ? d->lobes.buffer.address : 0,
                             .simple = d->shaped_count == 0,

@@ -130,6 +130,7 @@ fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uin
         if (node->skin != SCENE_NONE && mirrors != d->nodes.data[n].mirrored && d->nodes.data[n].first_instance != SCENE_NONE)
             d->nodes.data[n].fresh = true; /* it has another instance */
         d->nodes.data[n].mirrored = mirrors;
+        d->nodes.data[n].masked = scene->has_light_masks && node->unlit;
     }
     TRY(device_buffer_reserve(d, GPU_USE_GEOMETRY, "instances", &d->instances, before,
                               (uint64_t)d->instances_taken.end * sizeof(struct gpu_instance)));

@@ -42,7 +42,7 @@ struct device_node {
     uint32_t first_instance, instance_count;
     uint32_t first_vertex, vertex_count; /* of its own, where it deforms */
     uint32_t first_primitive;            /* of its own; SCENE_NONE: it does not deform */
-    bool mirrored;                       /* its draws were sorted as those of a mirrored node */
+    bool mirrored, masked;               /* its draws were sorted as those of a mirrored node, of one with a light mask */
     bool fresh;                          /* its instances are not sent yet */
 };
 
@@ -53,7 +53,7 @@ struct device_deform {
 
 /** Items of one primitive and one handedness. Groups are ordered by bucket, whose bits are a sort key, then by primitive. */
 struct device_group {
-    uint32_t bucket, primitive, mirrored, first, count;
+    uint32_t bucket, primitive, mirrored, masked, first, count;
 };
 
 /** An image of the scene, as materials use it. */
@@ -221,6 +221,7 @@ struct device_scene {
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
     struct gpu_buffer bound_buffer;     /* of the lights: struct gpu_entity_bounds, a place for each slot */
     struct gpu_buffer planes;           /* of the lights' hulls */
+    struct gpu_buffer masks;            /* of the lights, in the places of `lights`: a uint each; once one has another mask than 255 */
     uint32_t sun_room;
     ARRAY(struct gpu_light) sun_data;   /* the same on the CPU */
     ARRAY(struct gpu_light) light_data; /* by slot; without a range where no light is, or a hidden one */

@@ -128,7 +128,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     f->frame = &low_frame;
 
     /* What else is drawn over opaque surfaces comes before blended ones. */
-    const bool more = surfaces_have_glass(f) || surfaces_have_layers_over(f) || decals_redraws(f) || frame->light_lod > 0 || f->mono || f->eyes;
+    const bool more = surfaces_have_glass(f) || surfaces_over(f) || decals_redraws(f) || frame->light_lod > 0 || f->mono || f->eyes;
     const bool blend = surfaces_have_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED && !more;
     struct shade_input low = *input;
     low.view = slice.address;

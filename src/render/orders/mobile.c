@@ -115,7 +115,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
                                        .half = renderer_tests(f->r).weighted_half || weighted_needs_half(f->r->device)};
     params.separate |= renderer_tests(f->r).cannot_merge;
     /* What is drawn over opaque surfaces comes before blended ones. */
-    bool more = shading_shows_sky(f) || surfaces_have_glass(f) || surfaces_have_layers_over(f) || f->frame->light_lod > 0 || decals_redraws(f);
+    bool more = shading_shows_sky(f) || surfaces_have_glass(f) || surfaces_over(f) || f->frame->light_lod > 0 || decals_redraws(f);
     f->blended = has_blend && !more && f->frame->transparency != FNL_TRANSPARENCY_LINKED;
     if (f->blended && blend.weighted)
         counters_note(f, "transparency.bytes", (uint64_t)f->frame->width * f->frame->height * weighted_bytes(blend.half));
