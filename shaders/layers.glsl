@@ -277,7 +277,7 @@ vec3 stretched_radiance(surface s, layers_view b, view_block v) {
         float weight = dot(s.normal, reflect(-b.base.to_view, leaning.normal)) > 0.0 ? seen : 0.0;
         vec3 direction = lobe_direction(leaning, b.base.to_view);
         if (weight > 0.0) {
-            if (LIGHTING_REFLECTIONS) sum += weight * reflections_gather(v, s.position, s.normal, direction, lod, s.normal, -1.0).mirrored;
+            if (LIGHTING_REFLECTIONS) sum += weight * reflections_gather(v, s.position, s.normal, s.light_mask, direction, lod, s.normal, -1.0).mirrored;
             else sum += weight * environment_radiance(v, direction, lod);
         }
         weights += weight;
@@ -295,7 +295,7 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
     light_around light_from;
     if (LIGHTING_REFLECTIONS) {
         float lod = s.layers.clearcoat > 0.0 ? environment_reflectance(v, 1.0, coat.roughness).z : -1.0;
-        light_from = reflections_gather(v, s.position, s.normal, lobe_direction(bent, b.base.to_view), table.z, lobe_direction(coat, b.base.to_view), lod);
+        light_from = reflections_gather(v, s.position, s.normal, s.light_mask, lobe_direction(bent, b.base.to_view), table.z, lobe_direction(coat, b.base.to_view), lod);
         mirrored = s.layers.anisotropy > 0.0 ? stretched_radiance(s, b, v) : light_from.mirrored;
         around = light_from.diffuse;
     } else {
@@ -308,7 +308,7 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
     vec3 light = environment_lobe(f0, f90, table.xy, mirrored, around, taken);
     vec3 below = s.base_color * around;
     if (s.layers.diffuse_transmission > 0.0) {
-        vec3 behind = LIGHTING_REFLECTIONS ? reflections_gather(v, s.position, -s.normal, -s.normal, 0.0, s.normal, -1.0).diffuse : AMBIENT_DIFFUSE(v, -s.normal);
+        vec3 behind = LIGHTING_REFLECTIONS ? reflections_gather(v, s.position, -s.normal, s.light_mask, -s.normal, 0.0, s.normal, -1.0).diffuse : AMBIENT_DIFFUSE(v, -s.normal);
         below = mix(below, s.layers.diffuse_transmission_color * behind, s.layers.diffuse_transmission);
     }
     through = vec3(0.0);

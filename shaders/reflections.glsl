@@ -92,8 +92,8 @@ reflection_cursor reflections_begin(view_block v, reflections_block r, vec3 posi
     return reflection_cursor(cell.offset, cell.offset + cell.count, false);
 }
 
-// All light from around on a surface at `position` with this normal. `coat_lod` below 0: no second lobe is asked for.
-light_around reflections_gather(view_block v, vec3 position, vec3 normal, vec3 direction, float lod, vec3 coat, float coat_lod) {
+// All light from around on a surface at `position` with this normal and light mask. `coat_lod` below 0: no second lobe is asked for.
+light_around reflections_gather(view_block v, vec3 position, vec3 normal, uint mask, vec3 direction, float lod, vec3 coat, float coat_lod) {
     reflections_block r = reflections_block(v.view.reflections);
     reflection_array from = r.set.reflections;
     light_list_block list = r.set.list;
@@ -110,6 +110,7 @@ light_around reflections_gather(view_block v, vec3 position, vec3 normal, vec3 d
             index = c.direct ? c.next : list.list.ids.at[c.next];
             place = reflection_place(from, index, position);
             weight = reflection_weight(from, index, place);
+            if (LIGHTING_MASKS && (from.at[index].mask & mask) == 0u) weight = 0.0;
             next_rank = from.at[index].rank;
         }
         if (weights > 0.0 && next_rank != rank) {

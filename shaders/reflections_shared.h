@@ -15,6 +15,7 @@ struct gpu_reflection {
     float last_mip;      /* of the cube */
     uint cube;           /* sampled: GGX lobes by mips; GPU_REFLECTION_DARK: nothing was seen yet, which is black */
     uint rank;           /* those of one priority share it */
+    uint mask;           /* 8 bits: surfaces whose light mask shares one see it; with GPU_LIGHTING_MASKS */
 };
 
 #define GPU_REFLECTION_DARK 0xffffffffu

@@ -57,7 +57,7 @@ vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
     vec2 reflectance = table.xy;
     vec3 mirrored, around, taken;
     if (LIGHTING_REFLECTIONS) {
-        light_around light = reflections_gather(v, s.position, s.normal, lobe_direction(s, to_view), table.z, s.normal, -1.0);
+        light_around light = reflections_gather(v, s.position, s.normal, s.light_mask, lobe_direction(s, to_view), table.z, s.normal, -1.0);
         mirrored = light.mirrored;
         around = light.diffuse;
     } else {

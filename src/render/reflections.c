@@ -92,7 +92,8 @@ static struct gpu_reflection reflection_of(const struct renderer_reflection *pro
                                  .intensity = params->intensity,
                                  .last_mip = (float)environment_last_mip(side_of(params)),
                                  .cube = probe->is_captured ? probe->maps.cube.sampled_index : GPU_REFLECTION_DARK,
-                                 .rank = rank};
+                                 .rank = rank,
+                                 .mask = params->mask};
     for (int i = 0; i < 3; i++) {
         const vec3 axis = axis_of(&m, i);
         out.rows[i] = vec4_make(axis.x, axis.y, axis.z, -vec3_dot(axis, params->centre));

@@ -246,6 +246,48 @@ static void test_probes_are_filtered_as_environments_EN_21_MP_12(void **state) {
     }
 }
 
+/* ---- masks ---- */
+
+/* A ball in a room, by a probe: with which mask, and far away or not; the mask of all instances. */
+static struct shot shoot_ball(uint32_t probe_mask, bool away, uint32_t instance_mask, fnl_shading shading) {
+    fnl_scene *scene = coarse_scene();
+    const mat4 here = mat4_identity();
+    fnl_material_params params = fnl_material_params_default();
+    params.metallic = 1;
+    params.roughness = 0.2f;
+    add_room(scene, false, &here);
+    coarse_add_sphere(scene, add_material(scene, params), 0.8f);
+    fnl_probe_params probe = probe_of_room();
+    probe.mask = probe_mask;
+    if (away) probe.centre.x = 1000;
+    add_probe(scene, &probe);
+    for (uint32_t i = 0; i < fnl_scene_count(scene, FNL_ENTITY_INSTANCE); i++) {
+        fnl_entity_info info;
+        assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_INSTANCE, i, &info), FNL_OK);
+        assert_int_equal(fnl_scene_set_instance_light_mask(scene, info.id.instance, instance_mask), FNL_OK);
+    }
+    struct stage s = look(scene, vec3_make(1.4f, 0.2f, 2.1f), vec3_make(0, 0, 0));
+    s.frame.shading = shading;
+    struct shot shot = stage_shoot(&s, &s.frame);
+    stage_close(&s);
+    return shot;
+}
+
+/* Instances that share no bit with a probe look as if it were elsewhere, others as ever; a G-buffer does not know instances. */
+static void test_probes_heed_masks(void **state) {
+    UNUSED(state);
+    static const fnl_shading shadings[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED};
+    for (uint32_t i = 0; i < COUNT_OF(shadings); i++) {
+        struct shot served = shoot_ball(255, false, 255, FNL_SHADING_FORWARD), met = shoot_ball(2, false, 6, shadings[i]),
+                    elsewhere = shoot_ball(255, true, 255, FNL_SHADING_FORWARD), missed = shoot_ball(2, false, 1, shadings[i]);
+        assert_true(count_differing(&served.radiance, &elsewhere.radiance) > 100);
+        /* Shaders with masks may round their sums in another way. */
+        const double met_off = relative_error(&met.radiance, &served.radiance), missed_off = relative_error(&missed.radiance, &elsewhere.radiance);
+        if (!(met_off < 1e-5) || !(missed_off < 1e-5)) fail_msg("shading %u: %g and %g off", i, met_off, missed_off);
+        shot_free(&served), shot_free(&met), shot_free(&elsewhere), shot_free(&missed);
+    }
+}
+
 /* ---- several ---- */
 
 enum { PROBES = 3 };
@@ -660,6 +702,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_probes_are_filtered_as_environments_EN_21_MP_12, harness_check),
         cmocka_unit_test_teardown(test_probes_blend_by_distance_and_priority_EN_22, harness_check),
         cmocka_unit_test_teardown(test_views_look_up_their_own_lists_EN_22, harness_check),
+        cmocka_unit_test_teardown(test_probes_heed_masks, harness_check),
         cmocka_unit_test_teardown(test_every_order_has_the_same_reflections_EN_23, harness_check),
         cmocka_unit_test_teardown(test_captures_are_counted_EN_24, harness_check),
         cmocka_unit_test_teardown(test_refreshed_probes_take_turns_EN_24, harness_check),

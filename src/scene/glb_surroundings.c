@@ -83,6 +83,7 @@ static json_t *probes_of(struct glb *g, const fnl_scene *scene) {
         glb_set(g, object, "blend", glb_float(p->blend));
         glb_set(g, object, "priority", json_integer(p->priority));
         glb_set(g, object, "intensity", glb_float(p->intensity));
+        if (p->mask != 255) glb_set(g, object, "mask", json_integer((json_int_t)p->mask));
         glb_append(g, array, object);
     }
     return array;

@@ -52,7 +52,7 @@ static void load_environment(struct gltf *g, json_t *object, const struct at *at
 
 static void load_probe(struct gltf *g, json_t *object, const struct at *at) {
     fnl_probe_params p = fnl_probe_params_default();
-    uint64_t face_size = p.face_size;
+    uint64_t face_size = p.face_size, mask = p.mask;
     float priority = 0;
     fnl_probe_id id;
     gltf_floats(g, object, at, "centre", 3, -FLT_MAX, FLT_MAX, &p.centre.x);
@@ -65,6 +65,8 @@ static void load_probe(struct gltf *g, json_t *object, const struct at *at) {
     gltf_float(g, object, at, "blend", false, 0, FLT_MAX, &p.blend);
     gltf_float(g, object, at, "intensity", false, 0, FLT_MAX, &p.intensity);
     if (gltf_float(g, object, at, "priority", false, -2e9f, 2e9f, &priority)) p.priority = (int32_t)priority;
+    gltf_uint(g, object, at, "mask", false, 0, 255, &mask);
+    p.mask = (uint32_t)mask;
     p.face_size = (uint32_t)face_size;
     p.shadows = gltf_bool(g, object, at, "shadows", p.shadows);
     p.reflection = gltf_bool(g, object, at, "reflection", p.reflection);

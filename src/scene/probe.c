@@ -9,7 +9,8 @@ fnl_probe_params fnl_probe_params_default(void) {
                               .face_size = 128,
                               .shadows = true,
                               .blend = 0.05f,
-                              .intensity = 1};
+                              .intensity = 1,
+                              .mask = 255};
 }
 
 fnl_result scene_check_probe(const struct call *call, const fnl_probe_params *p) {
@@ -26,6 +27,7 @@ fnl_result scene_check_probe(const struct call *call, const fnl_probe_params *p)
     TRY(check_count(call, "face_size", p->face_size, 8, 2048));
     TRY(check_range(call, "softness", (double)p->softness, 0, 16, " levels/m"));
     TRY(check_range(call, "blend", (double)p->blend, 0, infinite, " m"));
+    TRY(check_count(call, "mask", p->mask, 0, 255));
     return check_range(call, "intensity", (double)p->intensity, 0, infinite, "");
 }
 
@@ -38,6 +40,7 @@ bool scene_has_reflections(const fnl_scene *scene) {
 uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params) {
     struct scene_probe probe = {.params = *params, .generation = scene_take_generation(scene), .version = ++scene->probe_version};
     probe.params.rotation = quat_normalize(params->rotation);
+    scene_use_light_mask(scene, params->mask);
     uint32_t index = scene->probes.count;
     if (scene->free_probes.count > 0)
         scene->probes.data[index = scene->free_probes.data[--scene->free_probes.count]] = probe;
@@ -71,6 +74,7 @@ fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id id, const fnl_prob
     probe->params = *params;
     probe->params.rotation = quat_normalize(params->rotation);
     probe->version = ++scene->probe_version;
+    scene_use_light_mask(scene, params->mask);
     return FNL_OK;
 }
 

@@ -369,6 +369,12 @@ void scene_set_receivers(fnl_scene *scene, uint32_t index, uint32_t receivers) {
     scene_node_edited(scene, index);
 }
 
+void scene_use_light_mask(fnl_scene *scene, uint32_t mask) {
+    if (mask == 255 || scene->has_light_masks) return;
+    scene->has_light_masks = true;
+    scene_structure_changed(scene); /* instances that lack bits are drawn apart from now on */
+}
+
 void scene_set_light_mask(fnl_scene *scene, uint32_t index, uint32_t mask) {
     scene->nodes.data[index].unlit = (uint8_t)~mask;
     scene_node_edited(scene, index);

@@ -437,7 +437,7 @@ struct fnl_scene {
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
     bool has_rectangles;              /* some light was a rectangle at some time */
-    bool has_light_masks;             /* some light had another mask than 255 at some time */
+    bool has_light_masks;             /* some light or probe had another mask than 255 at some time */
     bool has_requested;               /* some light's shadow maps were drawn on request at some time */
     uint32_t shadow_requests;         /* numbers of requests that were given */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
@@ -525,6 +525,8 @@ void scene_free_weights(fnl_scene *scene, struct scene_node *node);
 void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *nodes, const mat4 *locals, uint32_t count);
 /** Which decals a node receives. */
 void scene_set_receivers(fnl_scene *scene, uint32_t node, uint32_t receivers);
+/** Notes the mask of a light or probe. */
+void scene_use_light_mask(fnl_scene *scene, uint32_t mask);
 /** Which lights affect it. */
 void scene_set_light_mask(fnl_scene *scene, uint32_t node, uint32_t mask);
 /** Finds out which nodes of a tree are active. */

@@ -89,10 +89,7 @@ static void place_light(fnl_scene *scene, uint32_t index) {
     struct scene_light *light = &scene->lights.data[index];
     bool directional = light->params.kind == FNL_LIGHT_DIRECTIONAL;
     scene->has_rectangles |= light->params.kind == FNL_LIGHT_RECTANGLE;
-    if (light->params.mask != 255 && !scene->has_light_masks) {
-        scene->has_light_masks = true;
-        scene_structure_changed(scene); /* instances that lack bits are drawn apart from now on */
-    }
+    scene_use_light_mask(scene, light->params.mask);
     scene->has_requested |= light->params.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     list_sun(scene, index, directional && scene_light_shines(light));
     bool local = !directional && scene_light_shines(light);

@@ -28,6 +28,6 @@ void main() {
     float grey = sky ? 0.0 : 0.12 + 0.88 * luminance(albedo.rgb) * (0.6 + 0.4 * normal.y);
     vec3 color = vec3(grey * 0.5);
     if (LIGHTING_REFLECTIONS && !sky)
-        color = mix(vec3(grey), reflections_gather(push.view, position.xyz, normal.xyz, normal.xyz, 0.0, normal.xyz, -1.0).mirrored, 0.7);
+        color = mix(vec3(grey), reflections_gather(push.view, position.xyz, normal.xyz, LIGHT_MASK_ALL, normal.xyz, 0.0, normal.xyz, -1.0).mirrored, 0.7);
     imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
 }
