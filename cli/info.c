@@ -333,6 +333,7 @@ static json_t *json_light(const char *name, const fnl_light_params *light) {
         json_object_set_new(object, parallel ? "source_angle" : "source_radius", json_real((double)(parallel ? light->source_angle : light->source_radius)));
     json_object_set_new(object, "mask", json_integer((json_int_t)light->mask));
     json_object_set_new(object, "casts_shadows", json_boolean(light->casts_shadows));
+    json_object_set_new(object, "contact_scale", json_real((double)light->contact_scale));
     json_object_set_new(object, "shadow_update", json_string(fnl_value_name(FNL_ENUM_SHADOW_UPDATE, light->shadow_update)));
     return object;
 }

@@ -18,6 +18,7 @@ static const struct {
              {"msaa-method", "deferred.msaa-method"},
              {"gbuffer", "gbuffer.layout"},
              {"shadows", "shadows"},
+             {"contact-shadows", "shadow.contact-length"},
              {"transparency", "transparency"},
              {"decals", "decals"},
              {"aa", "aa"},

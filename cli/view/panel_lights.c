@@ -71,6 +71,7 @@ static void change_likewise(fnl_light_params *light, const fnl_light_params *bef
     LIKEWISE(source_angle);
     LIKEWISE(casts_shadows);
     LIKEWISE(mask);
+    LIKEWISE(contact_scale);
     LIKEWISE(shadow_update);
 #undef LIKEWISE
 }
@@ -241,6 +242,7 @@ void view_show_light(struct view *v, uint32_t index) {
     edited |= put_at_camera(v, &light);
     edited |= view_show_light_mask(&light.mask);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
+    if (light.casts_shadows && v->frame.shadow.contact_length > 0) edited |= show_number("contact shadow scale", &light.contact_scale, 0, 1000, "%.3g");
     bool requested = light.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     if (light.casts_shadows && ui_checkbox("freeze its shadow map", &requested)) {
         light.shadow_update = requested ? FNL_SHADOW_UPDATE_ON_REQUEST : FNL_SHADOW_UPDATE_ALWAYS;

@@ -76,6 +76,7 @@ typedef struct fnl_light_params {
     /** The same for directional lights and boxes: half the angle that the source fills, radians, 0 .. 1; default 0. The sun's: 0.00465. */
     float source_angle;
     bool casts_shadows; /**< default true; false: it shines through everything, where frames have shadows too */
+    float contact_scale; /**< multiplies fnl_shadow_options.contact_length for this light, 0 .. 1000; default 1; 0: it has no contact shadows */
     fnl_shadow_update shadow_update; /**< FNL_SHADOWS_MAPS and FNL_SHADOWS_HYBRID; default FNL_SHADOW_UPDATE_ALWAYS */
     /**
      * Points and spots: how bright the light is in each direction (fnl_scene_add_light_profile); all-zero, the default: the same in all. The

@@ -54,8 +54,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lob
 #define GPU_LIGHTING_SAMPLED 0x4000u   /* with rays: only some of a point's lights are sent one (shadows/sampled.glsl) */
 #define GPU_LIGHTING_RAY_QUERY 0x8000u /* with rays: they traverse the device's acceleration structures (shadows/ray_query.glsl) */
 #define GPU_LIGHTING_CUBEMAP 0x20000u  /* with rays: cube maps say where light enters rooms (shadows/cubemap.glsl) */
-#define GPU_LIGHTING_SHADOWED 0x2fc00u /* any of the seven above */
-#define GPU_LIGHTING_CASTS (GPU_LIGHTING_RAYS | GPU_LIGHTING_MAPS | GPU_LIGHTING_CUBEMAP) /* with one of these, lights cast shadows */
+#define GPU_LIGHTING_CONTACT 0x4000000u /* with or without another method: a march along the depth image (lighting/visibility_contact.glsl) */
+#define GPU_LIGHTING_SHADOWED 0x402fc00u /* any of the eight above */
+#define GPU_LIGHTING_CASTS (GPU_LIGHTING_RAYS | GPU_LIGHTING_MAPS | GPU_LIGHTING_CUBEMAP | GPU_LIGHTING_CONTACT) /* with one of these, lights cast shadows */
 /* Of single passes, with GPU_LIGHTING_SAMPLED. */
 #define GPU_LIGHTING_GUIDED 0x1000000u /* earlier frames' visibility guides the choice (shadows/guide_shared.h) */
 #define GPU_LIGHTING_DENOISED 0x10000u /* the light of chosen lights is kept apart, to be denoised (passes/shadow/denoise.h) */
@@ -68,7 +69,7 @@ struct gpu_light_set {
     ADDRESS(entity_array) entities; /* bounds, a place for each local light */
     ADDRESS(shape_block) shapes;    /* see gpu_entity_bounds */
     ADDRESS(plane_array) planes;    /* of hulls */
-    ADDRESS(const_uint_array) masks; /* of lights; with GPU_LIGHTING_MASKS */
+    ADDRESS(const_uint_array) masks; /* of lights: the mask in the low 8 bits, the contact shadow scale as a half in the high 16; with GPU_LIGHTING_MASKS */
     ADDRESS(profile_array) profiles; /* with GPU_LIGHTING_PROFILES */
     ADDRESS(lobe_array) lobes;      /* with GPU_LIGHTING_RECTANGLES */
 };
@@ -80,6 +81,9 @@ struct gpu_shadows {
     uvec2 rooms;    /* of a struct gpu_probes; with GPU_LIGHTING_CUBEMAP */
     uint ray_count; /* that a point sends; with GPU_LIGHTING_SAMPLED, as the next */
     uint seed;      /* the choice of lights depends on it and on the pixel */
+    uint contact;   /* sampled: depth of the view's opaque surfaces; with GPU_LIGHTING_CONTACT, as the next */
+    uint contact_samples; /* of the image */
+    float contact_length; /* meters */
 };
 
 /* One for each view and list. */

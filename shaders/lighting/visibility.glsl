@@ -47,6 +47,7 @@ shadowed_point shadowed_point_of(lighting_block l, vec3 position, vec3 normal) {
 }
 
 #include "lighting/visibility_rooms.glsl"
+#include "lighting/visibility_contact.glsl"
 
 // Whether some of a light comes from before the surface, as far as the direction to its middle tells.
 bool light_may_face(light_set_block l, uint light, vec3 normal, vec3 to_light) {
@@ -58,17 +59,22 @@ bool light_may_face(light_set_block l, uint light, vec3 normal, vec3 to_light) {
 vec3 light_visibility(lighting_block l, uint light, shadowed_point p, vec3 to_light, bool is_sun) {
     if (!LIGHTING_SHADOWED || !light_casts(lights_of(l), light)) return vec3(1.0);
     if (!light_may_face(lights_of(l), light, p.normal, to_light)) return vec3(0.0);
+    float contact = 1.0;
+    if (LIGHTING_CONTACT) {
+        contact = contact_visibility(l, light, p, to_light, is_sun);
+        if (contact == 0.0 || !LIGHTING_RAYS && !LIGHTING_MAPS) return vec3(contact);
+    }
     if (LIGHTING_MAPS) {
         float open = is_sun ? sun_map_visibility(l, light, p) : map_visibility(l, light, p);
-        if (!LIGHTING_RAYS || open >= 0.0) return vec3(abs(open)); // nothing is known of what no pixel asked for: light
+        if (!LIGHTING_RAYS || open >= 0.0) return vec3(abs(open) * contact); // nothing is known of what no pixel asked for: light
     }
     float away = 1.0, margin = 0.0;
     if (!is_sun) {
         away = light_distance(lights_of(l), light, p.position, to_light);
         margin = max(p.slack, 1e-6 * length(l.scope.lights.lights.at[light].shape.position)); // a lamp on a surface shines
     }
-    if (LIGHTING_CUBEMAP) return rooms_visibility(l, light, p, to_light, away, margin, is_sun);
-    return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, away, margin, p.slack));
+    if (LIGHTING_CUBEMAP) return rooms_visibility(l, light, p, to_light, away, margin, is_sun) * contact;
+    return vec3(rays_visibility(l, ray_everything(), light, p.position, p.normal, to_light, away, margin, p.slack) * contact);
 }
 
 #endif

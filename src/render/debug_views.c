@@ -66,7 +66,7 @@ static void add_classes(struct frame_state *f, bool swap) {
         add_plain(f, swap);
         return;
     }
-    const struct lighting lights = lighting_add(f->r->device, &f->lighting, &f->surface_lights);
+    const struct lighting lights = lighting_add(f->graph, f->r->device, &f->lighting, &f->surface_lights);
     shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, f->shadow_classes, f->view_address, f->color, swap);
 }
 

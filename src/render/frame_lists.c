@@ -88,7 +88,7 @@ static void add_head_lists(struct frame_state *f) {
         lists_add(&context);
         display->lights = context.lights;
     }
-    f->lights = f->blend_lights = lighting_add(f->r->device, &f->lighting, &display->lights);
+    f->lights = f->blend_lights = lighting_add(f->graph, f->r->device, &f->lighting, &display->lights);
 }
 
 static void add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
@@ -103,8 +103,8 @@ static void add_lists(struct frame_state *f, graph_image depth, const struct gbu
     context.of_head = stereo_asks_list(f, f->frame->lists);
     lists_add(&context);
     const bool one = context.blend_lights.header == context.lights.header, dark = f->surface_lights.header != 0;
-    f->lights = lighting_add(f->r->device, &f->lighting, dark ? &f->surface_lights : &context.lights);
-    f->blend_lights = (dark ? !context.has_blend : one) ? f->lights : lighting_add(f->r->device, &f->lighting, &context.blend_lights);
+    f->lights = lighting_add(f->graph, f->r->device, &f->lighting, dark ? &f->surface_lights : &context.lights);
+    f->blend_lights = (dark ? !context.has_blend : one) ? f->lights : lighting_add(f->graph, f->r->device, &f->lighting, &context.blend_lights);
 }
 
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
@@ -116,7 +116,7 @@ void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuf
 struct lighting order_light_by_all(struct frame_state *f) {
     const struct light_input input = input_of(f);
     const struct light_list list = light_list_all_add(f->graph, f->r->device, &input);
-    return lighting_add(f->r->device, &f->lighting, &list);
+    return lighting_add(f->graph, f->r->device, &f->lighting, &list);
 }
 
 struct lighting order_light_by_suns(struct frame_state *f) {
@@ -124,14 +124,14 @@ struct lighting order_light_by_suns(struct frame_state *f) {
     scopes.lights.local_count = 0;
     const struct light_input input = lighting_input(&scopes);
     const struct light_list list = light_list_all_add(f->graph, f->r->device, &input);
-    return lighting_add(f->r->device, &scopes, &list);
+    return lighting_add(f->graph, f->r->device, &scopes, &list);
 }
 
 struct lighting order_add_fallback_lists(struct frame_state *f) {
     struct light_input input = input_of(f);
     const struct lists_context context = lists_context(f, &input);
     const struct light_list list = lists_add_fallback(&context);
-    return lighting_add(f->r->device, &f->lighting, &list);
+    return lighting_add(f->graph, f->r->device, &f->lighting, &list);
 }
 
 struct light_list order_add_surface_lists(struct frame_state *f, graph_image depth) {

@@ -76,6 +76,7 @@ struct frame_state {
     struct lighting lighting;               /* without a list: what lights the view, as far as it is known yet */
     struct light_set whole_lights;          /* before small ones were faded */
     bool shadowed;                          /* shadows_add() has been called */
+    graph_image shadow_depth;               /* drawn only for shadows; id 0: it is not */
     struct rays rays;                       /* of items at least, where maps are drawn; address 0: there are none */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct lighting lights, blend_lights;   /* by the frame's lists: of opaque and of blended surfaces; the same list except for tiles with depth bounds */

@@ -131,7 +131,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
         list = tiled_add(graph, device, input, &in_view, kind == TILES ? depth : (graph_image){0}, &tiled);
     }
     if (list.cells.id) list_readback_add(graph, &list, &readback);
-    const struct lighting lighting = lighting_add(device, &scopes, &list);
+    const struct lighting lighting = lighting_add(graph, device, &scopes, &list);
     shade.lighting = &lighting;
     deferred_add(graph, &shade, &gbuffer, NULL, radiance);
 

@@ -131,7 +131,7 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                               .fallback = &fallback_made};
     lists_add(&c);
     struct light_list fallback = lists_add_fallback(&c);
-    const struct lighting lights = lighting_add(device, &scopes, &c.lights), blend_lights = lighting_add(device, &scopes, &c.blend_lights);
+    const struct lighting lights = lighting_add(graph, device, &scopes, &c.lights), blend_lights = lighting_add(graph, device, &scopes, &c.blend_lights);
     shade.lighting = &lights;
     if (frame->lists == FNL_LISTS_BATCHES)
         batches_add(graph, &shade, radiance, depth);

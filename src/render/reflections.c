@@ -150,6 +150,7 @@ static fnl_frame capture_frame(const fnl_frame *shown, const fnl_camera *cameras
     frame.shadows = shadow_method(shown->shadows)->captured_as;
     frame.shadow = shown->shadow;
     frame.shadow.denoise = frame.shadow.guide = false;
+    frame.shadow.contact_length = 0; /* the picture of another view */
     frame.shadow.memory = MAX(shown->shadow.memory / FACES, 8u); /* each face has its own */
     frame.decals = shown->decals == FNL_DECALS_OFF ? FNL_DECALS_OFF : FNL_DECALS_LISTS;
     frame.transparency = shown->transparency;

@@ -221,7 +221,7 @@ static struct transmission find_glass(struct frame_state *f, const struct shade_
 
 /* Blended surfaces between what is opaque and the nearest glass: all others come last. */
 static void add_behind_glass(struct frame_state *f, const struct shade_input *blend, graph_image nearest) {
-    struct lighting lighting = lighting_add(f->r->device, &f->lighting, &blend->lighting->list);
+    struct lighting lighting = lighting_add(f->graph, f->r->device, &f->lighting, &blend->lighting->list);
     if (!lighting.memory) return; /* the error sticks to the device */
     graph_put_sampled(f->graph, &lighting.memory->glass, nearest);
     lighting.bits |= GPU_LIGHTING_BEHIND_GLASS;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/shadows.h"
 
+#include "render/shadows/contact.h"
 #include "render/shadows/maps.h"
 #include "render/shadows/method.h"
 #include "render/step.h"
@@ -138,6 +139,7 @@ void shadows_add_display(struct frame_state *views, uint32_t count) {
     }
     graph_set_role(views->graph, GRAPH_ROLE_SHADOWS);
     if (method->add) method->add(views, count);
+    for (uint32_t i = 0; i < count; i++) shadow_contact_add(&views[i]);
 }
 
 void shadows_add(struct frame_state *f) { shadows_add_display(f, 1); }

@@ -55,6 +55,7 @@ static void write_shape(struct glb *g, json_t *object, const fnl_light_params *p
 static void write_shadows(struct glb *g, json_t *object, const fnl_light_params *p) {
     json_t *shadows = json_object();
     if (!p->casts_shadows) glb_set(g, shadows, "castsShadows", json_false());
+    if (p->contact_scale != 1) glb_set(g, shadows, "contactScale", glb_float(p->contact_scale));
     if (p->shadow_update != FNL_SHADOW_UPDATE_ALWAYS) glb_set(g, shadows, "update", json_string(fnl_value_name(FNL_ENUM_SHADOW_UPDATE, p->shadow_update)));
     if (light_is_parallel(p->kind) && p->source_angle != 0) glb_set(g, shadows, "sourceAngle", glb_float(p->source_angle));
     if (!light_is_parallel(p->kind) && p->source_radius != 0) glb_set(g, shadows, "sourceRadius", glb_float(p->source_radius));
@@ -97,7 +98,7 @@ static bool same_light(const fnl_light_params *a, const fnl_light_params *b) {
     return x.kind == y.kind && !differ(x.color, y.color, 3) && x.intensity == y.intensity && x.range == y.range && x.inner_cone_angle == y.inner_cone_angle &&
            x.outer_cone_angle == y.outer_cone_angle && x.length == y.length && !differ(x.wedge_angles, y.wedge_angles, 2) &&
            !differ(&x.box_size.x, &y.box_size.x, 3) && x.inner_fraction == y.inner_fraction && x.source_radius == y.source_radius &&
-           !differ(x.rectangle_size, y.rectangle_size, 2) && x.two_sided == y.two_sided && x.source_angle == y.source_angle && x.casts_shadows == y.casts_shadows && x.shadow_update == y.shadow_update && x.mask == y.mask && x.profile.index == y.profile.index &&
+           !differ(x.rectangle_size, y.rectangle_size, 2) && x.two_sided == y.two_sided && x.source_angle == y.source_angle && x.casts_shadows == y.casts_shadows && x.shadow_update == y.shadow_update && x.mask == y.mask && x.contact_scale == y.contact_scale && x.profile.index == y.profile.index &&
            x.profile.generation == y.profile.generation;
 }
 
@@ -128,7 +129,7 @@ static void patch_profiled(struct glb *g, uint32_t node, const fnl_light_params 
     for (int i = 0; i < 4 && multiplier * candela != now->intensity; i++) multiplier = nextafterf(multiplier, multiplier * candela < now->intensity ? INFINITY : 0);
     if (now->intensity != base->intensity) glb_set(g, reference, "multiplier", glb_float(multiplier));
     if (differ(now->color, base->color, 3)) glb_set(g, reference, "color", glb_floats(now->color, 3));
-    if (now->source_radius != base->source_radius || now->casts_shadows != base->casts_shadows || now->shadow_update != base->shadow_update || now->mask != base->mask || now->kind != base->kind || now->range != base->range)
+    if (now->source_radius != base->source_radius || now->casts_shadows != base->casts_shadows || now->shadow_update != base->shadow_update || now->mask != base->mask || now->contact_scale != base->contact_scale || now->kind != base->kind || now->range != base->range)
         glb_left_out(g, "the kind, range, shadows or mask of a light with a profile");
 }
 

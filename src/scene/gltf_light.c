@@ -105,6 +105,7 @@ static void load_shadows(struct gltf *g, json_t *light_object, const struct at *
     light->casts_shadows = gltf_bool(g, object, at, "castsShadows", true);
     gltf_float(g, object, at, "sourceRadius", false, 0, FLT_MAX, &light->source_radius);
     gltf_float(g, object, at, "sourceAngle", false, 0, 1, &light->source_angle);
+    gltf_float(g, object, at, "contactScale", false, 0, 1000, &light->contact_scale);
     const char *name = gltf_string(g, object, at, "update", false);
     uint32_t update;
     if (name && fnl_value_find(FNL_ENUM_SHADOW_UPDATE, name, &update))

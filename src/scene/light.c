@@ -42,6 +42,7 @@ fnl_light_params fnl_light_params_default(void) {
         .rectangle_size = {1, 1},
         .inner_fraction = 0.7f,
         .casts_shadows = true,
+        .contact_scale = 1,
         .mask = 255,
     };
 }
@@ -73,6 +74,7 @@ static fnl_result check_light(const struct call *call, const fnl_scene *scene, c
     if ((kind != FNL_LIGHT_POINT || is_profiled(params)) && !(vec3_length(params->direction) > 0))
         return misuse(call, "direction is 0, 0, 0, must have a length");
     TRY(check_count(call, "mask", params->mask, 0, 255));
+    TRY(check_range(call, "contact_scale", (double)params->contact_scale, 0, 1000, ""));
     TRY(check_floats(call, "color", params->color, 3, 0, infinite, ""));
     TRY(check_range(call, "intensity", (double)params->intensity, 0, infinite,
                     kind == FNL_LIGHT_DIRECTIONAL || kind == FNL_LIGHT_BOX ? " lux" : " candela"));

@@ -186,6 +186,7 @@ static void same_light(const fnl_light_params *a, const fnl_light_params *b) {
     assert_memory_equal(a->color, b->color, sizeof a->color);
     assert_true(a->intensity == b->intensity && a->casts_shadows == b->casts_shadows && a->shadow_update == b->shadow_update);
     assert_int_equal(a->mask, b->mask);
+    assert_true(a->contact_scale == b->contact_scale);
     assert_true(parallel ? a->source_angle == b->source_angle : a->source_radius == b->source_radius && a->range == b->range);
     if (a->kind != FNL_LIGHT_DIRECTIONAL) assert_memory_equal(&a->position, &b->position, sizeof a->position);
     if (a->kind != FNL_LIGHT_POINT) assert_memory_equal(&a->direction, &b->direction, sizeof a->direction);
@@ -269,6 +270,7 @@ static void test_lights_of_all_kinds_survive_to_the_bit(void **state) {
         p.casts_shadows = i % 2;
         p.shadow_update = i % 3 ? FNL_SHADOW_UPDATE_ALWAYS : FNL_SHADOW_UPDATE_ON_REQUEST;
         p.mask = i % 3 ? 255 : i & 255;
+        p.contact_scale = i % 5 ? 1 : between(&r, 0, 3);
         p.source_radius = i % 4 ? 0 : between(&r, 0, 1);
         assert_int_equal(fnl_scene_add_light(scene, &p, &id), FNL_OK);
     }

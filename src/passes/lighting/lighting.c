@@ -8,6 +8,7 @@ static uint32_t shadow_bits(const struct shadows *shadows) {
     uint32_t bits = shadows->bits & ~((shadows->rays.address ? 0 : beside_rays) | (shadows->maps.address ? 0 : beside_maps));
     if (shadows->rays.address) bits |= GPU_LIGHTING_RAYS | (shadows->rays.top.id ? GPU_LIGHTING_RAY_QUERY : 0);
     if (shadows->maps.address) bits |= GPU_LIGHTING_MAPS;
+    if (shadows->contact.id) bits |= GPU_LIGHTING_CONTACT;
     return bits;
 }
 
@@ -21,10 +22,11 @@ static uint32_t bits_of(const struct lighting *l) {
     return bits;
 }
 
-struct lighting lighting_add(gpu_device *device, const struct lighting *scopes, const struct light_list *list) {
+struct lighting lighting_add(struct graph *graph, gpu_device *device, const struct lighting *scopes, const struct light_list *list) {
     struct lighting l = *scopes;
     l.list = list ? *list : (struct light_list){.lights = scopes->lights.buffer};
     l.bits = bits_of(&l);
+    const bool contact = l.shadows.contact.id;
     const struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_lighting));
     l.address = slice.address;
     l.memory = slice.data;
@@ -36,7 +38,10 @@ struct lighting lighting_add(gpu_device *device, const struct lighting *scopes, 
                                                       .maps = words_of(l.shadows.maps.address),
                                                       .rooms = words_of(l.shadows.rooms.address),
                                                       .ray_count = l.shadows.ray_count,
-                                                      .seed = l.shadows.seed}};
+                                                      .seed = l.shadows.seed,
+                                                      .contact_samples = contact ? MAX(graph_image_info(graph, l.shadows.contact).samples, 1u) : 0,
+                                                      .contact_length = l.shadows.contact_length}};
+    if (l.memory && contact) graph_put_sampled(graph, &l.memory->shadows.contact, l.shadows.contact);
     return l;
 }
 
@@ -45,5 +50,7 @@ void lighting_use(struct graph_pass *pass, const struct lighting *lighting, enum
     environment_use(pass, &lighting->environment, use);
     if (lighting->shadows.rays.address) rays_use(pass, &lighting->shadows.rays, use);
     if (lighting->shadows.maps.address) shadow_maps_use(pass, &lighting->shadows.maps, use);
+    if (lighting->shadows.contact.id)
+        graph_use_image(pass, lighting->shadows.contact, use == GRAPH_READ_COMPUTE ? GRAPH_SAMPLE_COMPUTE : GRAPH_SAMPLE_FRAGMENT);
     if (lighting->shadows.rooms.address) probes_use(pass, &lighting->shadows.rooms, use);
 }

@@ -4,7 +4,7 @@
  * environment and the reflection probes of a view, and a light list. A frame fills in the scopes as it learns them; lighting_add() then gives shaders one
  * lighting for each view and list. Shaders read it through shaders/lighting/.
  *
- * Cost: 136 bytes for each view and list.
+ * Cost: 160 bytes for each view and list.
  */
 #ifndef FNL_PASSES_LIGHTING_H
 #define FNL_PASSES_LIGHTING_H
@@ -24,6 +24,8 @@ struct shadows {
     uint32_t bits;           /* GPU_LIGHTING_… set by the shadow method; bits that need rays or maps are ignored without them */
     uint32_t ray_count;      /* that a point sends to its lights, with GPU_LIGHTING_SAMPLED */
     uint32_t seed;           /* frames with other seeds send them to other lights */
+    graph_image contact;     /* depth of the view's opaque surfaces, along which points march; id 0: they do not */
+    float contact_length;    /* meters */
 };
 
 struct lighting {
@@ -39,7 +41,7 @@ struct lighting {
 };
 
 /** The lighting of a list, or with NULL of none: `scopes` has the rest. */
-struct lighting lighting_add(gpu_device *device, const struct lighting *scopes, const struct light_list *list);
+struct lighting lighting_add(struct graph *graph, gpu_device *device, const struct lighting *scopes, const struct light_list *list);
 
 /** Declares that a pass shades in fragment or compute shaders (GRAPH_READ_FRAGMENT, GRAPH_READ_COMPUTE). */
 void lighting_use(struct graph_pass *pass, const struct lighting *lighting, enum graph_use use);

@@ -118,7 +118,7 @@ struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const
         graph_put_address_at(graph, &all->cells, cells, pixels * sizeof(struct gpu_cell));
         graph_put_address(graph, &all->ids, lists);
     }
-    if (sample_count > 1) samples->all = lighting_add(device, scopes, &all_lights).address;
+    if (sample_count > 1) samples->all = lighting_add(graph, device, scopes, &all_lights).address;
     out.cells = cells;
     out.ids = lists;
     struct gpu_indexed_list_push push = {.view = input->view, .layers = layers};
@@ -133,7 +133,7 @@ struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const
                                                    graph_changes(&push.totals, volumes->totals))});
     for (uint32_t i = 0; i < INDEXED_LAYERS && id_images[i].id; i++)
         graph_add_row(pass, graph_samples(&push.images[i], id_images[i]));
-    return lighting_add(device, scopes, &out);
+    return lighting_add(graph, device, scopes, &out);
 }
 
 /* ---- shading of several samples ---- */

@@ -103,7 +103,7 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
     const struct light_list list = light_list_all_add(graph, device, &all);
     const uint32_t count = lights->local_count;
     struct volumes volumes = {
-        .lighting = lighting_add(device, input->scopes, &list), .shape = input->shape, .light_count = count};
+        .lighting = lighting_add(graph, device, input->scopes, &list), .shape = input->shape, .light_count = count};
     if (input->shape == VOLUME_STENCIL) {
         volumes.hook = input->hook;
         volumes.alone = MIN(count, input->hook ? input->hook->count : VOLUME_STENCIL_LIGHTS);

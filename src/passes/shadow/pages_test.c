@@ -108,7 +108,7 @@ static struct answer run_frame(struct bench *b) {
                                   .lights = lights.address,
                                   .directional_count = DIRECTIONAL,
                                   .local_count = b->row_count};
-    const struct lighting lighting = lighting_add(device, &(struct lighting){.lights = set, .view = view.address}, NULL);
+    const struct lighting lighting = lighting_add(b->graph, device, &(struct lighting){.lights = set, .view = view.address}, NULL);
     struct shadow_pages made = shadow_pages_add(
         b->graph, device, &b->state,
         &(struct shadow_pages_input){.wanted = graph_import_buffer(b->graph, "test wanted", &wanted), .lighting = &lighting});

@@ -33,7 +33,7 @@ static struct asked ask(const struct ask *a) {
                                       : light_list_all_add(lab.graph, harness_device(), &lab.input);
     struct lighting scopes = {.lights = lab.input.set, .view = lab.input.view, .shadows.maps.address = maps.address};
     scopes.lights.simple = a->simple;
-    struct lighting lighting = lighting_add(harness_device(), &scopes, &list);
+    struct lighting lighting = lighting_add(lab.graph, harness_device(), &scopes, &list);
     lighting.bits &= ~GPU_LIGHTING_MAPS;
     lighting.shadows.maps = (struct shadow_maps){0};
     struct asked out = {.words = a->light_count * SHADOW_ROW_WORDS};

@@ -388,6 +388,11 @@ static void add_piece(struct send *send, enum target target, uint64_t offset, co
         send->pieces[send->data.piece_count++] = (struct piece){offset, size, target};
 }
 
+/* As struct gpu_light_set has it. */
+static uint32_t mask_of(const struct scene_light *light) {
+    return light->params.mask | (uint32_t)half_from_float(light->params.contact_scale) << 16;
+}
+
 static void add_suns(const struct device_scene *d, struct send *send) {
     const uint32_t first = d->sun_room - d->sun_data.count;
     add_piece(send, TO_LIGHTS, first * sizeof(struct gpu_light), d->sun_data.data, d->sun_data.count * sizeof(struct gpu_light));
@@ -395,13 +400,14 @@ static void add_suns(const struct device_scene *d, struct send *send) {
     const fnl_scene *scene = d->scene;
     for (uint32_t i = 0, at = first; i < scene->suns.count; i++) {
         const struct scene_light *light = &scene->lights.data[scene->suns.data[i]];
-        if (is_lit(scene, light)) add_piece(send, TO_MASKS, at++ * sizeof light->params.mask, &light->params.mask, sizeof light->params.mask);
+        const uint32_t mask = mask_of(light);
+        if (is_lit(scene, light)) add_piece(send, TO_MASKS, at++ * sizeof mask, &mask, sizeof mask);
     }
 }
 
 static void add_mask(const struct device_scene *d, struct send *send, uint32_t slot) {
     const struct scene_light *light = light_at(d->scene, slot);
-    const uint32_t mask = light ? light->params.mask : 0;
+    const uint32_t mask = light ? mask_of(light) : 0;
     if (d->masks.size) add_piece(send, TO_MASKS, (d->sun_room + slot) * sizeof mask, &mask, sizeof mask);
 }
 

@@ -40,25 +40,18 @@ fnl_result shadow_maps_prepare_view(fnl_renderer *r, const fnl_frame *frame, str
     return shadow_pages_prepare(r->device, &s->pages, (uint32_t)shadow_maps_rows(r), shadow_maps_side(frame));
 }
 
-/* Paths that shade without a depth image get one, only for shadows. */
-static graph_image depth_of(struct frame_state *f) {
-    if (frame_is(f->frame, SHADING_PREPASS) || shading_order(f->frame->shading)->draw) return f->depth;
-    graph_image depth = frame_create_image(f, "shadow depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
-    geometry_depth_add(f->graph, "shadow depth", &f->scene->geometry, &f->draws, f->view_address, depth);
-    return depth;
-}
-
 /* For passes that do not shade; requests depend on the filter. */
 static struct lighting without_shadows(struct lighting lighting) {
     lighting.bits &= ~GPU_LIGHTING_SHADOWED | GPU_LIGHTING_FILTERED;
     lighting.shadows.rays = (struct rays){0};
     lighting.shadows.maps = (struct shadow_maps){0};
+    lighting.shadows.contact = (graph_image){0};
     return lighting;
 }
 
 /* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
 static void add_requests(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
-    struct lighting lighting = without_shadows(lighting_add(f->r->device, &f->lighting, surfaces));
+    struct lighting lighting = without_shadows(lighting_add(f->graph, f->r->device, &f->lighting, surfaces));
     COUNTERS_COPY(f, surfaces->totals, 0, surface_lights);
     const bool splits = shadows_have(f->frame, SHADOWS_SPLIT);
     if (wanted->id)
@@ -125,7 +118,7 @@ static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, 
     graph_buffer wanted = {0};
     for (uint32_t i = 0; i < count; i++) {
         push_view(&views[i], count);
-        asked->depths[i] = depth_of(&views[i]);
+        asked->depths[i] = shadows_depth(&views[i]);
         asked->surfaces[i] = order_add_surface_lists(&views[i], asked->depths[i]);
         add_requests(&views[i], asked->suns, asked->depths[i], &asked->surfaces[i], &wanted);
         pop_view(&views[i], count);
@@ -183,7 +176,7 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
     *maps = (struct gpu_shadow_maps){.point = gpu_sampler_index(f->r->device, &point),
                                      .texel = 1.0f / (float)shadow_maps_side(f->frame),
                                      .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
-    const struct lighting shared = lighting_add(f->r->device, &scopes, NULL);
+    const struct lighting shared = lighting_add(f->graph, f->r->device, &scopes, NULL);
     asked.lighting = &shared;
     asked.suns = shadow_suns_add(f->graph, &shared, &f->rays);
     if (asked.suns.id) graph_put_address(f->graph, &maps->suns, asked.suns);
@@ -208,7 +201,7 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
                                          .address = slice.address};
         views[i].lighting.shadows.maps = made;
         if (settled) continue;
-        const struct lighting surfaces = lighting_add(f->r->device, &views[i].lighting, &asked.surfaces[i]);
+        const struct lighting surfaces = lighting_add(f->graph, f->r->device, &views[i].lighting, &asked.surfaces[i]);
         if (i == 0 && pages.split.id) shadow_hybrid_add(f, &pages, &filled, &surfaces, asked.depths[0]);
         add_dark(&views[i], count, &pages, &surfaces, asked.depths[i]);
     }

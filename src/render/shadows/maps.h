@@ -14,6 +14,8 @@ bool shadow_maps_possible(const fnl_renderer *r, const fnl_frame *frame);
 /** Texels along a side of the atlas. */
 uint32_t shadow_maps_side(const fnl_frame *frame);
 
+/** The depth of a view's opaque surfaces, before it is shaded: paths that have none yet get one, drawn only for shadows. */
+graph_image shadows_depth(struct frame_state *f);
 /** Whether lights leave the lists of tiles that lie in their shadow; where the frame has maps. */
 bool shadow_maps_classify(const fnl_frame *frame);
 /** Of struct shadow_method. */
