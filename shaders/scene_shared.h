@@ -125,9 +125,10 @@ struct gpu_cluster {
 struct gpu_item {
     uint instance;
     uint primitive;
-    uint receivers;    /* 8 bits: decals that share one are on it; from GPU_ITEM_LIGHTS_SHIFT on 8 bits: lights that share one affect it */
+    uint receivers;    /* 8 bits: decals that share one are on it; from GPU_ITEM_LIGHTS_SHIFT on 8 bits: lights that share one affect it; from GPU_ITEM_VIEWS_SHIFT on those that show it */
 };
 #define GPU_ITEM_LIGHTS_SHIFT 8u
+#define GPU_ITEM_VIEWS_SHIFT 16u
 
 /* A run of items of one primitive: one indirect draw. */
 struct gpu_group {

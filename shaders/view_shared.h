@@ -54,12 +54,14 @@ struct gpu_view {
     uvec2 size;          /* pixels */
     vec2 inverse_size;
     uint samples;        /* of a pixel */
+    uint mask;           /* 8 bits: items that share one are shown */
+    uint pad;
     uint turn;           /* another number in each frame that is collected with others (TAA); else 0 */
     ADDRESS(frame_block) frame;
     uvec2 decals;        /* address of a struct gpu_decal_set, whose list is of this view; read only where a shader's features say that there is one */
     uvec2 reflections;   /* of a struct gpu_reflection_set; of lists with GPU_LIGHTING_REFLECTIONS */
 };
-#define GPU_VIEW_BYTES 448
+#define GPU_VIEW_BYTES 456
 #ifndef GL_core_profile
 _Static_assert(sizeof(struct gpu_view) == GPU_VIEW_BYTES, "views stand one after the other as view_at() of view.glsl expects");
 #endif

@@ -365,6 +365,7 @@ static fnl_loaded loaded;
     X(fnl_scene_set_environment, NULLED("scene", fnl_scene_set_environment(NULL, NULL));                                     \
       SILENT(fnl_scene_set_environment(w.scene, NULL)))                                                                     \
     X(fnl_scene_set_instance_receivers, NULLED("scene", fnl_scene_set_instance_receivers(NULL, w.instance, 1)))             \
+    X(fnl_scene_set_instance_view_mask, NULLED("scene", fnl_scene_set_instance_view_mask(NULL, w.instance, 1)))             \
     X(fnl_scene_set_instance_light_mask, NULLED("scene", fnl_scene_set_instance_light_mask(NULL, w.instance, 1)))             \
     X(fnl_scene_set_instance_transforms,                                                                                    \
       NULLED("scene", fnl_scene_set_instance_transforms(NULL, &w.instance, &matrix, 1));                                    \

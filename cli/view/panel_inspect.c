@@ -10,16 +10,16 @@
 
 #define DEGREES 57.2957795f
 
-bool view_show_light_mask(uint32_t *mask) {
+bool view_show_mask(const char *label, uint32_t *mask) {
     char shown[16] = "all";
     bool edited = false;
     if (*mask != 255) snprintf(shown, sizeof shown, "0x%02x", *mask);
     ui_item_width(100);
-    if (!ui_combo("light mask", shown)) return false;
+    if (!ui_combo(label, shown)) return false;
     for (uint32_t bit = 0; bit < 8; bit++) {
-        char label[16];
-        snprintf(label, sizeof label, "bit %u", bit);
-        if (!ui_choice(label, *mask >> bit & 1)) continue;
+        char name[16];
+        snprintf(name, sizeof name, "bit %u", bit);
+        if (!ui_choice(name, *mask >> bit & 1)) continue;
         *mask ^= 1u << bit;
         edited = true;
     }
@@ -106,7 +106,9 @@ static void show_object(struct view *v, uint32_t index) {
     struct view_edit edit = {.kind = VIEW_EDIT_VISIBLE, .id = v->select.id, .before.visible = instance.visible, .after.visible = instance.visible};
     if (ui_checkbox("visible", &edit.after.visible)) view_edit_do(v, &edit);
     edit = (struct view_edit){.kind = VIEW_EDIT_LIGHT_MASK, .id = v->select.id, .before.light_mask = instance.light_mask, .after.light_mask = instance.light_mask};
-    if (view_show_light_mask(&edit.after.light_mask)) view_edit_do(v, &edit);
+    if (view_show_mask("light mask", &edit.after.light_mask)) view_edit_do(v, &edit);
+    edit = (struct view_edit){.kind = VIEW_EDIT_VIEW_MASK, .id = v->select.id, .before.view_mask = instance.view_mask, .after.view_mask = instance.view_mask};
+    if (view_show_mask("view mask", &edit.after.view_mask)) view_edit_do(v, &edit);
     if (instance.joint_count)
         ui_note("%u joints move it.", instance.joint_count);
     else

@@ -240,7 +240,7 @@ void view_show_light(struct view *v, uint32_t index) {
     if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= view_show_vector("position, m", &light.position, "%.3f");
     if (light.kind != FNL_LIGHT_POINT) edited |= view_show_vector("direction", &light.direction, "%.3f");
     edited |= put_at_camera(v, &light);
-    edited |= view_show_light_mask(&light.mask);
+    edited |= view_show_mask("light mask", &light.mask);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);
     if (light.casts_shadows && v->frame.shadow.contact_length > 0) edited |= show_number("contact shadow scale", &light.contact_scale, 0, 1000, "%.3g");
     bool requested = light.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;

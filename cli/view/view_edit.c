@@ -77,6 +77,8 @@ static fnl_result apply(struct view *v, struct view_edit *e, bool forward) {
         return fnl_scene_set_instance_transform(scene, (fnl_instance_id){id.index, id.generation}, &value->transform);
     case VIEW_EDIT_LIGHT_MASK:
         return fnl_scene_set_instance_light_mask(scene, (fnl_instance_id){id.index, id.generation}, value->light_mask);
+    case VIEW_EDIT_VIEW_MASK:
+        return fnl_scene_set_instance_view_mask(scene, (fnl_instance_id){id.index, id.generation}, value->view_mask);
     case VIEW_EDIT_VISIBLE:
         return fnl_scene_set_instance_visible(scene, (fnl_instance_id){id.index, id.generation}, value->visible);
     case VIEW_EDIT_LIGHT_THERE:

@@ -26,6 +26,7 @@ enum view_edit_kind {
     VIEW_EDIT_TRANSFORM,
     VIEW_EDIT_VISIBLE,
     VIEW_EDIT_LIGHT_MASK,
+    VIEW_EDIT_VIEW_MASK,
     VIEW_EDIT_LIGHT_THERE, /* a light comes, with `after`, or goes */
     VIEW_EDIT_DECAL_THERE,
 };
@@ -41,7 +42,7 @@ struct view_edit {
         fnl_material_params material;
         fnl_mat4 transform;
         bool visible;
-        uint32_t light_mask;
+        uint32_t light_mask, view_mask;
     } before, after;
 };
 

@@ -22,10 +22,12 @@ typedef struct fnl_camera {
     float far_distance;    /**< orthographic only, metres, > near_distance; perspective views reach to infinity; default 1000 */
     fnl_vec2 shift;        /**< off-axis projection: shifts the picture, in half widths and half heights; default 0 */
     float pixel_aspect;    /**< width of a pixel by its height, > 0; default 1. Headsets have pixels that are not square */
+    /** View mask, 8 bits: the camera shows instances that share a bit with it (fnl_scene_set_instance_view_mask); default 255. The others still cast shadows. */
+    uint32_t view_mask;
 } fnl_camera;
 
 static inline fnl_camera fnl_camera_default(void) {
-    const fnl_camera camera = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, false, 0.9f, 10, 0.05f, 1000, {0, 0}, 1};
+    const fnl_camera camera = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, false, 0.9f, 10, 0.05f, 1000, {0, 0}, 1, 255};
     return camera;
 }
 /** Queries a camera by index, in the order of the file. Its pose follows its node. */

@@ -84,6 +84,12 @@ FNL_API fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instan
  */
 FNL_API fnl_result fnl_scene_set_instance_light_mask(fnl_scene *scene, fnl_instance_id instance, uint32_t mask);
 
+/**
+ * Sets which cameras show an instance: those that share a bit with `mask` (fnl_camera.view_mask; 8 bits; initially 255). Cameras that do not show it still see
+ * its shadows, and its reflections by probes and by traced rays. Costs as much as hiding the instance.
+ */
+FNL_API fnl_result fnl_scene_set_instance_view_mask(fnl_scene *scene, fnl_instance_id instance, uint32_t mask);
+
 #ifdef __cplusplus
 }
 #endif

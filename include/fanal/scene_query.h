@@ -114,6 +114,7 @@ typedef struct fnl_instance_info {
     const float *morph_weights;  /**< the present weight of each target, valid until the scene is changed; NULL: all are 0 */
     uint32_t receivers;          /**< decals that it receives: fnl_scene_set_instance_receivers */
     uint32_t light_mask;         /**< lights that affect it: fnl_scene_set_instance_light_mask */
+    uint32_t view_mask;          /**< cameras that show it: fnl_scene_set_instance_view_mask */
 } fnl_instance_info;
 
 FNL_API fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_instance_info *out);

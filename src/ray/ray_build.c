@@ -98,7 +98,7 @@ static fnl_result attach_part(struct ray_scene *s, struct ray_mesh *mesh, struct
         memcpy(vertices, part->positions, p->vertex_count * sizeof(vec3));
         memcpy(indices, p->indices, triangles * 3 * sizeof(uint32_t));
         rtcSetGeometryUserData(geometry, part);
-        if (part->material->alpha_mode != FNL_ALPHA_OPAQUE || !part->material->double_sided)
+        if (s->masks_views || part->material->alpha_mode != FNL_ALPHA_OPAQUE || !part->material->double_sided)
             rtcSetGeometryIntersectFilterFunction(geometry, ray_filter_nearest);
         if (part->material->alpha_mode != FNL_ALPHA_OPAQUE || scene_material_transmissive(part->material) || !part->material->casts_shadows)
             rtcSetGeometryOccludedFilterFunction(geometry, ray_filter_shadow);
@@ -227,6 +227,7 @@ static fnl_result add_node(struct ray_scene *s, const struct scene_node *node, u
             in.mesh = mesh;
         }
         in.light_mask = 255u & ~node->unlit;
+        in.view_mask = 255u & ~node->unseen;
         if (s->meshes.data[in.mesh].part_count) TRY(attach_instance(s, &in));
     }
     return FNL_OK;
@@ -267,6 +268,7 @@ static fnl_result add_nodes(struct ray_scene *s) {
 }
 
 fnl_result ray_scene_build(struct ray_scene *s, struct jobs *jobs) {
+    for (uint32_t i = 0; i < s->scene->nodes.count; i++) s->masks_views |= s->scene->nodes.data[i].unseen != 0;
     TRY(ray_images_create(s->scene, jobs, &s->images));
     /* One thread builds: trees, and with them the order of equal hits, must not depend on how many there are. */
     s->device = rtcNewDevice("threads=1");

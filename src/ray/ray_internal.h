@@ -30,7 +30,7 @@ struct ray_instance {
     dvec3 axes[3], origin; /* columns of the matrix */
     dvec3 cofactors[3];    /* columns that carry normals */
     double mirror;         /* -1 where it mirrors */
-    uint32_t light_mask;   /* lights that share a bit affect it */
+    uint32_t light_mask, view_mask; /* lights, cameras that share a bit affect it, show it */
     uint32_t first_glow;   /* into ray_scene.glows, one for each part of the mesh; SCENE_NONE: nothing of it glows */
 };
 
@@ -53,6 +53,7 @@ struct ray_scene {
     ARRAY(struct ray_mesh) meshes;
     ARRAY(struct ray_instance) instances;
     uint32_t unseen;
+    bool masks_views; /* some instance has a view mask */
     ARRAY(struct ray_light) lights; /* directional ones first */
     uint32_t sun_count;
     ARRAY(struct ray_emitter) emitters;

@@ -49,6 +49,11 @@ void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
     const struct query *query = (const struct query *)(const void *)arguments->context;
     const struct scene_material *m = part->material;
     const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments)); /* in the space of the instance */
+    const bool views = query->kind == RAY_CAMERA || query->kind == RAY_THROUGH;
+    if (views && !(part->scene->instances.data[hit.instance].view_mask & ~query->walk->unseen)) { /* the camera does not show it */
+        arguments->valid[0] = 0;
+        return;
+    }
     if (query->kind != RAY_PATH && !hit.front && !m->double_sided) {
         arguments->valid[0] = 0;
         return;

@@ -43,6 +43,7 @@ struct ray_walk {
     ARRAY(struct ray_hit) crossed; /* by the last shadow ray */
     uint64_t ray_count;
     ARRAY(uint32_t) lights; /* of ray_scene_find_lights */
+    uint32_t unseen;        /* bits that the camera's view mask lacks: rays of the kinds CAMERA and THROUGH pass instances that have no others */
     bool failed;            /* memory ran out */
     uint64_t key;           /* RAY_PATH, RAY_THROUGH: of the chances */
 };

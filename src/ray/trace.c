@@ -46,7 +46,7 @@ static void trace_tile(void *context, uint32_t index) {
     const uint32_t tile = t->first_tile + index, sample = t->counts[tile]++;
     const uint32_t left = tile % t->tiles_x * TILE, top = tile / t->tiles_x * TILE;
     const vec2 jitter = pixel_jitter(sample);
-    struct ray_walk walk = {0};
+    struct ray_walk walk = {.unseen = 255u & ~p->camera.view_mask};
     for (uint32_t y = top; y < MIN(top + TILE, p->height); y++)
         for (uint32_t x = left; x < MIN(left + TILE, p->width) && !walk.failed; x++) {
             struct ray_samples samples = ray_samples_make(p->seed, x, y, sample); /* its own, whoever traces it */

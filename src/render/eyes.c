@@ -84,7 +84,7 @@ bool eyes_combine(const struct gpu_view *eyes, uint32_t count, float margin, str
     struct axes a;
     struct sides s;
     for (uint32_t i = 0; i < count; i++)
-        if (eyes[i].orthographic > 0.5f) return false;
+        if (eyes[i].orthographic > 0.5f || eyes[i].mask != eyes[0].mask) return false;
     if (!find_axes(eyes, count, &a) || !find_sides(eyes, count, &a, margin, &s)) return false;
     widen(&s);
     /* As far behind the eyes as both pairs of planes ask for. */
@@ -98,6 +98,7 @@ bool eyes_combine(const struct gpu_view *eyes, uint32_t count, float margin, str
     camera.position = vec3_add_scaled(vec3_add_scaled(vec3_add_scaled(a.origin, a.right, x), a.up, y), a.back, behind);
     camera.target = vec3_add_scaled(camera.position, a.back, -fmaxf(1, 0.1f * vec3_length(camera.position)));
     camera.up = a.up;
+    camera.view_mask = eyes[0].mask;
     camera.near_distance = near;
     camera.vertical_fov = 2 * atanf(along / 2);
     camera.shift = (fnl_vec2){-(s.slope[1] - s.slope[0]) / across, -(s.slope[3] - s.slope[2]) / along};
@@ -124,7 +125,7 @@ bool eyes_middle(const struct gpu_view *eyes, uint32_t count, float distance, fl
     struct sides s;
     float x[2], y[2], edges[4];
     for (uint32_t i = 0; i < count; i++)
-        if (eyes[i].orthographic > 0.5f) return false;
+        if (eyes[i].orthographic > 0.5f || eyes[i].mask != eyes[0].mask) return false;
     if (!find_axes(eyes, count, &a) || !find_sides(eyes, count, &a, 0, &s)) return false;
     const struct gpu_view *first = &eyes[0];
     const float near = distance * (1 - overlap), pixel_x = 2 * first->ndc_scale.x / (float)first->size.x, pixel_y = 2 * first->ndc_scale.y / (float)first->size.y;
@@ -135,6 +136,7 @@ bool eyes_middle(const struct gpu_view *eyes, uint32_t count, float distance, fl
     camera.position = a.origin;
     camera.target = vec3_add_scaled(a.origin, a.back, -fmaxf(1, 0.1f * vec3_length(a.origin)));
     camera.up = a.up;
+    camera.view_mask = eyes[0].mask;
     camera.near_distance = near;
     camera.vertical_fov = 2 * atanf((y[1] - y[0]) / 2);
     camera.shift = (fnl_vec2){-(x[1] + x[0]) / (x[1] - x[0]), -(y[1] + y[0]) / (y[1] - y[0])};

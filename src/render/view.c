@@ -37,6 +37,7 @@ struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint3
                          .eye = camera->position,
                          .near_distance = camera->near_distance > 0 ? camera->near_distance : 1e-6f * camera->far_distance, /* lists divide by it */
                          .orthographic = camera->orthographic,
+                         .mask = camera->view_mask,
                          .size = {width, height},
                          .inverse_size = {1 / (float)width, 1 / (float)height}};
     float aspect = (float)width / (float)height * camera->pixel_aspect, near = camera->near_distance, far = camera->far_distance;

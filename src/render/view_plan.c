@@ -37,16 +37,23 @@ static fnl_stereo_path path_of(const struct view_plan_input *in) {
     return in->multiview ? FNL_STEREO_PATH_MULTIVIEW : FNL_STEREO_PATH_EYES;
 }
 
+/* Whether all cameras show the same instances. */
+static bool show_the_same(const fnl_camera *cameras, uint32_t count) {
+    for (uint32_t i = 1; i < count; i++)
+        if (cameras[i].view_mask != cameras[0].view_mask) return false;
+    return true;
+}
+
 /* How many views from `first` on are drawn at once. */
 static uint32_t count_together(const struct view_plan_input *in, fnl_stereo_path path, uint32_t first) {
     const fnl_frame *frame = in->frame;
     if (frame->view_count < 2 || !draws_at_once(in)) return 1;
-    if (frame->stereo.eyes) return path == FNL_STEREO_PATH_EYES ? 1 : frame->stereo.eyes;
+    if (frame->stereo.eyes) return path == FNL_STEREO_PATH_EYES || !show_the_same(&frame->views[first], frame->stereo.eyes) ? 1 : frame->stereo.eyes;
     if (frame->multiview == FNL_MULTIVIEW_OFF || !in->multiview) return 1;
     if (frame->multiview == FNL_MULTIVIEW_AUTO && frame_is(frame, SHADING_LISTS_FIRST)) return 1;
     const uint32_t most = MIN(frame->view_count - first, (uint32_t)GROUP_MOST);
     uint32_t count = 1;
-    while (count < most && (frame->multiview == FNL_MULTIVIEW_ON || see_the_same(&in->bounds, &frame->views[first], &frame->views[first + count]))) count++;
+    while (count < most && show_the_same(&frame->views[first], count + 1) && (frame->multiview == FNL_MULTIVIEW_ON || see_the_same(&in->bounds, &frame->views[first], &frame->views[first + count]))) count++;
     return count;
 }
 

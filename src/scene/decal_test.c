@@ -60,6 +60,9 @@ static void test_calls(void **state) {
     assert_int_equal(fnl_scene_set_instance_light_mask(scene, instance, 256), FNL_ERROR_INVALID);
     assert_int_equal(fnl_scene_set_instance_light_mask(scene, instance, 9), FNL_OK);
     assert_int_equal((uint8_t)~scene->nodes.data[instance.index].unlit, 9);
+    assert_int_equal(fnl_scene_set_instance_view_mask(scene, instance, 256), FNL_ERROR_INVALID);
+    assert_int_equal(fnl_scene_set_instance_view_mask(scene, instance, 17), FNL_OK);
+    assert_int_equal((uint8_t)~scene->nodes.data[instance.index].unseen, 17);
     assert_int_equal((uint8_t)~scene->nodes.data[instance.index].refuses, 6);
     assert_int_equal(fnl_scene_remove_instance(scene, instance), FNL_OK);
     assert_false(decal_shows(scene, &scene->decals.data[b.index]));

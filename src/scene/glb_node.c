@@ -143,6 +143,7 @@ static void patch_node(struct glb *g, json_t *object, uint32_t index) {
     bool other = false;
     for (uint32_t i = 0; i < targets && now->morph_weights; i++) other = other || now->morph_weights[i] != (weights ? weights[i] : 0);
     if (other && !glb_animates_node(g, index, SCENE_PATH_WEIGHTS)) glb_set(g, object, "weights", glb_floats(now->morph_weights, targets));
+    if (now->unseen != base->unseen) glb_set_extra(g, object, "FNL_view_mask", now->unseen ? json_integer(255 & ~now->unseen) : NULL);
     if (now->unlit != base->unlit) glb_set_extra(g, object, "FNL_light_mask", now->unlit ? json_integer(255 & ~now->unlit) : NULL);
     if (now->refuses != base->refuses) glb_set(g, glb_extension(g, object, "FNL_decal"), "receiverMask", json_integer(255 & ~now->refuses));
 }
@@ -155,6 +156,7 @@ static uint32_t camera_of(struct glb *g, const struct scene_camera *camera) {
     const float half = c->vertical_extent / 2;
     if (c->pixel_aspect != 1) glb_left_out(g, "the pixel aspect of camera '%.60s'", camera->name);
     if (c->shift.x != 0 || c->shift.y != 0) glb_left_out(g, "the shift of camera '%.60s'", camera->name);
+    if (c->view_mask != 255) glb_set_extra(g, object, "FNL_view_mask", json_integer((json_int_t)c->view_mask));
     glb_set(g, object, "type", json_string(c->orthographic ? "orthographic" : "perspective"));
     if (c->orthographic) {
         json_t *lens = glb_object(g, object, "orthographic");
@@ -242,6 +244,7 @@ static void write_node(struct glb *g, json_t *object, uint32_t index) {
     for (uint32_t i = 0; i < g->scene->cameras.count; i++)
         if (g->scene->cameras.data[i].node == index) glb_set(g, object, "camera", json_integer((json_int_t)camera_of(g, &g->scene->cameras.data[i])));
     if (node->hidden) glb_set(g, glb_extension(g, object, "KHR_node_visibility"), "visible", json_false());
+    if (node->unseen) glb_set_extra(g, object, "FNL_view_mask", json_integer(255 & ~node->unseen));
     if (node->unlit) glb_set_extra(g, object, "FNL_light_mask", json_integer(255 & ~node->unlit));
     if (node->refuses) glb_set(g, glb_extension(g, object, "FNL_decal"), "receiverMask", json_integer(255 & ~node->refuses));
 }

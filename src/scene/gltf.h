@@ -353,8 +353,8 @@ void gltf_load_scenes(struct gltf *g);  /* gltf_scene.c */
 void gltf_load_instances(struct gltf *g, json_t *extension, const struct at *at, struct scene_node *node);
 void gltf_load_skins(struct gltf *g);      /* skins, and whether the skinned meshes fit them (gltf_skin.c) */
 void gltf_place(struct gltf *g);           /* puts cameras and lights on the shown nodes (gltf_light.c) */
-/** The light mask in the extras of a light or node: `*mask` stays as it is if there is none (gltf_light.c). */
-void gltf_light_mask(struct gltf *g, json_t *object, const struct at *at, uint32_t *mask);
+/** A mask of 8 bits in the extras of an object: `*mask` stays as it is if there is none of this name (gltf_light.c). */
+void gltf_mask(struct gltf *g, json_t *object, const struct at *at, const char *name, uint32_t *mask);
 void gltf_load_decals(struct gltf *g);     /* FNL_decal of the shown nodes (gltf_decal.c) */
 void gltf_load_animations(struct gltf *g); /* gltf_animation.c */
 /** What a pointer of KHR_animation_pointer names (gltf_animation_pointer.c). False (warned): it cannot be animated. */

@@ -43,6 +43,7 @@ static void load_camera(struct gltf *g, json_t *object, const struct at *at, str
     out->camera = fnl_camera_default();
     out->name = gltf_name(g, object, at);
     out->extras = gltf_extras(g, object);
+    gltf_mask(g, object, at, "FNL_view_mask", &out->camera.view_mask);
     const char *type = gltf_string(g, object, at, "type", true);
     if (json_object_get(object, "perspective") && json_object_get(object, "orthographic"))
         gltf_warn(g, at, "has both 'perspective' and 'orthographic'; 'type' decides");
@@ -114,10 +115,10 @@ static void load_shadows(struct gltf *g, json_t *light_object, const struct at *
         gltf_warn(g, AT_KEY(at, "update"), "is neither always nor on-request; it is ignored");
 }
 
-void gltf_light_mask(struct gltf *g, json_t *object, const struct at *at, uint32_t *mask) {
+void gltf_mask(struct gltf *g, json_t *object, const struct at *at, const char *name, uint32_t *mask) {
     json_t *extras = json_object_get(object, "extras");
     uint64_t number;
-    if (json_is_object(extras) && gltf_uint(g, extras, AT_KEY(at, "extras"), "FNL_light_mask", false, 0, 255, &number)) *mask = (uint32_t)number;
+    if (json_is_object(extras) && gltf_uint(g, extras, AT_KEY(at, "extras"), name, false, 0, 255, &number)) *mask = (uint32_t)number;
 }
 
 static void load_light(struct gltf *g, json_t *object, const struct at *at, struct gltf_light *out) {
@@ -150,7 +151,7 @@ static void load_light(struct gltf *g, json_t *object, const struct at *at, stru
     }
     load_shape(g, object, at, light);
     load_shadows(g, object, at, light);
-    gltf_light_mask(g, object, at, &light->mask);
+    gltf_mask(g, object, at, "FNL_light_mask", &light->mask);
     out->valid = true;
 }
 

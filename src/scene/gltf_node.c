@@ -90,9 +90,11 @@ static void load_node(struct gltf *g, json_t *object, const struct at *at, uint3
     if (node->mesh == SCENE_NONE) node->skin = SCENE_NONE;
     load_weights(g, object, at, node);
     load_node_extensions(g, object, at, index, node);
-    uint32_t mask = 255;
-    gltf_light_mask(g, object, at, &mask);
-    node->unlit = (uint8_t)~mask;
+    uint32_t lights = 255, views = 255;
+    gltf_mask(g, object, at, "FNL_light_mask", &lights);
+    gltf_mask(g, object, at, "FNL_view_mask", &views);
+    node->unlit = (uint8_t)~lights;
+    node->unseen = (uint8_t)~views;
 }
 
 /* ---- hierarchy ---- */

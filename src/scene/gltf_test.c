@@ -545,7 +545,7 @@ static void test_light_masks_in_extras(void **state) {
     static const char json[] =
         "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
         "{\"type\":\"point\",\"extras\":{\"FNL_light_mask\":6}},{\"type\":\"point\",\"extras\":{\"FNL_light_mask\":256}},{\"type\":\"point\"}]}},"
-        "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}},\"extras\":{\"FNL_light_mask\":3}},"
+        "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}},\"extras\":{\"FNL_light_mask\":3,\"FNL_view_mask\":12}},"
         "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}},\"extras\":{\"FNL_light_mask\":\"all\"}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
         "}";
     fnl_scene *scene = load_logged(json, "masks.glb");
@@ -558,6 +558,7 @@ static void test_light_masks_in_extras(void **state) {
         assert_int_equal(scene->lights.data[i].params.mask, lights[i]);
         assert_int_equal(fnl_scene_query_instance(scene, i, &node), FNL_OK);
         assert_int_equal(node.light_mask, nodes[i]);
+        assert_int_equal(node.view_mask, i == 0 ? 12 : 255);
     }
     assert_true(scene->has_light_masks);
     fnl_scene_destroy(&scene);

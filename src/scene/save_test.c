@@ -319,7 +319,7 @@ static void test_pictures_and_materials_of_calls(void **state) {
     assert_int_equal(fnl_scene_add_mesh(scene, &p, &mesh), FNL_OK);
     assert_int_equal(fnl_scene_add_instance(scene, mesh, &place, &instance), FNL_OK);
     assert_int_equal(fnl_scene_set_instance_visible(scene, instance, false), FNL_OK);
-    assert_int_equal(fnl_scene_add_camera(scene, "eye", &(fnl_camera){.position = {1, 2, 3}, .up = {0, 1, 0}, .orthographic = true, .vertical_extent = 7, .near_distance = 0.5f, .far_distance = 9, .pixel_aspect = 1}), FNL_OK);
+    assert_int_equal(fnl_scene_add_camera(scene, "eye", &(fnl_camera){.position = {1, 2, 3}, .up = {0, 1, 0}, .orthographic = true, .vertical_extent = 7, .near_distance = 0.5f, .far_distance = 9, .pixel_aspect = 1, .view_mask = 5}), FNL_OK);
     save(scene);
     json_decref(validate(true));
     again = load(saved);
@@ -329,7 +329,7 @@ static void test_pictures_and_materials_of_calls(void **state) {
     assert_true(again->nodes.data[0].hidden && !again->nodes.data[0].active);
     fnl_camera camera;
     assert_int_equal(fnl_scene_query_camera(again, 0, &camera), FNL_OK);
-    assert_true(camera.orthographic && camera.vertical_extent == 7 && camera.near_distance == 0.5f && camera.position.z == 3);
+    assert_true(camera.orthographic && camera.vertical_extent == 7 && camera.near_distance == 0.5f && camera.position.z == 3 && camera.view_mask == 5);
     const struct scene_image *picture = &again->images.data[again->materials.data[0].textures[SCENE_TEXTURE_BASE_COLOR].image];
     fnl_image decoded;
     assert_int_equal(image_decode(&host, picture->encoded, picture->encoded_size, "picture", true, &decoded), FNL_OK);
@@ -507,6 +507,7 @@ static void test_changes_are_patched_in(void **state) {
     assert_int_equal(fnl_scene_set_instance_transform(scene, entity(scene, FNL_ENTITY_INSTANCE, 0).id.instance, &turned), FNL_OK);
     assert_int_equal(fnl_scene_set_instance_visible(scene, entity(scene, FNL_ENTITY_INSTANCE, 4).id.instance, false), FNL_OK);
     assert_int_equal(fnl_scene_set_instance_light_mask(scene, entity(scene, FNL_ENTITY_INSTANCE, 2).id.instance, 4), FNL_OK);
+    assert_int_equal(fnl_scene_set_instance_view_mask(scene, entity(scene, FNL_ENTITY_INSTANCE, 3).id.instance, 9), FNL_OK);
     assert_int_equal(fnl_scene_remove_instance(scene, entity(scene, FNL_ENTITY_INSTANCE, 6).id.instance), FNL_OK);
     fnl_material_params m;
     fnl_scene_query_material(scene, 0, &m);
@@ -553,6 +554,7 @@ static void test_changes_are_patched_in(void **state) {
     for (uint32_t i = 1; i < 4; i++) {
         fnl_scene_query_instance(again, i, &node);
         assert_int_equal(node.light_mask, i == 2 ? 4 : 255);
+        assert_int_equal(node.view_mask, i == 3 ? 9 : 255);
     }
     fnl_scene_query_light(again, 2, &p);
     same_light(&p, &moved);

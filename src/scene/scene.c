@@ -369,6 +369,11 @@ void scene_set_receivers(fnl_scene *scene, uint32_t index, uint32_t receivers) {
     scene_node_edited(scene, index);
 }
 
+void scene_set_view_mask(fnl_scene *scene, uint32_t index, uint32_t mask) {
+    scene->nodes.data[index].unseen = (uint8_t)~mask;
+    scene_node_edited(scene, index);
+}
+
 void scene_use_light_mask(fnl_scene *scene, uint32_t mask) {
     if (mask == 255 || scene->has_light_masks) return;
     scene->has_light_masks = true;

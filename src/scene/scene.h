@@ -195,8 +195,9 @@ struct scene_node {
     uint32_t instance_count;     /* 1 without `instances` */
     uint32_t generation;         /* for fnl_instance_id */
     uint64_t moved_version;      /* transform_version at which `world` or `morph_weights` last changed */
-    uint64_t edited_version;     /* structure_version at which it last came, went, was hidden or shown, or got other receivers or another light mask */
+    uint64_t edited_version;     /* structure_version at which it last came, went, was hidden or shown, or got other receivers or another mask */
     uint8_t refuses;             /* receiver bits that the node lacks: decals that share no other are not on it */
+    uint8_t unseen;              /* view mask bits that the node lacks: cameras that share no other do not show it */
     uint8_t unlit;               /* light mask bits that the node lacks: lights that share no other do not affect it */
 };
 
@@ -525,6 +526,8 @@ void scene_free_weights(fnl_scene *scene, struct scene_node *node);
 void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *nodes, const mat4 *locals, uint32_t count);
 /** Which decals a node receives. */
 void scene_set_receivers(fnl_scene *scene, uint32_t node, uint32_t receivers);
+/** Which cameras show it. */
+void scene_set_view_mask(fnl_scene *scene, uint32_t node, uint32_t mask);
 /** Notes the mask of a light or probe. */
 void scene_use_light_mask(fnl_scene *scene, uint32_t mask);
 /** Which lights affect it. */

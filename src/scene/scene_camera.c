@@ -41,6 +41,7 @@ fnl_result camera_check(const struct call *call, const char *prefix, const fnl_c
     TRY(check_range(call, in(prefix, "shift.x", name), (double)camera->shift.x, -infinite, infinite, ""));
     TRY(check_range(call, in(prefix, "shift.y", name), (double)camera->shift.y, -infinite, infinite, ""));
     TRY(check_above(call, in(prefix, "pixel_aspect", name), (double)camera->pixel_aspect, 0, infinite, ""));
+    TRY(check_count(call, in(prefix, "view_mask", name), camera->view_mask, 0, 255));
     if (!camera->orthographic) {
         if (camera->vertical_fov > 0 && camera->vertical_fov < PI) return FNL_OK;
         return misuse(call, "%svertical_fov is %g, must be above 0 and below pi radians", prefix, (double)camera->vertical_fov);

@@ -173,7 +173,7 @@ fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_
     TRY(check_index(call, "index", index, scene_entity_count(scene, FNL_ENTITY_INSTANCE), "instances"));
     const struct scene_node *node = &scene->nodes.data[scene_entity_slot(scene, FNL_ENTITY_INSTANCE, index)];
     *out = (fnl_instance_info){
-        .transform = node->local, .world = node->world, .visible = !node->hidden, .shown = node->active, .receivers = 255u & ~node->refuses, .light_mask = 255u & ~node->unlit};
+        .transform = node->local, .world = node->world, .visible = !node->hidden, .shown = node->active, .receivers = 255u & ~node->refuses, .light_mask = 255u & ~node->unlit, .view_mask = 255u & ~node->unseen};
     if (node->parent != SCENE_NONE)
         out->parent = (fnl_instance_id){node->parent, scene->nodes.data[node->parent].generation};
     if (node->skin != SCENE_NONE) out->joint_count = scene->skins.data[node->skin].joint_count;
@@ -190,6 +190,14 @@ fnl_result fnl_scene_set_instance_light_mask(fnl_scene *scene, fnl_instance_id i
     TRY(scene_check_instance(CALL(&scene->host), scene, instance));
     TRY(check_count(CALL(&scene->host), "mask", mask, 0, 255));
     scene_set_light_mask(scene, instance.index, mask);
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_instance_view_mask(fnl_scene *scene, fnl_instance_id instance, uint32_t mask) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(scene_check_instance(CALL(&scene->host), scene, instance));
+    TRY(check_count(CALL(&scene->host), "mask", mask, 0, 255));
+    scene_set_view_mask(scene, instance.index, mask);
     return FNL_OK;
 }
 

@@ -144,7 +144,7 @@ void main() {
         if (lane == 0u) push.out_pixel.pixel.flags = 0u;
         return;
     }
-    uint flags = INSPECT_HIT | uint(target(5u).z);
+    uint flags = INSPECT_HIT | uint(target(5u).y);
     surface s = read_surface(flags);
     vec3 to_view = to_viewer(push.view, s.position);
     layers_view b = layers_prepare(s, push.view, to_view);

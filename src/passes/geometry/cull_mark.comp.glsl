@@ -31,17 +31,18 @@ void main() {
     vec3 center = transform_point(instance, primitive.center);
     vec3 extent = vec3(dot(abs(instance.rows[0].xyz), primitive.half_extent), dot(abs(instance.rows[1].xyz), primitive.half_extent),
                        dot(abs(instance.rows[2].xyz), primitive.half_extent));
+    uint mask = item.receivers >> GPU_ITEM_VIEWS_SHIFT; // 8 bits
 #ifdef SEVERAL_VIEWS
     bool visible = false;
     for (uint v = 0u; v < push.view_count && !visible; v++) {
-        visible = true;
+        visible = (view_at(push.view, v).view.mask & mask) != 0u;
         for (int i = 0; i < 5; i++) {
             vec4 plane = view_at(push.view, v).view.planes[i];
             visible = visible && IS_INSIDE(plane);
         }
     }
 #else
-    bool visible = true;
+    bool visible = (push.view.view.mask & mask) != 0u;
     for (int i = 0; i < 5; i++) {
         vec4 plane = push.view.view.planes[i];
         visible = visible && IS_INSIDE(plane);

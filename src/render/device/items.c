@@ -32,7 +32,7 @@ enum { MASKED_LAYOUTS = ((1 << FNL_GBUFFER_COUNT) - 1) | 1 << GEOMETRY_LAYERED |
 
 static struct gpu_item item_of(const struct device_scene *d, uint32_t instance, uint32_t primitive, uint32_t node) {
     const struct scene_node *n = &d->scene->nodes.data[node];
-    return (struct gpu_item){instance, primitive, (255u & ~n->refuses) | (255u & ~n->unlit) << GPU_ITEM_LIGHTS_SHIFT};
+    return (struct gpu_item){instance, primitive, (255u & ~n->refuses) | (255u & ~n->unlit) << GPU_ITEM_LIGHTS_SHIFT | (255u & ~n->unseen) << GPU_ITEM_VIEWS_SHIFT};
 }
 
 /* The primitives on the device: those of the scene, then those of deforming nodes, which start at first_primitive. */

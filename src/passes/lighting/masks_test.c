@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Light masks: each instance looks as if the lights that do not affect it were off, whatever the path, the list and the shadows. */
+/* Masks of lights and views: each instance looks as if the lights that do not affect it were off, and a camera sees what it would if the instances that it does not show were hidden. */
 #include "tests/render_harness.h"
 
 #include <math.h>
@@ -252,6 +252,141 @@ static void test_unused_masks_cost_nothing(void **state) {
     close_world(&w);
 }
 
+/* ---- masks of views ---- */
+
+/* `masked`: by view masks; else those are hidden that a camera with the mask 1 does not show. */
+static void part_instances(fnl_scene *scene, bool masked) {
+    for (uint32_t i = 0; i < fnl_scene_count(scene, FNL_ENTITY_INSTANCE); i++) {
+        fnl_entity_info info;
+        assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_INSTANCE, i, &info), FNL_OK);
+        assert_int_equal(fnl_scene_set_instance_view_mask(scene, info.id.instance, masked ? instance_mask(i) : 255), FNL_OK);
+        assert_int_equal(fnl_scene_set_instance_visible(scene, info.id.instance, masked || instance_mask(i) & 1), FNL_OK);
+    }
+}
+
+static void test_cameras_show_what_their_mask_meets(void **state) {
+    UNUSED(state);
+    static const char *const sources[] = {"builtin:spheres?lights=20", "builtin:glass?lights=20"};
+    for (uint32_t k = 0; k < COUNT_OF(sources); k++) {
+        struct stage stage = stage_open(sources[k], 0);
+        stage.frame.lists = FNL_LISTS_CLUSTERED;
+        stage.frame.width = WIDTH;
+        stage.frame.height = HEIGHT;
+        for (fnl_shading shading = 0; shading < FNL_SHADING_AUTO; shading++) {
+            fnl_frame frame = stage.frame;
+            frame.shading = shading;
+            if (!fnl_shading_supports(shading, frame.lists, 1)) continue;
+            part_instances(stage.scene, false);
+            struct shot hidden = stage_shoot(&stage, &frame);
+            part_instances(stage.scene, true);
+            struct shot all = stage_shoot(&stage, &frame);
+            frame.camera.view_mask = 1;
+            struct shot masked = stage_shoot(&stage, &frame);
+            assert_true(count_differing(&all.radiance, &masked.radiance) > 300);
+            const bool rough = shading == FNL_SHADING_INFERRED;
+            const uint32_t off = count_off(&hidden.radiance, &masked.radiance, rough ? 0.3f : 0);
+            if (off > (rough ? WIDTH * HEIGHT / 20 : 0)) fail_msg("%s, %s: %u pixels are not as if they were hidden", sources[k], fnl_value_name(FNL_ENUM_SHADING, shading), off); /* inferred: where blended surfaces are lit depends on their numbers */
+            shot_free(&hidden), shot_free(&all), shot_free(&masked);
+        }
+        stage_close(&stage);
+    }
+}
+
+/* Where the same surface shows, its light and shadow are the same. */
+static void test_instances_out_of_view_cast_shadows(void **state) {
+    UNUSED(state);
+    static const fnl_shadows methods[] = {FNL_SHADOWS_RAYS, FNL_SHADOWS_MAPS};
+    struct stage stage = stage_open("builtin:spheres?lights=20", 0);
+    stage.frame.outputs |= FNL_OUTPUT_POSITION;
+    stage.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    stage.frame.lists = FNL_LISTS_CLUSTERED;
+    stage.frame.shadow.ray_backend = FNL_RAY_BACKEND_BVH;
+    part_instances(stage.scene, true);
+    for (uint32_t m = 0; m < COUNT_OF(methods); m++) {
+        fnl_frame frame = stage.frame;
+        frame.shadows = methods[m];
+        struct shot all = stage_shoot(&stage, &frame);
+        frame.camera.view_mask = 1;
+        struct shot masked = stage_shoot(&stage, &frame);
+        uint32_t same = 0, off = 0;
+        const uint32_t pixels = frame.width * frame.height;
+        for (uint32_t i = 0; i < pixels; i++) {
+            if (memcmp((const float *)all.position.pixels + 4 * i, (const float *)masked.position.pixels + 4 * i, 3 * sizeof(float)) != 0) continue;
+            same++;
+            off += memcmp((const float *)all.radiance.pixels + 4 * i, (const float *)masked.radiance.pixels + 4 * i, 3 * sizeof(float)) != 0;
+        }
+        assert_true(same > pixels / 3 && same < pixels);
+        if (off > (m ? pixels / 50 : 0)) fail_msg("shadows %s: %u of %u pixels differ", fnl_value_name(FNL_ENUM_SHADOWS, methods[m]), off, same); /* maps: other pages */
+        shot_free(&all), shot_free(&masked);
+    }
+    stage_close(&stage);
+}
+
+/* Views of one frame, drawn at once or as eyes, show what each would alone. */
+static void test_views_have_masks_of_their_own(void **state) {
+    UNUSED(state);
+    enum { VIEWS = 4 };
+    static const uint32_t masks[VIEWS] = {255, 1, 2, 2};
+    struct stage stage = stage_open("builtin:spheres?lights=20", 0);
+    part_instances(stage.scene, true);
+    fnl_camera views[VIEWS];
+    for (uint32_t i = 0; i < VIEWS; i++) {
+        views[i] = stage.frame.camera;
+        views[i].position.x += 0.02f * (float)i;
+        views[i].target.x += 0.02f * (float)i;
+        views[i].view_mask = masks[i];
+    }
+    static const fnl_shading shadings[] = {FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_DEFERRED, FNL_SHADING_VISIBILITY};
+    for (uint32_t s = 0; s < COUNT_OF(shadings); s++)
+        for (uint32_t eyes = 0; eyes <= 2; eyes += 2) {
+            fnl_frame frame = stage.frame;
+            frame.shading = shadings[s];
+            frame.lists = FNL_LISTS_CLUSTERED;
+            frame.views = views;
+            frame.view_count = VIEWS;
+            frame.multiview = eyes ? FNL_MULTIVIEW_AUTO : FNL_MULTIVIEW_ON;
+            frame.stereo.eyes = eyes;
+            assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+            fnl_image together = {0}; /* one view below the other */
+            assert_int_equal(fnl_renderer_read(stage.renderer, FNL_OUTPUT_RADIANCE, &together), FNL_OK);
+            const size_t bytes = (size_t)frame.width * frame.height * 4 * sizeof(float);
+            for (uint32_t i = 0; i < VIEWS; i++) {
+                fnl_frame alone = stage.frame;
+                alone.shading = frame.shading;
+                alone.lists = frame.lists;
+                alone.camera = views[i];
+                struct shot one = stage_shoot(&stage, &alone);
+                if (memcmp(one.radiance.pixels, (const char *)together.pixels + i * bytes, bytes) != 0)
+                    fail_msg("%s, %u eyes, view %u: not as it is alone", fnl_value_name(FNL_ENUM_SHADING, frame.shading), eyes, i);
+                shot_free(&one);
+            }
+            fnl_image_free(gpu_host(harness_device()), &together);
+        }
+    stage_close(&stage);
+}
+
+static void test_traced_cameras_have_masks(void **state) {
+    UNUSED(state);
+    static const char *const sources[] = {"builtin:spheres?lights=10", "builtin:glass?lights=10"};
+    for (uint32_t k = 0; k < COUNT_OF(sources); k++) {
+        struct stage stage = stage_open(sources[k], 0);
+        fnl_trace_params params = trace_plain();
+        fnl_trace traces[3];
+        params.width = 60, params.height = 40;
+        params.camera = stage.frame.camera;
+        params.shadows = false;
+        for (uint32_t i = 0; i < 3; i++) { /* all, masked, hidden */
+            params.camera.view_mask = i == 1 ? 1 : 255;
+            part_instances(stage.scene, i < 2);
+            assert_int_equal(fnl_scene_trace(stage.scene, &params, &traces[i]), FNL_OK);
+        }
+        assert_true(count_differing(&traces[0].radiance, &traces[1].radiance) > 100);
+        assert_int_equal(count_differing(&traces[1].radiance, &traces[2].radiance), 0);
+        for (uint32_t i = 0; i < 3; i++) fnl_trace_free(gpu_host(harness_device()), &traces[i]);
+        stage_close(&stage);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_instances_lack_the_lights_of_other_masks, harness_check),
@@ -259,6 +394,10 @@ int main(void) {
         cmocka_unit_test_teardown(test_masked_instances_cast_shadows, harness_check),
         cmocka_unit_test_teardown(test_paths_agree_on_glass, harness_check),
         cmocka_unit_test_teardown(test_unused_masks_cost_nothing, harness_check),
+        cmocka_unit_test_teardown(test_cameras_show_what_their_mask_meets, harness_check),
+        cmocka_unit_test_teardown(test_instances_out_of_view_cast_shadows, harness_check),
+        cmocka_unit_test_teardown(test_views_have_masks_of_their_own, harness_check),
+        cmocka_unit_test_teardown(test_traced_cameras_have_masks, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }
