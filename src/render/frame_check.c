@@ -45,8 +45,7 @@ static fnl_result check_hidden(const struct call *call, const fnl_frame *frame) 
     }
     if (!frame->hidden_areas) return FNL_OK;
     if (!frame_is(frame, SHADING_HIDDEN))
-        return unsupported(call, "hidden areas need the shading forward, forward-prepass, deferred, or visibility without grid, not %s",
-                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+        return shading_refuse(call, "hidden_areas", frame, SHADING_HIDDEN);
     if (frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS)
         return unsupported(call, "hidden areas do not go together with the lists %s", fnl_value_name(FNL_ENUM_LISTS, frame->lists));
     return FNL_OK;

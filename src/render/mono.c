@@ -30,9 +30,8 @@ static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_fram
     const char *problem = find_problem(frame);
     if (problem) return unsupported(call, "stereo.mono_distance %s", problem);
     const bool deferred = frame->shading == FNL_SHADING_AUTO; /* which that is in frames of several views */
-    if (!deferred && (frame->shading == FNL_SHADING_FORWARD || !frame_is(frame, SHADING_HIDDEN)))
-        return unsupported(call, "stereo.mono_distance needs the shading forward-prepass, deferred, or visibility without grid, not %s",
-                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+    if (!deferred && !(shading_is(frame->shading, SHADING_MULTIVIEW) && frame_is(frame, SHADING_HIDDEN)))
+        return shading_refuse(call, "stereo.mono_distance", frame, SHADING_HIDDEN | SHADING_MULTIVIEW);
     if (frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS)
         return unsupported(call, "stereo.mono_distance does not go together with the lists %s", fnl_value_name(FNL_ENUM_LISTS, frame->lists));
     return FNL_OK;

@@ -3,6 +3,7 @@
 #ifndef FNL_RENDER_TRAITS_H
 #define FNL_RENDER_TRAITS_H
 
+#include "base/check.h"
 #include "fanal/frame.h"
 
 enum shading_trait {
@@ -33,6 +34,9 @@ enum shading_trait {
 bool shading_is(fnl_shading shading, uint32_t traits);
 /** The same of the order of a frame with its options, which may add traits or take them away. Not auto. */
 bool frame_is(const fnl_frame *frame, uint32_t traits);
+
+/** Refuses a frame whose order lacks traits: "WHAT needs the shading A, B or C, not D"; the names are those of the orders that have them. */
+fnl_result shading_refuse(const struct call *call, const char *what, const fnl_frame *frame, uint32_t traits);
 
 enum shadow_trait {
     SHADOWS_MAPS = 1 << 0,   /* maps, where the device can draw them and there is room */
