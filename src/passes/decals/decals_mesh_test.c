@@ -105,6 +105,48 @@ static void test_mirrored_instances_ES_27_ES_28(void **state) {
     }
 }
 
+/* A redrawn decal has the light mask of its instance: a light that does not affect that leaves both as if it were off. */
+static void test_redrawn_decals_have_light_masks(void **state) {
+    (void)state;
+    fnl_image pictures[3];
+    for (uint32_t i = 0; i < 3; i++) { /* a light that affects the sphere, one that does not, and one that is off */
+        fnl_scene *scene = test_scene();
+        uint32_t node = test_place(scene, test_sphere_mesh(scene, add_grey(scene), 24), (vec3){0, 0, 0}, (vec3){0.9f, 0.9f, 0.9f});
+        scene_update_transforms(scene);
+        assert_int_equal(fnl_scene_set_ambient(scene, (vec3){0.1f, 0.1f, 0.1f}, (vec3){0.1f, 0.1f, 0.1f}), FNL_OK);
+        fnl_decal_params p = plain(1, 0, 0, 1, box_at((vec3){0.1f, 0.2f, 0.9f}, quat_identity(), (vec3){1, 1, 0.9f}));
+        p.kind = FNL_DECAL_REDRAW;
+        p.instance = instance_of(scene, node);
+        p.fade_start = p.fade_end = PI;
+        add(scene, &p);
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.kind = FNL_LIGHT_DIRECTIONAL;
+        light.intensity = i == 2 ? 0 : 10;
+        light.mask = i ? 2 : 1;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+        assert_int_equal(fnl_scene_set_instance_light_mask(scene, p.instance, 1), FNL_OK);
+        fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+        frame.shading = FNL_SHADING_FORWARD;
+        fnl_renderer *renderer = test_renderer(scene);
+        test_render_frame(renderer, &frame);
+        pictures[i] = test_read(renderer, FNL_OUTPUT_RADIANCE);
+        if (i == 1) { /* masks may change after the decals are on the device */
+            assert_int_equal(fnl_scene_set_instance_light_mask(scene, p.instance, 3), FNL_OK);
+            test_render_frame(renderer, &frame);
+            fnl_image changed = test_read(renderer, FNL_OUTPUT_RADIANCE);
+            assert_memory_equal(changed.pixels, pictures[0].pixels, SIDE * SIDE * 4 * sizeof(float));
+            free_picture(&changed);
+        }
+        fnl_renderer_destroy(&renderer);
+        fnl_scene_destroy(&scene);
+    }
+    const float *lit = test_pixel(&pictures[0], SIDE / 2, SIDE / 2), *masked = test_pixel(&pictures[1], SIDE / 2, SIDE / 2);
+    assert_true(lit[0] > 5 * lit[1] && lit[0] > 10 * masked[0] && masked[0] > 5 * masked[1]); /* the decal is red */
+    assert_memory_equal(pictures[1].pixels, pictures[2].pixels, SIDE * SIDE * 4 * sizeof(float));
+    for (uint32_t i = 0; i < 3; i++) free_picture(&pictures[i]);
+}
+
 /* A patch on a sphere: few triangles are drawn again, each pixel of the patch shows it, with MSAA too, and the rest keeps its bits. */
 static void test_redrawn_triangles_ES_28(void **state) {
     (void)state;
@@ -303,6 +345,7 @@ int main(void) {
         cmocka_unit_test(test_mesh_decals_do_not_slide_ES_27),
         cmocka_unit_test(test_mirrored_instances_ES_27_ES_28),
         cmocka_unit_test(test_redrawn_triangles_ES_28),
+        cmocka_unit_test(test_redrawn_decals_have_light_masks),
         cmocka_unit_test(test_baked_decals_cost_nothing_ES_29),
         cmocka_unit_test(test_baked_channels_ES_29),
     };

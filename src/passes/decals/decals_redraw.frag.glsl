@@ -15,6 +15,7 @@ layout(location = 1) centroid in vec3 in_normal;
 layout(location = 2) centroid in vec3 in_bind;
 layout(location = 3) flat in uint in_decal;
 layout(location = 4) flat in float in_mirror;
+layout(location = 5) flat in uint in_light_mask;
 
 layout(location = 0) out vec4 out_radiance;
 
@@ -41,7 +42,7 @@ void main() {
     if (color.a <= 0.0) discard;
 
     surface s;
-    s.light_mask = LIGHT_MASK_ALL;
+    s.light_mask = in_light_mask;
     s.layered = false;
     s.position = in_position;
     s.normal = decal_normal(decals, in_decal, sampler_index, place, p, p.facing);

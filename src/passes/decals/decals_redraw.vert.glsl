@@ -12,6 +12,7 @@ layout(location = 1) centroid out vec3 out_normal;
 layout(location = 2) centroid out vec3 out_bind;
 layout(location = 3) flat out uint out_decal;
 layout(location = 4) flat out float out_mirror; // -1: the instance is mirrored
+layout(location = 5) flat out uint out_light_mask;
 
 invariant gl_Position;
 
@@ -28,4 +29,5 @@ void main() {
     out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-37));
     out_bind = push.scene.scene.positions.at[vertex + primitive.bind_offset];
     out_decal = draw.decal;
+    out_light_mask = draw.light_mask;
 }

@@ -9,6 +9,7 @@ struct gpu_redraw {
     uint instance;
     uint primitive;
     uint decal;
+    uint light_mask; /* of the instance, 8 bits */
 };
 
 #ifdef GL_core_profile

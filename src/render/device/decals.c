@@ -298,7 +298,8 @@ static fnl_result add_redraw(struct device_scene *d, struct redraws *r, uint32_t
     for (uint32_t k = 0; count && k < d->scene->nodes.data[node].instance_count; k++) {
         struct gpu_redraw entry = {.instance = d->nodes.data[node].first_instance + k,
                                    .primitive = own == SCENE_NONE ? mesh->first_primitive + primitive : own + primitive,
-                                   .decal = decal_index};
+                                   .decal = decal_index,
+                                   .light_mask = 255u & ~d->scene->nodes.data[node].unlit};
         struct gpu_draw draw = {
             .index_count = count, .instance_count = 1, .first_index = first, .first_instance = r->table.count};
         if (!array_push(&d->host, &r->table, entry) || !array_push(&d->host, &r->draws, draw)) return FNL_ERROR_MEMORY;
