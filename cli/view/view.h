@@ -475,7 +475,7 @@ void view_report_pixel(const struct view *view, FILE *file);
 bool view_write_report(const struct view *view, const char *path);
 /** A row of three number fields labeled `name`, which also identifies the widgets. Returns whether a number changed. */
 bool view_show_vector(const char *name, fnl_vec3 *value, const char *format);
-/** A list of the eight bits of a mask, to be switched; true: one was. */
+/** A list that switches the eight bits of a mask. Returns whether a bit changed. */
 bool view_show_mask(const char *label, uint32_t *mask);
 /** The command line that renders what is shown. */
 void view_print_command(const struct view *view, FILE *file);

@@ -79,13 +79,13 @@ FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id i
 FNL_API fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers);
 /**
  * Sets which lights affect an instance: those that share a bit with `mask` (fnl_light_params.mask; 8 bits; initially 255). 0: none, so only ambient light and
- * emission are left. Costs as much as hiding the instance. In shading paths with a G-buffer, instances with another mask than 255 are shaded forward
- * once some light has another one.
+ * emission are left. Costs as much as hiding the instance. In shading paths with a G-buffer, instances with a mask other than 255 are shaded forward
+ * once some light has a mask other than 255.
  */
 FNL_API fnl_result fnl_scene_set_instance_light_mask(fnl_scene *scene, fnl_instance_id instance, uint32_t mask);
 
 /**
- * Sets which cameras show an instance: those that share a bit with `mask` (fnl_camera.view_mask; 8 bits; initially 255). Cameras that do not show it still see
+ * Sets which cameras show an instance: those that share a bit with `mask` (fnl_camera.view_mask; 8 bits; initially 255). Pictures of all other cameras still show
  * its shadows, and its reflections by probes and by traced rays. Costs as much as hiding the instance.
  */
 FNL_API fnl_result fnl_scene_set_instance_view_mask(fnl_scene *scene, fnl_instance_id instance, uint32_t mask);

@@ -86,7 +86,7 @@ typedef struct fnl_light_params {
     fnl_light_profile_id profile;
     /**
      * Light mask, 8 bits: the light affects instances that share a bit with it (fnl_scene_set_instance_light_mask); default 255. All instances cast shadows of
-     * the light, whatever their masks. In each light list the light stays listed for all surfaces in its volume.
+     * the light, including instances with other masks. Light lists keep the light for all surfaces in its volume.
      */
     uint32_t mask;
 } fnl_light_params;

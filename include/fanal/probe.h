@@ -42,7 +42,7 @@ typedef struct fnl_probe_params {
     float blend;
     int32_t priority; /**< reflections: where a probe of a higher priority is, others count only as far as it fades; default 0 */
     float intensity;  /**< reflections: multiplies their light, >= 0; default 1 */
-    uint32_t mask;    /**< reflections: light mask, 8 bits: for instances that share a bit with it (fnl_scene_set_instance_light_mask); default 255 */
+    uint32_t mask;    /**< reflections: light mask, 8 bits; the probe serves instances that share a bit with it (fnl_scene_set_instance_light_mask); default 255 */
 } fnl_probe_params;
 
 FNL_API fnl_probe_params fnl_probe_params_default(void);

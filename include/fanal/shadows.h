@@ -130,9 +130,9 @@ typedef struct fnl_shadow_options {
         room alone, and is there to show it. Default true. */
     bool cubemap_correct;
     /**
-     * Contact shadows: each point marches so far toward each light along the depth of the picture, and what it passes behind hides the light. Meters, >= 0;
-     * default 0: none. They are multiplied with the shadows of any method, or stand alone, and find what maps are too coarse for: where things touch. Up to
-     * 32 depth reads for each light of each pixel; paths that shade before they have depth draw it once more. Occluders out of the picture or hidden in it are missing.
+     * Contact shadows: length of the march from each point toward each light along the depth of the picture; a surface in front of the march hides the light. Meters, >= 0;
+     * default 0: none. They multiply the shadows of any method, also work without one, and add shadows where things touch, for which maps are too coarse. Up to
+     * 32 depth reads for each light of each pixel; paths that shade before they have depth draw it in an extra pass. Occluders outside the picture or hidden in it are missing.
      */
     float contact_length;
 } fnl_shadow_options;

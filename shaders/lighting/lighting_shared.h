@@ -61,7 +61,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lob
 #define GPU_LIGHTING_GUIDED 0x1000000u /* earlier frames' visibility guides the choice (shadows/guide_shared.h) */
 #define GPU_LIGHTING_DENOISED 0x10000u /* the light of chosen lights is kept apart, to be denoised (passes/shadow/denoise.h) */
 
-/* Lights, or the bounds of whatever else lists are over. Scope: a frame; with light-lod a view. */
+/* Lights, or the bounds of other entities that lists are built over. Scope: a frame; with light-lod a view. */
 struct gpu_light_set {
     uint directional_count;
     uint local_count;               /* lights that are not directional, or bounds */

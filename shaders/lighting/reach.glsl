@@ -132,7 +132,7 @@ float light_strength(light_set_block l, uint light, vec3 position, out vec3 to_l
 // Whether a light affects surfaces with this light mask.
 bool light_meets(light_set_block l, uint light, uint mask) { return !LIGHTING_MASKS || (l.set.masks.at[light] & mask) != 0u; }
 
-// The same with the light's color, for a surface with a light mask. Of a directional light: sun_reach().
+// light_strength() times the color; zero if the light does not meet the mask. Directional lights: sun_reach().
 vec3 light_reach(light_set_block l, uint light, vec3 position, uint mask, out vec3 to_light) {
     to_light = vec3(0.0);
     if (!light_meets(l, light, mask)) return vec3(0.0);

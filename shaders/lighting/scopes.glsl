@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What lighting_shared.h lays out, as shaders reach it: lighting_block, light_set_block, light_list_block.
+// References to the structs of lighting_shared.h: lighting_block, light_set_block, light_list_block.
 #ifndef LIGHTING_SCOPES_GLSL
 #define LIGHTING_SCOPES_GLSL
 

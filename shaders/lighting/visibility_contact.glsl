@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // GPU_LIGHTING_CONTACT: a short march from the point toward the light, compared with the depth of the view's opaque surfaces. It finds occluders that maps are too
-// coarse for. Occluders count as thick as the march is long; those that the view does not show are missing.
+// coarse for. Occluders are assumed as thick as the march is long; occluders out of view or hidden are missing.
 #ifndef LIGHTING_VISIBILITY_CONTACT_GLSL
 #define LIGHTING_VISIBILITY_CONTACT_GLSL
 
@@ -16,7 +16,7 @@ float contact_depth(lighting_block l, vec2 uv) {
     return texelFetch(textures[l.scope.shadows.contact], clamp(ivec2(uv * vec2(size)), ivec2(0), size - 1), 0).r;
 }
 
-// 0 .. 1.
+// The unshadowed fraction along the march, 0 .. 1.
 float contact_visibility(lighting_block l, uint light, shadowed_point p, vec3 to_light, bool is_sun) {
     view_block v = l.scope.view;
     float reach = l.scope.shadows.contact_length;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Everything that lights a point, for passes that shade. Each part is written once, in its scope: the lights of a frame, the shadows of a group of views, the
- * environment and the reflection probes of a view, and a light list. A frame fills in the scopes as it learns them; lighting_add() then gives shaders one
+ * environment and the reflection probes of a view, and a light list. A frame fills in each scope once its parts exist; lighting_add() then gives shaders one
  * lighting for each view and list. Shaders read it through shaders/lighting/.
  *
- * Cost: 160 bytes for each view and list.
+ * Cost: 128 bytes for each view and list.
  */
 #ifndef FNL_PASSES_LIGHTING_H
 #define FNL_PASSES_LIGHTING_H
@@ -40,7 +40,7 @@ struct lighting {
     struct gpu_lighting *memory; /* the same; or NULL */
 };
 
-/** The lighting of a list, or with NULL of none: `scopes` has the rest. */
+/** Makes the lighting for `list`, or without a list if it is NULL; `scopes` supplies all other parts. */
 struct lighting lighting_add(struct graph *graph, gpu_device *device, const struct lighting *scopes, const struct light_list *list);
 
 /** Declares that a pass shades in fragment or compute shaders (GRAPH_READ_FRAGMENT, GRAPH_READ_COMPUTE). */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Masks of lights and views: each instance looks as if the lights that do not affect it were off, and a camera sees what it would if the instances that it does not show were hidden. */
+/* Masks of lights and views: compared with pictures in which the excluded lights are off, or the excluded instances are hidden. */
 #include "tests/render_harness.h"
 
 #include <math.h>
@@ -148,7 +148,7 @@ static void test_instances_lack_the_lights_of_other_masks(void **state) {
     close_world(&w);
 }
 
-/* Paths that store surfaces, or light without knowing the item, draw masked instances forward: within what they round. */
+/* Paths that store surfaces, or shade without access to the item, draw masked instances forward: equal within rounding. */
 static void test_every_path_heeds_masks(void **state) {
     UNUSED(state);
     struct world w = open_world("builtin:spheres?lights=40");
@@ -164,7 +164,7 @@ static void test_every_path_heeds_masks(void **state) {
     close_world(&w);
 }
 
-/* Lights without effect on an instance still lie in its shadow. */
+/* Instances cast shadows even of lights that do not affect them. */
 static void test_masked_instances_cast_shadows(void **state) {
     UNUSED(state);
     struct world w = open_world("builtin:spheres?lights=20");
@@ -213,7 +213,7 @@ static void test_paths_agree_on_glass(void **state) {
     stage_close(&stage);
 }
 
-/* Masks that nothing uses cost nothing, and those that are taken back again neither. */
+/* Unused masks cost nothing, and neither do masks that are reset to 255. */
 static void test_unused_masks_cost_nothing(void **state) {
     UNUSED(state);
     struct world w = open_world("builtin:spheres?lights=20");

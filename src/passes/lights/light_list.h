@@ -14,7 +14,7 @@
 #include "graph/graph.h"
 #include "lighting/lighting_shared.h"
 
-/** Lights, or the bounds of whatever else lists are over, on the device. */
+/** Lights, or the bounds of other entities that lists are built over, on the device. */
 struct light_set {
     graph_buffer buffer;      /* lights, bounds, shapes and planes, for their hazards: what changes one of them changes this */
     VkDeviceAddress entities; /* struct gpu_entity_bounds[local_count] */
@@ -31,7 +31,7 @@ struct light_set {
 };
 /** Sends a complete set to the device, for all lists of a frame. */
 void light_set_send(gpu_device *device, struct light_set *set);
-/** What it sends. */
+/** The block that light_set_send() sends. */
 struct gpu_light_set light_set_block(const struct light_set *set);
 
 /** What a list is built from. */
