@@ -362,9 +362,9 @@ struct stage stage_open(const char *source, uint32_t scattered) {
 }
 
 void harness_set_pool(struct stage *stage, uint32_t entries) {
-    stage->renderer->pool_capacity = entries;
+    stage->renderer->lists.pool_capacity = entries;
     harness_hooks(stage->renderer)->fixed_pools = true;
-    memset(stage->renderer->slot_views, 0, sizeof stage->renderer->slot_views);
+    memset(stage->renderer->slots.views, 0, sizeof stage->renderer->slots.views);
 }
 
 void stage_close(struct stage *stage) {

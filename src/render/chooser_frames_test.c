@@ -89,7 +89,7 @@ static void test_the_first_frame_has_the_likely_or_the_remembered_lists(void **s
             fnl_frame_stats stats;
             fnl_renderer_destroy(&stage.renderer);
             assert_int_equal(fnl_renderer_create(test_device, stage.scene, &stage.renderer), FNL_OK);
-            chooser_parse(&stage.renderer->chooser, memory, strlen(memory));
+            chooser_parse(&stage.renderer->choice.chooser, memory, strlen(memory));
             frame.pin_choice = round % 2;
             assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
             assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
@@ -98,7 +98,7 @@ static void test_the_first_frame_has_the_likely_or_the_remembered_lists(void **s
             if (remembered) assert_non_null(strstr(stats.choice, "remembered: 1.50 ms"));
             if (round == 1)
                 snprintf(memory, sizeof memory, "%016llx deferred %s 1.5\n",
-                         (unsigned long long)chooser_key(&stage.renderer->chooser.at), fnl_value_name(FNL_ENUM_LISTS, cases[i].other));
+                         (unsigned long long)chooser_key(&stage.renderer->choice.chooser.at), fnl_value_name(FNL_ENUM_LISTS, cases[i].other));
         }
         stage_close(&stage);
     }
@@ -148,8 +148,8 @@ static void test_frames_say_whether_lights_move(void **state) {
         light.position.y += 0.1f;
         if (i == 10 || i == 12) assert_int_equal(fnl_scene_set_light(stage.scene, id, &light), FNL_OK);
         assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
-        moving += stage.renderer->chooser.at.moves;
-        if (i < 10 || i > 12 + 60) assert_false(stage.renderer->chooser.at.moves);
+        moving += stage.renderer->choice.chooser.at.moves;
+        if (i < 10 || i > 12 + 60) assert_false(stage.renderer->choice.chooser.at.moves);
     }
     assert_int_equal(moving, 62);
     stage_close(&stage);
@@ -169,12 +169,12 @@ static void test_frames_say_whether_close_is_good_enough(void **state) {
         assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
         assert_int_equal(stats.shading, round < 2 ? FNL_SHADING_DEFERRED : FNL_SHADING_VISIBILITY);
         if (round != 1) continue;
-        assert_true(stage.renderer->chooser.at.close);
+        assert_true(stage.renderer->choice.chooser.at.close);
         char memory[128];
-        int length = snprintf(memory, sizeof memory, "%016llx visibility tiled 1.5\n", (unsigned long long)chooser_key(&stage.renderer->chooser.at));
+        int length = snprintf(memory, sizeof memory, "%016llx visibility tiled 1.5\n", (unsigned long long)chooser_key(&stage.renderer->choice.chooser.at));
         fnl_renderer_destroy(&stage.renderer);
         assert_int_equal(fnl_renderer_create(test_device, stage.scene, &stage.renderer), FNL_OK);
-        chooser_parse(&stage.renderer->chooser, memory, (size_t)length);
+        chooser_parse(&stage.renderer->choice.chooser, memory, (size_t)length);
     }
     frame.choose_close = false;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
@@ -207,7 +207,7 @@ static void test_new_lights_count_in_the_very_next_frame(void **state) {
             for (uint32_t i = 0; i < COUNT_OF(ids); i++) assert_int_equal(fnl_scene_remove_light(stage.scene, ids[i]), FNL_OK);
         assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
         assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
-        assert_int_equal(stage.renderer->chooser.at.light_count, step == 2 ? 301 : 1);
+        assert_int_equal(stage.renderer->choice.chooser.at.light_count, step == 2 ? 301 : 1);
         assert_int_equal(stats.lists, step == 2 ? FNL_LISTS_TILED : FNL_LISTS_ALL);
     }
     stage_close(&stage);
@@ -226,11 +226,11 @@ static void test_pinned_frames_ask_for_nothing(void **state) {
         if (i == 0) first = shot.stats.lists;
         assert_int_equal(shot.stats.lists, first);
         assert_false(shot.stats.choosing);
-        assert_int_equal(chooser_wants(&stage.renderer->chooser), 0);
+        assert_int_equal(chooser_wants(&stage.renderer->choice.chooser), 0);
         assert_true(shot.stats.gpu_milliseconds == 0); /* nor are there timers that nobody asked for */
         shot_free(&shot);
     }
-    assert_null(stage.renderer->asking_graph);
+    assert_null(stage.renderer->dry.graph);
     assert_int_equal(gpu_pipeline_stats(test_device).asked, asked);
     frame.pin_choice = false;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
@@ -320,10 +320,10 @@ static void test_the_next_run_goes_on(void **state) {
     assert_int_equal(strncmp(text, "trial ", 6), 0);
 
     run = run_open(folder);
-    assert_true(run.renderer->chooser.trial_count >= 3);
+    assert_true(run.renderer->choice.chooser.trial_count >= 3);
     run_frames(&run, 1);
     uint32_t known = 0;
-    for (uint32_t i = 0; i < run.renderer->chooser.candidate_count; i++) known += run.renderer->chooser.candidates[i].got;
+    for (uint32_t i = 0; i < run.renderer->choice.chooser.candidate_count; i++) known += run.renderer->choice.chooser.candidates[i].got;
     assert_true(known >= 3);
     fnl_frame_stats stats = run_frames(&run, MOST_FRAMES);
     assert_false(stats.choosing);
@@ -392,10 +392,10 @@ static void test_asking_changes_nothing(void **state) {
         frame.lists = keeps ? keep[i % COUNT_OF(keep)] : FNL_LISTS_AUTO;
         edit(asks.scene, &edited[0], i);
         edit(plain.scene, &edited[1], i);
-        if (i % 5 == 4) asks.renderer->chooser = (struct chooser){0}; /* asks anew */
+        if (i % 5 == 4) asks.renderer->choice.chooser = (struct chooser){0}; /* asks anew */
         struct choice choice;
         struct shot a = stage_shoot(&asks, &frame);
-        asked += asks.renderer->asking_graph && chooser_asks(&asks.renderer->chooser, &choice);
+        asked += asks.renderer->dry.graph && chooser_asks(&asks.renderer->choice.chooser, &choice);
         fnl_frame same = frame;
         same.lists = a.stats.lists;
         struct shot b = stage_shoot(&plain, &same);

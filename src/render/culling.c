@@ -56,9 +56,9 @@ void frame_cull(struct frame_state *f) {
                                      .full_raster = frame_is(frame, SHADING_FULL_RASTER),
                                      .samples = frame->msaa,
                                      .centers = true,
-                                     .cluster_capacity = f->r->cluster_capacity,
+                                     .cluster_capacity = f->r->culling.cluster_capacity,
                                      .pool = f->display ? f->view_index % frame->stereo.eyes : 0,
-                                     .meshes = f->r->meshes,
+                                     .meshes = f->r->culling.meshes,
                                      .mesh_row = tests.mesh_row ? tests.mesh_row : 65535,
                                      .mesh_rows = tests.mesh_rows ? tests.mesh_rows : 64,
                                      .occluders = occluders.levels.id ? &occluders : NULL};
@@ -86,15 +86,15 @@ static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     const uint64_t clusters = MIN(MAX(CLUSTER_POOL_START, counts->clusters.clusters + counts->clusters.clusters / 4ull), limit);
     uint64_t triangles = MIN(MAX(TRIANGLE_POOL_START, counts->clusters.triangles + counts->clusters.triangles / 4ull), limit);
     triangles = MIN(triangles, (UINT32_MAX - (uint64_t)d->index_count) / 3);
-    r->cluster_capacity = (uint32_t)MAX(MIN(clusters, d->cluster_count), (uint64_t)r->cluster_capacity);
-    r->triangle_capacity = (uint32_t)MAX(MIN(triangles, d->triangle_count), (uint64_t)r->triangle_capacity);
+    r->culling.cluster_capacity = (uint32_t)MAX(MIN(clusters, d->cluster_count), (uint64_t)r->culling.cluster_capacity);
+    r->culling.triangle_capacity = (uint32_t)MAX(MIN(triangles, d->triangle_count), (uint64_t)r->culling.triangle_capacity);
 }
 
 static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->culling == FNL_CULLING_INSTANCES || r->device_scene->triangle_count == 0) return FNL_OK;
-    if (r->triangle_capacity == 0) grow(r, &(struct frame_counts){0}); /* the scene's size is known now */
-    if (r->meshes) return FNL_OK;
-    return device_scene_reserve_triangles(&r->scene_user, r->triangle_capacity, frame->view_count > 0 ? MAX(frame->stereo.eyes, 1u) : 1);
+    if (r->culling.triangle_capacity == 0) grow(r, &(struct frame_counts){0}); /* the scene's size is known now */
+    if (r->culling.meshes) return FNL_OK;
+    return device_scene_reserve_triangles(&r->scene_user, r->culling.triangle_capacity, frame->view_count > 0 ? MAX(frame->stereo.eyes, 1u) : 1);
 }
 
 const struct frame_step step_culling = {.name = "culling", .check = check, .prepare = prepare, .grow = grow};

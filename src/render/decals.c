@@ -24,7 +24,7 @@ bool decals_in_gbuffer(const struct frame_state *f) {
 static void tell_of_lists(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
     if (frame->decals != FNL_DECALS_GBUFFER || decals_of(f)->count == 0 || decals_in_gbuffer(f)) return;
-    if (!renderer_tells(f->r, &f->r->told_of_decals)) return;
+    if (!renderer_tells(f->r, &f->r->decals.told_of_lists)) return;
     if (frame->msaa > 1)
         log_warning(&f->r->host, "decals=gbuffer needs 1 sample per pixel: with %u samples, lists are used", frame->msaa);
     else
@@ -56,7 +56,7 @@ static struct clustered_params cluster_params(const struct frame_state *f) {
     params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 128), params.far * 0.5f);
     params.tile_size = 32;
     params.cone_tests = false;
-    params.pool_capacity = f->r->decal_capacity;
+    params.pool_capacity = f->r->decals.capacity;
     return params;
 }
 
@@ -95,7 +95,7 @@ static void add_list(struct frame_state *f) {
     memcpy(geometry->feature_buffers, uses, sizeof uses);
     if (!needs_list(f)) return;
     struct clustered_params params = cluster_params(f);
-    d->list = all->count < f->r->decal_tree ? clustered_add(f->graph, f->r->device, &input, &d->in_view, &params)
+    d->list = all->count < f->r->decals.tree_from ? clustered_add(f->graph, f->r->device, &input, &d->in_view, &params)
                                             : bvh_add(f->graph, f->r->device, &input, &d->in_view, &params);
     COUNTERS_COPY(f, d->list.totals, 0, decals);
     d->set->list = d->list.header;
@@ -133,7 +133,7 @@ void decals_on_gbuffer_add(struct frame_state *f, const struct shade_input *inpu
                                           .set = f->decals.set_address,
                                           .emits = decals_of(f)->emits,
                                           .mip_fix = f->frame->decal_mip_fix,
-                                          .pool_capacity = f->r->decal_capacity};
+                                          .pool_capacity = f->r->decals.capacity};
     graph_buffer totals = decals_gbuffer_add(f->graph, f->r->device, input, &decals, gbuffer, f->radiance);
     COUNTERS_COPY(f, totals, 0, gbuffer_decals);
 }
@@ -184,14 +184,14 @@ static const struct counter counters[] = {
 enum { POOL_START = 1 << 17, POOL_LIMIT = 1 << 28 };
 
 static void init(fnl_renderer *r) {
-    r->decal_capacity = POOL_START;
-    r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
+    r->decals.capacity = POOL_START;
+    r->decals.tree_from = 1024; /* from about there on, each cell asking each box costs more than making the tree */
 }
 
 /* Entries of the list, or fragments of the G-buffer's way. */
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     const uint64_t needed = MAX(counts->decals.entries, counts->gbuffer_decals.entries), limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
-    if (needed > r->decal_capacity) r->decal_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
+    if (needed > r->decals.capacity) r->decals.capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
 }
 
 const struct frame_step step_decals = {.name = "decals", .init = init, .grow = grow, .counters = counters, .counter_count = COUNT_OF(counters)};

@@ -240,7 +240,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct v
     struct frame_parts parts = {.shared = {.r = r, .frame = frame, .graph = r->graph, .drawn_lists = frame->lists, .target = target}};
     graph_begin(r->graph);
     multiview_tell(r, frame, plan->path);
-    r->vertex_queries = 0;
+    r->stereo.vertex_queries = 0;
     graph_set_role(r->graph, GRAPH_ROLE_GEOMETRY);
     TRY(device_scene_add(&r->scene_user, r->graph, &parts.scene));
     graph_set_role(r->graph, GRAPH_ROLE_REST);

@@ -17,13 +17,13 @@ static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_fram
 enum { POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
 static void init(fnl_renderer *r) {
-    r->pool_capacity = POOL_START;
-    lists_shared_init(&r->lists, &r->host);
+    r->lists.pool_capacity = POOL_START;
+    lists_shared_init(&r->lists.shared, &r->host);
 }
 
 static uint64_t pool_limit(const fnl_renderer *r) { return MAX(MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT), (uint64_t)POOL_START); }
 
-uint32_t lists_pool_limit(const fnl_renderer *r) { return renderer_tests(r).fixed_pools ? r->pool_capacity : (uint32_t)pool_limit(r); }
+uint32_t lists_pool_limit(const fnl_renderer *r) { return renderer_tests(r).fixed_pools ? r->lists.pool_capacity : (uint32_t)pool_limit(r); }
 
 /*
  * After an overflow the pool takes what the frame needed and a quarter more, but never so much that the device could run out: cells beyond that go on
@@ -31,14 +31,14 @@ uint32_t lists_pool_limit(const fnl_renderer *r) { return renderer_tests(r).fixe
  */
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     const uint64_t needed = MAX(MAX(counts->lights.entries, counts->blend_lights.entries), counts->surface_lights.entries);
-    if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, pool_limit(r));
+    if (needed > r->lists.pool_capacity) r->lists.pool_capacity = (uint32_t)MIN(needed + needed / 4, pool_limit(r));
 }
 
-static void forget(fnl_renderer *r) { r->lists.world.version = r->lists.grid2d.version = UINT64_MAX; }
+static void forget(fnl_renderer *r) { r->lists.shared.world.version = r->lists.shared.grid2d.version = UINT64_MAX; }
 
 static void finish(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->views.count; i++) lists_finish(&r->views.data[i].lists, r->device);
-    lists_shared_finish(&r->lists, r->device);
+    lists_shared_finish(&r->lists.shared, r->device);
 }
 
 const struct frame_step step_lists = {.name = "lists", .init = init, .check = check, .forget = forget, .grow = grow, .finish = finish};
@@ -61,13 +61,13 @@ static struct lists_context lists_context(struct frame_state *f, struct light_in
                                   .scene = &f->scene->geometry,
                                   .draws = &f->draws,
                                   .input = input,
-                                  .shared = &f->r->lists,
+                                  .shared = &f->r->lists.shared,
                                   .state = &f->kept->lists,
                                   .fallback = &f->fallback,
                                   .has_blend = surfaces_have_blend(f),
                                   .layered = f->lighting.layered,
-                                  .estimates = f->graph != f->r->asking_graph,
-                                  .pool_capacity = f->r->pool_capacity,
+                                  .estimates = f->graph != f->r->dry.graph,
+                                  .pool_capacity = f->r->lists.pool_capacity,
                                   .pool_limit = lists_pool_limit(f->r)};
 }
 

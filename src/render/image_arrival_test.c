@@ -548,7 +548,7 @@ static void meet_broken_image(const struct broken_case *c, bool async, struct br
         await_jobs(IMAGES, true);
     }
     assert_int_equal(pending(&stage), 0);
-    out->atlas_bytes = stage.renderer->atlas.bytes;
+    out->atlas_bytes = stage.renderer->shading.atlas.bytes;
     set_images(scene, 5, none, first); /* a change of materials, and another use */
     fnl_decal_params decal = fnl_decal_params_default();
     decal.channels = FNL_DECAL_EMISSION;
@@ -766,18 +766,18 @@ static void test_auto_does_not_measure_before(void **state) {
     UNUSED(state);
     shut();
     struct stage stage = open_stage(load(&whole, true));
-    const struct chooser *chooser = &stage.renderer->chooser;
+    const struct chooser *chooser = &stage.renderer->choice.chooser;
     stage.frame.lists = FNL_LISTS_AUTO;
     for (int i = 0; i < 4; i++) {
         assert_int_equal(pending(&stage), IMAGES);
-        assert_false(stage.renderer->measures);
+        assert_false(stage.renderer->choice.measures);
         assert_int_equal(chooser->frames + chooser->pending_count, 0);
         assert_true(harness_stats(stage.renderer).choosing);
     }
     permit(OPEN);
     await_jobs(IMAGES, true);
     assert_int_equal(pending(&stage), 0);
-    assert_true(stage.renderer->measures);
+    assert_true(stage.renderer->choice.measures);
     stage_close(&stage);
 }
 

@@ -90,7 +90,7 @@ static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capaci
                      (unsigned long long)over.stats.list_entries, (unsigned long long)fits.stats.list_entries);
 
         struct shot next = stage_shoot(stage, &frame); /* the pool has grown */
-        assert_true(stage->renderer->pool_capacity >= fits.stats.list_entries / 2);
+        assert_true(stage->renderer->lists.pool_capacity >= fits.stats.list_entries / 2);
         if (next.stats.overflow_cells) fail_msg("%s: the pool has not grown", pair_name(&frame));
         assert_int_equal(next.stats.list_entries, fits.stats.list_entries);
         assert_int_equal(count_differing(&all.radiance, &next.radiance), 0);
@@ -119,7 +119,7 @@ static void test_overflow_in_flight(void **state) {
     harness_set_pool(&stage, 10);
     for (uint32_t i = 0; i <= GPU_FRAMES_IN_FLIGHT; i++)
         assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
-    assert_true(stage.renderer->pool_capacity > 10);
+    assert_true(stage.renderer->lists.pool_capacity > 10);
     fnl_frame_stats stats;
     assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
     assert_int_equal(stats.overflow_cells, 0);

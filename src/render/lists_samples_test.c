@@ -60,14 +60,14 @@ static void test_decals_and_samples(void **state) {
     frame.ev = 3;
     frame.msaa = 4;
     frame.lists = FNL_LISTS_CLUSTERED;
-    const uint32_t capacity = stage.renderer->decal_capacity, tree = stage.renderer->decal_tree;
+    const uint32_t capacity = stage.renderer->decals.capacity, tree = stage.renderer->decals.tree_from;
     for (uint32_t s = 0; s < COUNT_OF(orders); s++) {
         frame.shading = orders[s];
         struct shot shots[3];
         for (uint32_t way = 0; way < COUNT_OF(shots); way++) {
-            stage.renderer->decal_capacity = way == 2 ? 1 : capacity;
-            stage.renderer->decal_tree = way == 1 ? 1 : tree;
-            memset(stage.renderer->slot_views, 0, sizeof stage.renderer->slot_views);
+            stage.renderer->decals.capacity = way == 2 ? 1 : capacity;
+            stage.renderer->decals.tree_from = way == 1 ? 1 : tree;
+            memset(stage.renderer->slots.views, 0, sizeof stage.renderer->slots.views);
             shots[way] = stage_shoot(&stage, &frame);
             assert_int_equal(counter(&shots[way].stats, "decals.overflow") > 0, way == 2);
             uint64_t differing = count_differing(&shots[0].radiance, &shots[way].radiance);

@@ -10,13 +10,13 @@ void multiview_plan(const fnl_renderer *r, const fnl_frame *frame, struct view_p
                                           .vertex_layers = info->vertex_layers,
                                           .has_decals = r->device_scene->decals.order.count > 0,
                                           .bounds = r->device_scene->bounds,
-                                          .asked_together = r->asking_together};
+                                          .asked_together = r->dry.together};
     view_plan_make(&input, out);
 }
 
 void multiview_tell(fnl_renderer *r, const fnl_frame *frame, fnl_stereo_path path) {
     const fnl_stereo_path asked = frame->stereo.path;
-    if (!frame->stereo.eyes || asked == FNL_STEREO_PATH_AUTO || asked == path || !renderer_tells(r, &r->told_of_path)) return;
+    if (!frame->stereo.eyes || asked == FNL_STEREO_PATH_AUTO || asked == path || !renderer_tells(r, &r->stereo.told_of_path)) return;
     log_warning(&r->host, "stereo.path=%s: this device has no %s: %s is used", fnl_value_name(FNL_ENUM_STEREO_PATH, asked),
                 asked == FNL_STEREO_PATH_MULTIVIEW ? "multiview" : "vertex_layers", fnl_value_name(FNL_ENUM_STEREO_PATH, path));
 }

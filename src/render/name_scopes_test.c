@@ -95,7 +95,7 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                                        .full_raster = true,
                                        .samples = 1,
                                        .centers = true,
-                                       .cluster_capacity = r->cluster_capacity,
+                                       .cluster_capacity = r->culling.cluster_capacity,
                                        .occluders = &occluders};
     clusters_add(graph, device, &scene->geometry, &eye->view, slice.address, &clusters, &draws);
     graph_image depth = create_image(graph, "depth", GEOMETRY_DEPTH_FORMAT);

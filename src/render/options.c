@@ -73,7 +73,7 @@ static const struct row rows[] = {
     SWITCH("shadow.guide", shadow.guide, PATH(DEFERRED), EVERY,
            "shadows=sampled: rays go to lights that earlier frames saw rather than to hidden ones; needs 1 sample per pixel"),
     NUMBER("shadow.contact-length", shadow.contact_length, 0, 1000, "meters", EVERY, EVERY,
-           "contact shadows: how far each point marches along the depth image toward each light; 0: off"),
+           "contact shadows: length of the march to each light; 0: off"),
     NAME("shadow.cubemap-lod", shadow.cubemap_lod, FNL_ENUM_CUBEMAP_LOD, EVERY, EVERY, "shadows=cubemap: what shadows are as soft as"),
     NAME("shadow.cubemap-inside", shadow.cubemap_inside, FNL_ENUM_CUBEMAP_INSIDE, EVERY, EVERY,
          "shadows=cubemap: what casts shadows in a room besides its walls"),

@@ -80,7 +80,7 @@ void frame_add_counts(struct frame_state *f) {
     COUNTERS_COPY(f, f->draws.hidden, items, hidden_items);
     COUNTERS_COPY(f, f->exposure, 0, exposure);
     struct counts_data data = {
-        .counts = graph_import_buffer(f->graph, "frame counts", &f->r->counts[gpu_frame_slot(f->r->device)]),
+        .counts = graph_import_buffer(f->graph, "frame counts", &f->r->slots.counts[gpu_frame_slot(f->r->device)]),
         .offset = f->counts_offset,
         .count = f->kept->numbers.copy_count};
     memcpy(data.copies, f->kept->numbers.copies, sizeof data.copies);

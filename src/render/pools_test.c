@@ -22,15 +22,15 @@ struct pool_case {
 #define STAT(member_) .member = offsetof(fnl_frame_stats, member_)
 
 static const struct pool_case pool_cases[] = {
-    {"lists of lights", FNL_SHADING_DEFERRED, {{"lists", "tiled"}}, 8, POOL(pool_capacity), .overflow = NULL, STAT(overflow_cells)},
-    {"fragments", FNL_SHADING_FORWARD, {{"transparency", "linked"}}, 16, POOL(blend_capacity), "transparency.fragments", "transparency.overflow-pixels",
+    {"lists of lights", FNL_SHADING_DEFERRED, {{"lists", "tiled"}}, 8, POOL(lists.pool_capacity), .overflow = NULL, STAT(overflow_cells)},
+    {"fragments", FNL_SHADING_FORWARD, {{"transparency", "linked"}}, 16, POOL(shading.blend_capacity), "transparency.fragments", "transparency.overflow-pixels",
      .other = true},
-    {"list of decals", FNL_SHADING_DEFERRED, {{"decals", "lists"}}, 7, POOL(decal_capacity), "decals.entries", "decals.overflow"},
-    {"tiles of decals", FNL_SHADING_DEFERRED, {{"decals", "gbuffer"}}, 7, POOL(decal_capacity), NULL, "decals.overflow"},
-    {"clusters", FNL_SHADING_FORWARD_PREPASS, {{"culling", "clusters"}}, 1, POOL(cluster_capacity), .overflow = NULL, STAT(items_whole)},
-    {"triangles", FNL_SHADING_FORWARD_PREPASS, {{"culling", "triangles"}}, 1, POOL(triangle_capacity), .overflow = NULL, STAT(items_whole)},
-    {"triangles of dais", FNL_SHADING_DAIS, {{"dais.mode", "target"}}, 700, POOL(dais_capacity), NULL, "dais.overflow", .other = true},
-    {"elements of dais", FNL_SHADING_DAIS, {{"dais.mode", "list"}, {"msaa", "4"}}, 4, POOL(dais_node_capacity), "dais.list-elements", "dais.overflow",
+    {"list of decals", FNL_SHADING_DEFERRED, {{"decals", "lists"}}, 7, POOL(decals.capacity), "decals.entries", "decals.overflow"},
+    {"tiles of decals", FNL_SHADING_DEFERRED, {{"decals", "gbuffer"}}, 7, POOL(decals.capacity), NULL, "decals.overflow"},
+    {"clusters", FNL_SHADING_FORWARD_PREPASS, {{"culling", "clusters"}}, 1, POOL(culling.cluster_capacity), .overflow = NULL, STAT(items_whole)},
+    {"triangles", FNL_SHADING_FORWARD_PREPASS, {{"culling", "triangles"}}, 1, POOL(culling.triangle_capacity), .overflow = NULL, STAT(items_whole)},
+    {"triangles of dais", FNL_SHADING_DAIS, {{"dais.mode", "target"}}, 700, POOL(shading.dais_capacity), NULL, "dais.overflow", .other = true},
+    {"elements of dais", FNL_SHADING_DAIS, {{"dais.mode", "list"}, {"msaa", "4"}}, 4, POOL(shading.dais_node_capacity), "dais.list-elements", "dais.overflow",
      .other = true},
 };
 
@@ -55,7 +55,7 @@ static void test_pool(struct stage *stage, const struct pool_case *c) {
 
     struct stage own = {.scene = stage->scene, .frame = frame};
     assert_int_equal(fnl_renderer_create(harness_device(), own.scene, &own.renderer), FNL_OK);
-    own.renderer->cluster_capacity = own.renderer->triangle_capacity = 1 << 17; /* 0 would make the first frame choose them */
+    own.renderer->culling.cluster_capacity = own.renderer->culling.triangle_capacity = 1 << 17; /* 0 would make the first frame choose them */
     *pool_of(own.renderer, c) = c->too_small;
     harness_hooks(own.renderer)->fixed_pools = true;
     struct shot over = stage_shoot(&own, &frame);

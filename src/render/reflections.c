@@ -8,7 +8,7 @@
 enum { FACES = 6, DIRECT = 4 /* so few probes need no list */, DIFFUSE_START = 32 };
 
 /* Those that a frame looks up: a renderer that captures has them of the one that it captures for. */
-static struct renderer_reflections *reflections_of(fnl_renderer *r) { return r->captures_for ? &r->captures_for->reflections : &r->reflections; }
+static struct renderer_reflections *reflections_of(fnl_renderer *r) { return r->capture.owner ? &r->capture.owner->reflections : &r->reflections; }
 
 /* ---- which there are ---- */
 
@@ -114,7 +114,7 @@ static struct gpu_entity_bounds bounds_of(const struct renderer_reflection *prob
 /* Sends what shaders look up. */
 static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(frame);
-    if (!r->captures_for) TRY(take_probes(r));
+    if (!r->capture.owner) TRY(take_probes(r));
     struct renderer_reflections *p = reflections_of(r);
     const uint32_t count = p->list.count;
     if (count == 0) return FNL_OK;
@@ -180,14 +180,14 @@ static void face_cameras(const fnl_probe_params *params, fnl_camera *out) {
 
 void reflections_take_face(struct frame_state *f) {
     fnl_renderer *r = f->r;
-    if (!r->captures_for) return;
-    struct renderer_reflections *p = &r->captures_for->reflections;
-    struct renderer_reflection *probe = &p->list.data[r->captured];
+    if (!r->capture.owner) return;
+    struct renderer_reflections *p = &r->capture.owner->reflections;
+    struct renderer_reflection *probe = &p->list.data[r->capture.probe];
     const uint32_t side = f->frame->width;
-    if (f->view_index == 0) r->captured_faces = environment_faces_create(f->graph, side);
-    environment_face_add(f->graph, r->device, side, f->view_index, f->radiance, &r->captured_faces);
+    if (f->view_index == 0) r->capture.faces = environment_faces_create(f->graph, side);
+    environment_face_add(f->graph, r->device, side, f->view_index, f->radiance, &r->capture.faces);
     if (f->view_index + 1 < FACES) return;
-    environment_faces_filter(f->graph, r->device, &probe->maps, &r->captured_faces);
+    environment_faces_filter(f->graph, r->device, &probe->maps, &r->capture.faces);
 }
 
 static fnl_result capture(fnl_renderer *r, const fnl_frame *shown, uint32_t index) {
@@ -202,7 +202,7 @@ static fnl_result capture(fnl_renderer *r, const fnl_frame *shown, uint32_t inde
     if (!probe->maps.light.handle) TRY(gpu_buffer_create_for(r->device, GPU_USE_LIGHTS, "probe light", sizeof(struct gpu_environment), GPU_MEMORY_DEVICE, &probe->maps.light));
     face_cameras(&probe->params, cameras);
     const fnl_frame frame = capture_frame(shown, cameras, side);
-    p->capturer->captured = index;
+    p->capturer->capture.probe = index;
     p->captures++;
     const fnl_result result = fnl_renderer_render(p->capturer, &frame);
     environment_release(r->device, &probe->maps);
@@ -214,7 +214,7 @@ static fnl_result capture_due(fnl_renderer *r, const fnl_frame *frame) {
     struct renderer_reflections *p = &r->reflections;
     if (!p->capturer) {
         TRY(fnl_renderer_create(r->device, r->scene, &p->capturer));
-        p->capturer->captures_for = r;
+        p->capturer->capture.owner = r;
     }
     bool all_known = true;
     for (uint32_t i = 0; i < p->list.count; i++) all_known &= !p->list.data[i].is_due || p->list.data[i].is_captured;
@@ -232,7 +232,7 @@ static fnl_result capture_due(fnl_renderer *r, const fnl_frame *frame) {
 fnl_result reflections_capture(fnl_renderer *r, const fnl_frame *frame) {
     struct renderer_reflections *p = &r->reflections;
     p->captures = 0;
-    if (r->captures_for) return FNL_OK;
+    if (r->capture.owner) return FNL_OK;
     TRY(take_probes(r));
     const uint32_t again = MIN(frame->reflections.refresh, p->list.count);
     for (uint32_t i = 0; i < again; i++) p->list.data[p->turn++ % p->list.count].is_due = true;
@@ -304,7 +304,7 @@ static void execute_gather(const struct graph_context *context, const void *data
 
 /* What each has seen is kept apart, because their order changes; shaders read it from one buffer. */
 static void gather_diffuse(struct frame_state *f, struct renderer_reflections *p, graph_buffer to) {
-    if (p->gathered || f->graph == f->r->asking_graph) return;
+    if (p->gathered || f->graph == f->r->dry.graph) return;
     p->gathered = true;
     for (uint32_t i = 0; i < p->list.count; i++) {
         if (!p->list.data[i].is_captured) continue;
@@ -350,7 +350,7 @@ void reflections_add_list(struct frame_state *f) {
 
 void reflections_note(struct frame_state *f) {
     const struct renderer_reflections *p = &f->r->reflections;
-    if (f->r->captures_for || p->list.count == 0) return;
+    if (f->r->capture.owner || p->list.count == 0) return;
     uint64_t bytes = 0;
     for (uint32_t i = 0; i < p->list.count; i++) bytes += environment_cube_bytes(&p->list.data[i].maps) + sizeof(struct gpu_environment);
     const uint32_t captures = f->view_index == 0 ? p->captures : 0;

@@ -20,32 +20,32 @@ enum { MOVING_FRAMES = 60 }; /* for which lights count as moving after a change 
 static void load_choices(fnl_renderer *r) {
     struct file_view file;
     if (!gpu_cache_load(r->device, "choices", &file)) return;
-    chooser_parse(&r->chooser, (const char *)file.data, file.size);
+    chooser_parse(&r->choice.chooser, (const char *)file.data, file.size);
     file_free(&r->host, &file);
 }
 
 static void save_choices(fnl_renderer *r) {
-    if (!r->chooser.memory_changed) return;
-    r->chooser.memory_changed = false;
-    size_t size = chooser_print(&r->chooser, NULL, 0);
+    if (!r->choice.chooser.memory_changed) return;
+    r->choice.chooser.memory_changed = false;
+    size_t size = chooser_print(&r->choice.chooser, NULL, 0);
     char *text = host_allocate(&r->host, size + 1);
     if (!text) return;
-    chooser_print(&r->chooser, text, size + 1);
+    chooser_print(&r->choice.chooser, text, size + 1);
     gpu_cache_save(r->device, "choices", text, size);
     host_free(&r->host, text, size + 1);
 }
 
 void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
     const struct device_scene *d = r->device_scene;
-    if (r->light_version != d->scene->light_version && r->frame_number > 0)
-        r->moving_frames = MOVING_FRAMES;
-    else if (r->moving_frames > 0)
-        r->moving_frames--;
-    r->light_version = d->scene->light_version;
-    r->asked = (struct choice){frame->shading, frame->lists};
+    if (r->lights.version != d->scene->light_version && r->frame_number > 0)
+        r->lights.moving_frames = MOVING_FRAMES;
+    else if (r->lights.moving_frames > 0)
+        r->lights.moving_frames--;
+    r->lights.version = d->scene->light_version;
+    r->choice.asked = (struct choice){frame->shading, frame->lists};
     if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) {
-        r->chooser.last = CHOOSER_CANDIDATES;
-        r->measures = false;
+        r->choice.chooser.last = CHOOSER_CANDIDATES;
+        r->choice.measures = false;
         return;
     }
     uint64_t item_step = 0; /* a few objects more or less are the same scene */
@@ -59,15 +59,15 @@ void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
                              .pixel_count = (uint64_t)frame->width * frame->height,
                              .depth_first = frame->gbuffer.prepass,
                              .close = frame->choose_close && gpu_info(r->device)->primitive_ids,
-                             .moves = r->moving_frames > 0,
+                             .moves = r->lights.moving_frames > 0,
                              .eye = camera->position,
                              .forward = vec3_normalize(vec3_sub(camera->target, camera->position)),
                              .scene_size = box_is_empty(&d->bounds) ? 1 : vec3_distance(d->bounds.low, d->bounds.high)};
     /* Counting and asking for a pixel slow a frame down, and without its textures it is faster than it will be. */
-    r->measures = !frame->pin_choice && !frame->count_lights && !frame->pixel.asked && d->images_coming == 0;
+    r->choice.measures = !frame->pin_choice && !frame->count_lights && !frame->pixel.asked && d->images_coming == 0;
     struct gpu_pipeline_stats pipelines = gpu_pipeline_stats(r->device);
     struct chooser_background background = {pipelines.asked, pipelines.done};
-    struct choice choice = chooser_pick(&r->chooser, &at, r->measures, background);
+    struct choice choice = chooser_pick(&r->choice.chooser, &at, r->choice.measures, background);
     frame->shading = choice.shading;
     frame->lists = choice.lists;
 }
@@ -76,24 +76,24 @@ void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
 static fnl_result prepare_candidate(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
     struct choice choice;
     uint64_t ticket;
-    if (!r->measures || r->frame_number == 0 || !chooser_asks(&r->chooser, &choice)) return FNL_OK;
+    if (!r->choice.measures || r->frame_number == 0 || !chooser_asks(&r->choice.chooser, &choice)) return FNL_OK;
     fnl_frame candidate = *frame;
     candidate.shading = choice.shading;
     candidate.lists = choice.lists;
     TRY(renderer_ask_pipelines(r, &candidate, target, &ticket));
-    chooser_asked(&r->chooser, ticket);
+    chooser_asked(&r->choice.chooser, ticket);
     return FNL_OK;
 }
 
 /* Whether the chooser wants the time of the frame: of a candidate's turn, and after a decision of those that are timed anyway. */
 static bool wants_time(const fnl_renderer *r, const fnl_frame *frame) {
-    return r->measures &&
-           (r->chooser.last < CHOOSER_CANDIDATES || (frame->timers && r->chooser.state == CHOOSER_DECIDED));
+    return r->choice.measures &&
+           (r->choice.chooser.last < CHOOSER_CANDIDATES || (frame->timers && r->choice.chooser.state == CHOOSER_DECIDED));
 }
 
 /* Hands the chooser the times that have come in. */
 static void feed_chooser(fnl_renderer *r) {
-    for (uint64_t wanted; (wanted = chooser_wants(&r->chooser)) && wanted + GPU_FRAMES_IN_FLIGHT <= r->frame_number;) {
+    for (uint64_t wanted; (wanted = chooser_wants(&r->choice.chooser)) && wanted + GPU_FRAMES_IN_FLIGHT <= r->frame_number;) {
         const struct graph_timer *timers;
         uint32_t count;
         double sum = -1, left_out = 0;
@@ -101,10 +101,10 @@ static void feed_chooser(fnl_renderer *r) {
             sum = 0;
             for (uint32_t i = 0; i < count; i++) {
                 sum += timers[i].milliseconds;
-                if (!chooser_counts(&r->asked, graph_pass_role(timers[i].role))) left_out += timers[i].milliseconds;
+                if (!chooser_counts(&r->choice.asked, graph_pass_role(timers[i].role))) left_out += timers[i].milliseconds;
             }
         }
-        chooser_feed(&r->chooser, sum, left_out);
+        chooser_feed(&r->choice.chooser, sum, left_out);
     }
     save_choices(r);
 }
@@ -141,7 +141,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->device_scene = r->scene_user.scene;
     if (result == FNL_OK) result = graph_create(&r->host, device, &r->graph);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && result == FNL_OK; i++)
-        result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->counts[i]);
+        result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->slots.counts[i]);
     if (result != FNL_OK) fnl_renderer_destroy(&r);
     *out = r;
     return result;
@@ -151,11 +151,11 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     fnl_renderer *r = handle ? *handle : NULL;
     if (!r) return;
     gpu_wait_idle(r->device);
-    chooser_keep(&r->chooser);
-    r->chooser.memory_changed |= r->chooser.trial_count > 0;
+    chooser_keep(&r->choice.chooser);
+    r->choice.chooser.memory_changed |= r->choice.chooser.trial_count > 0;
     save_choices(r);
     graph_destroy(&r->graph);
-    graph_destroy(&r->asking_graph);
+    graph_destroy(&r->dry.graph);
     device_scene_close(&r->scene_user);
     steps_finish(r);
     for (uint32_t i = 0; i < r->views.count; i++) {
@@ -164,12 +164,12 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
         gpu_buffer_destroy(r->device, &view->counters);
     }
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
-    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
+    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->slots.counts[i]);
     array_free(&r->host, &r->views);
     array_free(&r->host, &r->counted_buckets);
-    array_free(&r->host, &r->view_stats);
-    array_free(&r->host, &r->counters);
-    array_free(&r->host, &r->pass_times);
+    array_free(&r->host, &r->handed.view_stats);
+    array_free(&r->host, &r->handed.counters);
+    array_free(&r->host, &r->handed.pass_times);
     gpu_wait_idle(r->device); /* nothing is in flight: this frees device memory at once */
     fnl_host host = r->host;
     host_free(&host, r->tests, sizeof *r->tests);
@@ -215,13 +215,13 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame, const
 
 /* Inside the frame: takes what the last one in this slot has counted, and clears the place for what this one will. */
 static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32_t slot) {
-    const struct frame_counts *last = r->counts[slot].mapped;
-    for (uint32_t i = 0; i < r->slot_views[slot]; i++) steps_grow(r, &last[i]);
+    const struct frame_counts *last = r->slots.counts[slot].mapped;
+    for (uint32_t i = 0; i < r->slots.views[slot]; i++) steps_grow(r, &last[i]);
     steps_counted(r, slot);
-    r->slot_views[slot] = 0;
+    r->slots.views[slot] = 0;
     uint64_t size = frame_camera_count(frame) * sizeof(struct frame_counts);
-    TRY(keep_buffer(r, &r->counts[slot], "frame counts", size));
-    memset(r->counts[slot].mapped, 0, size);
+    TRY(keep_buffer(r, &r->slots.counts[slot], "frame counts", size));
+    memset(r->slots.counts[slot].mapped, 0, size);
     return FNL_OK;
 }
 
@@ -232,7 +232,7 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     TRY(device_scene_prepare(r->device_scene));
     frame->occlusion = frame_choose_occlusion(r, frame);
     renderer_choose(r, frame);
-    r->meshes = frame_draws_meshes(r, frame);
+    r->culling.meshes = frame_draws_meshes(r, frame);
     return steps_prepare(r, frame);
 }
 
@@ -256,14 +256,14 @@ static void note_sections(fnl_renderer *r, const struct frame_times *at, double 
         {.name = "clean up", .milliseconds = (now - at->declared) * 1e3 - execute}};
     _Static_assert(COUNT_OF(sections) == RENDERER_CPU_SECTIONS, "a place for each");
     double begin = 0;
-    for (r->cpu_section_count = 0; r->cpu_section_count < COUNT_OF(sections); r->cpu_section_count++) {
-        fnl_cpu_section *section = &r->cpu_sections[r->cpu_section_count];
-        *section = sections[r->cpu_section_count];
+    for (r->handed.cpu_section_count = 0; r->handed.cpu_section_count < COUNT_OF(sections); r->handed.cpu_section_count++) {
+        fnl_cpu_section *section = &r->handed.cpu_sections[r->handed.cpu_section_count];
+        *section = sections[r->handed.cpu_section_count];
         section->milliseconds = MAX(section->milliseconds, 0.0);
         section->begin_milliseconds = begin;
         begin += section->milliseconds;
     }
-    r->cpu_milliseconds = (now - at->waited) * 1e3;
+    r->handed.cpu_milliseconds = (now - at->waited) * 1e3;
 }
 
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
@@ -303,14 +303,14 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     r->frame.gaze = NULL;
     r->frame.overlay = NULL;
     r->frame_number = gpu_frame_number(r->device);
-    if (timed) chooser_note(&r->chooser, r->frame_number, (time_now() - at.asked) * 1e3);
+    if (timed) chooser_note(&r->choice.chooser, r->frame_number, (time_now() - at.asked) * 1e3);
     feed_chooser(r);
     steps_submitted(r, frame);
     r->frame_slot = slot;
-    r->slot_views[slot] = frame_camera_count(frame);
-    r->slot_frames[slot] = r->frame_number;
+    r->slots.views[slot] = frame_camera_count(frame);
+    r->slots.frames[slot] = r->frame_number;
     r->pipelines_made = (uint32_t)(gpu_pipeline_stats(r->device).late - late);
-    for (uint32_t i = r->slot_views[slot]; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
+    for (uint32_t i = r->slots.views[slot]; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
     note_sections(r, &at, time_now());
     return FNL_OK;
 }

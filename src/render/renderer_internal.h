@@ -109,34 +109,53 @@ struct fnl_renderer {
     struct graph *graph;
     struct device_scene_user scene_user;
     struct device_scene *device_scene;     /* the user's: other renderers may have it too */
-    struct chooser chooser;                /* auto */
-    struct choice asked;                   /* of the last frame */
-    uint64_t light_version;                /* of the scene in the last frame */
-    uint32_t moving_frames;                /* for which lights still count as moving */
-    bool told_of_mesh_lists;               /* the log knows that they stand in for others */
-    bool told_of_path;                     /* and that the device has not what stereo.path needs */
-    bool told_of_decals;                   /* and that decals asked for in the G-buffer come by lists */
-    bool measures;                         /* the frame being made has an auto that may measure */
-    struct graph *asking_graph;            /* of frames that are declared for their pipelines alone; NULL: none yet */
-    uint32_t asking_together;              /* while such a frame is declared: its one view is drawn with so many; 0: alone */
     ARRAY(struct renderer_view) views;     /* at least one; as many as any frame so far had */
-    struct lists_shared lists;
-    ARRAY(struct geometry_bucket) counted_buckets; /* of a frame with count_lights: another renderer may change the scene's meanwhile */
-    ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */
-    ARRAY(fnl_counter) counters;           /* handed out with all stats */
-    struct virtual_atlas atlas; /* of virtual texturing */
-    bool told_of_maps;         /* the log knows that rays stand in for shadow maps */
-    bool told_of_trees;        /* … and trees for ray queries */
+    struct renderer_tests *tests;          /* of the host; NULL outside of tests */
+
+    /* What each step keeps. told_of_...: the log knows it. */
+    struct {
+        struct lists_shared shared;
+        uint32_t pool_capacity; /* entries that the pools of lists have at least; grows after an overflow */
+        bool told_of_mesh;      /* mesh lists replace others */
+    } lists;
+    struct {
+        uint32_t capacity;  /* of what holds decals */
+        uint32_t tree_from; /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
+        bool told_of_lists; /* decals asked for in the G-buffer come by lists */
+    } decals;
+    struct {
+        uint32_t cluster_capacity, triangle_capacity; /* 0: before the first frame that needs them */
+        bool meshes;                                  /* mesh shaders draw the frame being made */
+    } culling;
+    struct {
+        uint32_t pairs; /* of a page of shadow maps and an item that is drawn into it; grows after an overflow */
+        struct shadow_costs costs;
+        struct {
+            uint64_t frame, drawn, probed;
+        } counted;                /* of the frame whose counts were taken last; 0: its times are not wanted */
+        uint64_t mapless_version; /* light_version of the scene + 1 at which `mapless` was found; 0: never */
+        bool mapless;             /* the scene has lights without maps */
+        bool told_of_maps;        /* rays replace shadow maps */
+        bool told_of_trees;       /* trees replace ray queries */
+    } shadows;
     struct renderer_probes probes;
     struct renderer_reflections reflections;
-    struct fnl_renderer *captures_for; /* it makes frames that reflection probes of that renderer are captured by; NULL: it makes the caller's */
-    uint32_t captured;                 /* of a renderer that captures: which one in the list */
-    struct environment_faces captured_faces; /* in such a frame */
-    uint64_t mapless_version; /* light_version of the scene + 1 at which it was asked whether it has lights without maps: shadows.c */
-    bool mapless;
-    uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
-    uint32_t transmission_layers; /* that frames draw: as many as the last ones needed */
-    uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
+    struct {
+        struct fnl_renderer *owner;     /* NULL: this renderer makes the caller's frames; else those that probes of `owner` are captured by */
+        uint32_t probe;                 /* which one in the list */
+        struct environment_faces faces; /* in such a frame */
+    } capture;
+    struct {
+        uint32_t transmission_layers; /* that frames draw: as many as the last ones needed */
+        uint32_t blend_capacity;      /* fragments of linked transparency; 0: before the first frame */
+        uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
+        struct virtual_atlas atlas;   /* of virtual texturing */
+        bool mobile_notes[2];         /* what was said once about the path mobile */
+    } shading;
+    struct {
+        uint32_t vertex_queries; /* of the frame that is being declared: those taken so far */
+        bool told_of_path;       /* the device lacks what stereo.path needs */
+    } stereo;
     struct renderer_overlay {
         struct gpu_image image;
         uint64_t version;
@@ -147,41 +166,49 @@ struct fnl_renderer {
         uint32_t next_generation;       /* as well: lights of later ones came after */
         ARRAY(fnl_pixel_light) lights;  /* handed out */
     } pixel;
-    uint32_t decal_capacity;  /* of what holds decals */
-    uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
-    uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
-    bool meshes;              /* mesh shaders draw the frame being made */
-    bool mobile_notes[2];     /* what was said once about the order mobile */
-    uint32_t shadow_pairs;    /* of a page of shadow maps and an item that is drawn into it; grows after an overflow */
-    uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
+    struct {
+        struct chooser chooser;
+        struct choice asked; /* of the last frame */
+        bool measures;       /* the frame being made has an auto that may measure */
+    } choice;
+    struct {
+        uint64_t version;       /* light_version of the scene in the last frame */
+        uint32_t moving_frames; /* for which lights still count as moving */
+    } lights;
 
-    struct renderer_tests *tests; /* of the host; NULL outside of tests */
+    /* Frames that are declared only for their pipelines. */
+    struct {
+        struct graph *graph; /* NULL: none yet */
+        uint32_t together;   /* while one is declared: its one view is drawn with so many; 0: alone */
+    } dry;
 
     /* The last frame, and where its results are. */
-    fnl_frame frame; /* without the addresses of its views and its overlay */
-    uint32_t vertex_queries; /* of the frame that is being declared: those taken so far */
+    fnl_frame frame;       /* without the addresses of its views and its overlay */
     uint64_t frame_number; /* 0: none yet, or the last one failed */
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
-    struct gpu_buffer outputs[OUTPUT_COUNT];         /* the pictures of all views, one after the other */
-    struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];  /* struct frame_counts of each view */
-    struct shadow_costs shadow_costs;
-    struct {
-        uint64_t frame, drawn, probed;
-    } shadow_counts; /* of the frame whose counts were taken last; 0: its times are not wanted */
-    uint64_t slot_frames[GPU_FRAMES_IN_FLIGHT];      /* its number */
-    uint32_t slot_views[GPU_FRAMES_IN_FLIGHT];       /* of the frame whose counts a slot holds; 0: none */
-    ARRAY(fnl_pass_time) pass_times;
-    fnl_memory_kind memory_kinds[GPU_USE_COUNT];
-    double cpu_milliseconds;
-    fnl_cpu_section cpu_sections[RENDERER_CPU_SECTIONS];
-    uint32_t cpu_section_count;
-    fnl_candidate candidates[CHOOSER_ROWS]; /* handed out with the stats */
     uint32_t pipelines_made; /* by the frame itself */
+    struct gpu_buffer outputs[OUTPUT_COUNT]; /* the pictures of all views, one after the other */
+    ARRAY(struct geometry_bucket) counted_buckets; /* of a frame with count_lights: another renderer may change the scene's meanwhile */
+    struct {
+        struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT]; /* struct frame_counts of each view */
+        uint64_t frames[GPU_FRAMES_IN_FLIGHT];          /* their numbers */
+        uint32_t views[GPU_FRAMES_IN_FLIGHT];           /* of the frame whose counts a slot holds; 0: none */
+    } slots;
+    struct { /* with the stats of a frame */
+        ARRAY(fnl_frame_stats) view_stats; /* with several views */
+        ARRAY(fnl_counter) counters;
+        ARRAY(fnl_pass_time) pass_times;
+        fnl_candidate candidates[CHOOSER_ROWS];
+        fnl_memory_kind memory_kinds[GPU_USE_COUNT];
+        fnl_cpu_section cpu_sections[RENDERER_CPU_SECTIONS];
+        uint32_t cpu_section_count;
+        double cpu_milliseconds;
+    } handed;
 };
 
 /** Whether a message that a renderer logs once is due: never while a frame is declared only for its pipelines. */
 static inline bool renderer_tells(const fnl_renderer *r, bool *told) {
-    if (*told || r->graph == r->asking_graph) return false;
+    if (*told || r->graph == r->dry.graph) return false;
     return *told = true;
 }
 

@@ -92,55 +92,55 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
     struct graph_lazy_memory lazy = graph_query_lazy_memory(r->graph);
     out->lazy_bytes = lazy.reserved_bytes;
     out->lazy_committed_bytes = lazy.committed_bytes;
-    out->cpu_milliseconds = r->cpu_milliseconds;
+    out->cpu_milliseconds = r->handed.cpu_milliseconds;
     struct gpu_memory_stats memory = gpu_memory_stats(r->device);
     out->device_bytes = memory.used_bytes;
     out->device_peak_bytes = memory.peak_used_bytes;
     for (uint32_t i = 0; i < GPU_USE_COUNT; i++) { /* other comes last */
         const enum gpu_use use = (enum gpu_use)((i + 1) % GPU_USE_COUNT);
-        r->memory_kinds[i] = (fnl_memory_kind){gpu_use_name(use), memory.use_bytes[use]};
+        r->handed.memory_kinds[i] = (fnl_memory_kind){gpu_use_name(use), memory.use_bytes[use]};
     }
-    out->memory_kinds = r->memory_kinds;
+    out->memory_kinds = r->handed.memory_kinds;
     out->memory_kind_count = GPU_USE_COUNT;
     const struct graph_timer *timers;
     uint32_t count;
-    r->pass_times.count = 0;
+    r->handed.pass_times.count = 0;
     if (r->frame.timers && graph_query_timers(r->graph, r->frame_number, &timers, &count)) {
-        if (!array_reserve(&r->host, &r->pass_times, count)) return FNL_ERROR_MEMORY;
+        if (!array_reserve(&r->host, &r->handed.pass_times, count)) return FNL_ERROR_MEMORY;
         for (uint32_t i = 0; i < count; i++) {
-            r->pass_times.data[r->pass_times.count++] =
+            r->handed.pass_times.data[r->handed.pass_times.count++] =
                 (fnl_pass_time){timers[i].name, timers[i].milliseconds, timers[i].begin_milliseconds,
                                 timers[i].queue == GPU_QUEUE_COMPUTE ? FNL_QUEUE_COMPUTE : FNL_QUEUE_GRAPHICS, graph_pass_role(timers[i].role)};
             out->gpu_milliseconds += timers[i].milliseconds;
         }
     }
-    bool is_auto = r->asked.shading == FNL_SHADING_AUTO || r->asked.lists == FNL_LISTS_AUTO;
+    bool is_auto = r->choice.asked.shading == FNL_SHADING_AUTO || r->choice.asked.lists == FNL_LISTS_AUTO;
     out->shading = r->frame.shading;
-    out->choosing = is_auto && !r->frame.pin_choice && r->chooser.state == CHOOSER_MEASURING;
+    out->choosing = is_auto && !r->frame.pin_choice && r->choice.chooser.state == CHOOSER_MEASURING;
     struct gpu_pipeline_stats pipelines = gpu_pipeline_stats(r->device);
     out->pipelines_pending = (uint32_t)(pipelines.asked - pipelines.done);
     out->pipelines_made = r->pipelines_made;
     out->pipelines_total = (uint32_t)pipelines.made;
     out->pipelines_cached = (uint32_t)pipelines.cached;
-    out->choice = is_auto ? r->chooser.reason : "";
-    out->passes = r->pass_times.data;
-    out->pass_count = r->pass_times.count;
-    out->cpu_sections = r->cpu_sections;
-    out->cpu_section_count = r->cpu_section_count;
-    out->candidate_count = is_auto ? chooser_list(&r->chooser, r->candidates) : 0;
-    if (is_auto) out->candidates = r->candidates;
+    out->choice = is_auto ? r->choice.chooser.reason : "";
+    out->passes = r->handed.pass_times.data;
+    out->pass_count = r->handed.pass_times.count;
+    out->cpu_sections = r->handed.cpu_sections;
+    out->cpu_section_count = r->handed.cpu_section_count;
+    out->candidate_count = is_auto ? chooser_list(&r->choice.chooser, r->handed.candidates) : 0;
+    if (is_auto) out->candidates = r->handed.candidates;
     return FNL_OK;
 }
 
-/* r->counters has room for the view's. */
+/* r->handed.counters has room for the view's. */
 static fnl_result query_one(fnl_renderer *r, uint32_t view, fnl_frame_stats *out) {
-    const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
+    const struct frame_counts *counts = r->slots.counts[r->frame_slot].mapped;
     const struct counted counted = {r, &r->views.data[view], &counts[view], &r->views.data[view].numbers, &r->frame};
-    fnl_counter *counters = r->counters.data + r->counters.count;
+    fnl_counter *counters = r->handed.counters.data + r->handed.counters.count;
     query_view(r, counted.view, counted.counts, out);
     out->counters = counters;
     out->counter_count = counters_query(&counted, counters);
-    r->counters.count += out->counter_count;
+    r->handed.counters.count += out->counter_count;
     return query_frame(r, out);
 }
 
@@ -149,18 +149,18 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     TRY(check_pointer(CALL(&r->host), "out", out));
     if (r->frame_number == 0) return misuse(CALL(&r->host), "no frame has been rendered");
     TRY(gpu_frame_wait(r->device, r->frame_number));
-    const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
+    const struct frame_counts *counts = r->slots.counts[r->frame_slot].mapped;
     for (uint32_t i = 0; i < frame_camera_count(&r->frame); i++) steps_grow(r, &counts[i]);
     uint32_t views = r->frame.view_count ? frame_camera_count(&r->frame) : 0;
-    r->counters.count = 0;
-    if (!array_reserve(&r->host, &r->counters, (1 + views) * counters_total())) return FNL_ERROR_MEMORY;
+    r->handed.counters.count = 0;
+    if (!array_reserve(&r->host, &r->handed.counters, (1 + views) * counters_total())) return FNL_ERROR_MEMORY;
     TRY(query_one(r, 0, out));
     if (views == 0) return FNL_OK;
-    if (!array_reserve(&r->host, &r->view_stats, views)) return FNL_ERROR_MEMORY;
-    r->view_stats.count = views;
-    for (uint32_t i = 0; i < views; i++) TRY(query_one(r, i, &r->view_stats.data[i]));
+    if (!array_reserve(&r->host, &r->handed.view_stats, views)) return FNL_ERROR_MEMORY;
+    r->handed.view_stats.count = views;
+    for (uint32_t i = 0; i < views; i++) TRY(query_one(r, i, &r->handed.view_stats.data[i]));
     out->view_count = views;
-    out->views = r->view_stats.data;
+    out->views = r->handed.view_stats.data;
     return FNL_OK;
 }
 

@@ -50,7 +50,7 @@ fnl_result order_check_primitive_ids(const struct call *call, const fnl_renderer
 static void add_transparency(struct frame_state *f, const struct shade_input *input, graph_image depth) {
     fnl_renderer *r = f->r;
     if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
-        struct linked_params params = {r->blend_capacity};
+        struct linked_params params = {r->shading.blend_capacity};
         struct linked_lists linked = linked_add(f->graph, input, &params, f->radiance, depth);
         if (input->glass.id)
             COUNTERS_COPY(f, linked.totals, 0, blend_behind);
@@ -88,13 +88,13 @@ bool shading_shows_sky(const struct frame_state *f) {
     case FNL_BACKGROUND_BLUR:
         return has_cube;
     default:
-        return has_cube && (e->background || f->r->captures_for);
+        return has_cube && (e->background || f->r->capture.owner);
     }
 }
 
 fnl_background shading_background(const struct frame_state *f) {
     const struct scene_environment *e = &f->r->scene->environment;
-    if (f->r->captures_for) return FNL_BACKGROUND_SCENE;
+    if (f->r->capture.owner) return FNL_BACKGROUND_SCENE;
     if (f->frame->background == FNL_BACKGROUND_AUTO) return e->staged ? FNL_BACKGROUND_GRADIENT : FNL_BACKGROUND_SCENE;
     if (f->frame->background == FNL_BACKGROUND_BLUR && !f->lighting.environment.cube.id) return FNL_BACKGROUND_SCENE;
     return f->frame->background;
@@ -110,7 +110,7 @@ void shading_add_sky(struct frame_state *f) {
 }
 
 VkFormat shading_format(const struct frame_state *f) {
-    if (f->frame->outputs & FNL_OUTPUT_RADIANCE || f->r->captures_for) return VK_FORMAT_R32G32B32A32_SFLOAT;
+    if (f->frame->outputs & FNL_OUTPUT_RADIANCE || f->r->capture.owner) return VK_FORMAT_R32G32B32A32_SFLOAT;
     return shading_is(f->frame->shading, SHADING_BLENDS) ? volumes_format(f->r->device) : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
@@ -208,7 +208,7 @@ static void add_surfaces_over(struct frame_state *f, const struct shade_input *i
 }
 
 static struct transmission find_glass(struct frame_state *f, const struct shade_input *input) {
-    const uint32_t layers = MIN(MAX(f->r->transmission_layers, 1u), f->frame->transmission_layers);
+    const uint32_t layers = MIN(MAX(f->r->shading.transmission_layers, 1u), f->frame->transmission_layers);
     const struct transmission found = transmission_find(f->graph, f->r->device, input, layers, f->radiance, f->depth);
     f->kept->transmission_layers = layers;
     f->kept->transmission_limit = f->frame->transmission_layers;
@@ -407,14 +407,14 @@ static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
 }
 
 void shading_prepare_pools(fnl_renderer *r, uint64_t pixels) {
-    if (!r->blend_capacity) r->blend_capacity = blend_capacity(r, pixels);
+    if (!r->shading.blend_capacity) r->shading.blend_capacity = blend_capacity(r, pixels);
 }
 
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     const uint64_t needed = MAX(counts->blend.fragments, counts->blend_behind.fragments);
-    if (counts->blend.overflow_pixels > 0 || counts->blend_behind.overflow_pixels > 0) r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
+    if (counts->blend.overflow_pixels > 0 || counts->blend_behind.overflow_pixels > 0) r->shading.blend_capacity = MAX(r->shading.blend_capacity, blend_capacity(r, needed + needed / 4));
     /* Each layer is a few passes: frames begin with one. */
-    r->transmission_layers = MAX(r->transmission_layers, MIN(counts->transmission.longest, (uint32_t)TRANSMISSION_LAYERS_MAX));
+    r->shading.transmission_layers = MAX(r->shading.transmission_layers, MIN(counts->transmission.longest, (uint32_t)TRANSMISSION_LAYERS_MAX));
     for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
         if (shading_order((fnl_shading)i)->grow) shading_order((fnl_shading)i)->grow(r, counts);
 }

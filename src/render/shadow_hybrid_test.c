@@ -279,7 +279,7 @@ static void test_frames_measure_their_costs(void **state) {
         assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
         s.frame.camera.position.x += 0.3f; /* new pages */
     }
-    const struct shadow_costs c = s.renderer->shadow_costs;
+    const struct shadow_costs c = s.renderer->shadows.costs;
     print_message("%.1f us for a page, %.2f us for a ray\n", 1e3 * c.page, 1e3 * c.ray);
     assert_true(c.ray > 0);
     assert_true(c.page > 0);

@@ -328,7 +328,7 @@ static void test_SH_70_pages_that_wait_are_not_forgotten(void **state) {
     s.frame.width = 65, s.frame.height = 37;
     s.frame.shadows = FNL_SHADOWS_MAPS;
     s.frame.timers = true;
-    s.renderer->shadow_pairs = 1; /* room for as many as items, until the first frame's counts are back */
+    s.renderer->shadows.pairs = 1; /* room for as many as items, until the first frame's counts are back */
     fnl_frame_stats stats = after_frame(&s);
     assert_true(counter(&stats, "shadows.waiting") > 0);
     do {
@@ -533,7 +533,7 @@ static void test_pages_wait_for_room(void **state) {
     const uint64_t pairs = counter(&whole.stats, "shadows.pairs");
     fnl_renderer_destroy(&s.renderer);
     assert_int_equal(fnl_renderer_create(harness_device(), s.scene, &s.renderer), FNL_OK);
-    s.renderer->shadow_pairs = 1; /* then there is room for as many as items */
+    s.renderer->shadows.pairs = 1; /* then there is room for as many as items */
     struct shot first = stage_shoot(&s, &s.frame);
     assert_true(pairs > first.stats.items);
     assert_int_equal(counter(&first.stats, "shadows.waiting"), counter(&first.stats, "shadows.pairs") - first.stats.items);

@@ -11,14 +11,14 @@
 /* Lights that cast shadows and have no maps: capsules and rectangles. */
 static bool has_mapless(fnl_renderer *r) {
     const fnl_scene *scene = r->scene;
-    if (r->mapless_version == scene->light_version + 1) return r->mapless;
-    r->mapless = false;
-    for (uint32_t i = 0; i < scene->lights.count && !r->mapless; i++) {
+    if (r->shadows.mapless_version == scene->light_version + 1) return r->shadows.mapless;
+    r->shadows.mapless = false;
+    for (uint32_t i = 0; i < scene->lights.count && !r->shadows.mapless; i++) {
         const fnl_light_params *light = &scene->lights.data[i].params;
-        r->mapless = light->casts_shadows && (light->kind == FNL_LIGHT_CAPSULE || light->kind == FNL_LIGHT_RECTANGLE);
+        r->shadows.mapless = light->casts_shadows && (light->kind == FNL_LIGHT_CAPSULE || light->kind == FNL_LIGHT_RECTANGLE);
     }
-    r->mapless_version = scene->light_version + 1;
-    return r->mapless;
+    r->shadows.mapless_version = scene->light_version + 1;
+    return r->shadows.mapless;
 }
 
 /* Whether rays find some shadows: those of capsules and rectangles, and of any light where the atlas may not hold the coarsest pages of all; or are compared
@@ -45,8 +45,8 @@ static struct device_rays_use rays_use_of(fnl_renderer *r, const fnl_frame *fram
 
 /* Once for each renderer. */
 static void tell_of_rays(fnl_renderer *r) {
-    if (r->told_of_maps) return;
-    r->told_of_maps = true;
+    if (r->shadows.told_of_maps) return;
+    r->shadows.told_of_maps = true;
     if (!gpu_info(r->device)->clip_distances)
         log_warning(&r->host, "shadows: this device has no clip_distances, which maps need: rays find all shadows");
     else
@@ -55,8 +55,8 @@ static void tell_of_rays(fnl_renderer *r) {
 }
 
 static void tell_of_trees(fnl_renderer *r) {
-    if (r->told_of_trees) return;
-    r->told_of_trees = true;
+    if (r->shadows.told_of_trees) return;
+    r->shadows.told_of_trees = true;
     if (!gpu_info(r->device)->ray_query)
         log_warning(&r->host, "shadows: this device has no ray_query, which shadow.ray-backend=ray-query needs: rays go through bounding volume hierarchies");
     else
@@ -108,7 +108,7 @@ void shadows_settle(const fnl_renderer *r, fnl_frame *frame) {
     if (count == 0 && shadows_have(frame, SHADOWS_MAPS) && frame->debug == FNL_DEBUG_NONE) frame->shadows = FNL_SHADOWS_OFF; /* without a pass, or code in shaders */
     if (frame->shadow.filter == FNL_SHADOW_FILTER_AUTO) frame->shadow.filter = count <= FILTERED_LIGHTS ? FNL_SHADOW_FILTER_PCF : FNL_SHADOW_FILTER_HARD;
     if (frame->shadows != FNL_SHADOWS_AUTO) return;
-    const bool moves = r->moving_frames > 0 || (r->frame_number > 0 && r->light_version != scene->light_version);
+    const bool moves = r->lights.moving_frames > 0 || (r->frame_number > 0 && r->lights.version != scene->light_version);
     frame->shadows = FNL_SHADOWS_MAPS;
     if (count == 0)
         frame->shadows = FNL_SHADOWS_OFF;

@@ -35,7 +35,7 @@ bool shading_is(fnl_shading shading, uint32_t traits);
 /** The same of the order of a frame with its options, which may add traits or take them away. Not auto. */
 bool frame_is(const fnl_frame *frame, uint32_t traits);
 
-/** Refuses a frame whose order lacks traits: "WHAT needs the shading A, B or C, not D"; the names are those of the orders that have them. */
+/** Refuses a frame whose shading path lacks traits: "WHAT needs the shading A, B or C, not D"; A, B and C are the paths that have them. */
 fnl_result shading_refuse(const struct call *call, const char *what, const fnl_frame *frame, uint32_t traits);
 
 enum shadow_trait {

@@ -19,18 +19,18 @@ struct last_frame {
 
 static void put_aside(const fnl_renderer *r, struct last_frame *out) {
     *out = (struct last_frame){.view = r->views.data[0],
-                               .lists = r->lists,
-                               .blend_capacity = r->blend_capacity,
-                               .meshes = r->meshes,
+                               .lists = r->lists.shared,
+                               .blend_capacity = r->shading.blend_capacity,
+                               .meshes = r->culling.meshes,
                                .answer = r->pixel.answer};
     memcpy(out->outputs, r->outputs, sizeof out->outputs);
 }
 
 static void put_back(fnl_renderer *r, const struct last_frame *last) {
     r->views.data[0] = last->view;
-    r->lists = last->lists;
-    r->blend_capacity = last->blend_capacity;
-    r->meshes = last->meshes;
+    r->lists.shared = last->lists;
+    r->shading.blend_capacity = last->blend_capacity;
+    r->culling.meshes = last->meshes;
     r->pixel.answer = last->answer;
     memcpy(r->outputs, last->outputs, sizeof r->outputs);
 }
@@ -44,17 +44,17 @@ static void stand_in(fnl_renderer *r, const fnl_frame *frame) {
     view->counters = (struct gpu_buffer){.size = (uint64_t)frame->width * frame->height * 8 + 4};
     view->draws = (struct gpu_buffer){.size = MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)};
     lists_init(&view->lists, &r->host);
-    lists_shared_init(&r->lists, &r->host);
+    lists_shared_init(&r->lists.shared, &r->host);
 }
 
 fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
                                   uint64_t *out_ticket) {
-    if (!r->asking_graph) TRY(graph_create(&r->host, r->device, &r->asking_graph));
+    if (!r->dry.graph) TRY(graph_create(&r->host, r->device, &r->dry.graph));
     struct graph *graph = r->graph;
     struct last_frame last;
     put_aside(r, &last);
-    r->graph = r->asking_graph;
-    r->meshes = frame_draws_meshes(r, frame);
+    r->graph = r->dry.graph;
+    r->culling.meshes = frame_draws_meshes(r, frame);
     stand_in(r, frame);
     shading_prepare_pools(r, (uint64_t)frame->width * frame->height);
     struct view_plan plan;
@@ -62,7 +62,7 @@ fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const
     fnl_result result = frame_declare(r, frame, &plan, target);
     if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
     lists_finish(&r->views.data[0].lists, r->device);
-    lists_shared_finish(&r->lists, r->device);
+    lists_shared_finish(&r->lists.shared, r->device);
     put_back(r, &last);
     r->graph = graph;
     return result;
@@ -81,11 +81,11 @@ static fnl_result ask_candidates(fnl_renderer *r, const fnl_frame *frame, const 
     fnl_frame candidate = *frame;
     struct choice choice;
     uint64_t last;
-    while (chooser_asks(&r->chooser, &choice)) {
+    while (chooser_asks(&r->choice.chooser, &choice)) {
         candidate.shading = choice.shading;
         candidate.lists = choice.lists;
         TRY(ask(r, &candidate, target, &last));
-        chooser_asked(&r->chooser, last);
+        chooser_asked(&r->choice.chooser, last);
         *ticket = MAX(*ticket, last);
     }
     return FNL_OK;
@@ -108,8 +108,8 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     frame.view_count = frame.pixel.view = 0; /* the view that is declared */
     const bool chooses = wait && !frame.pin_choice && (frame.shading == FNL_SHADING_AUTO || frame.lists == FNL_LISTS_AUTO);
     frame.pin_choice = true; /* nothing is measured */
-    const struct choice asked = r->asked;
-    const bool measures = r->measures;
+    const struct choice asked = r->choice.asked;
+    const bool measures = r->choice.measures;
     const struct gpu_image image = {
         .params = {.name = "target",
                    .format = target ? target->format : VK_FORMAT_UNDEFINED,
@@ -143,15 +143,15 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     for (uint32_t together = 1; counts >> together && result == FNL_OK; together++) {
         if (!(counts >> together & 1)) continue;
         uint64_t last = 0;
-        r->asking_together = together;
+        r->dry.together = together;
         result = ask(r, &frame, target ? &frame_target : NULL, &last);
         ticket = MAX(ticket, last);
     }
-    r->asking_together = 0;
+    r->dry.together = 0;
     if (chooses && result == FNL_OK) result = ask_candidates(r, &frame, target ? &frame_target : NULL, &ticket);
     if (wait && result == FNL_OK) result = gpu_upload_flush(r->device);
-    r->asked = asked;
-    r->measures = measures;
+    r->choice.asked = asked;
+    r->choice.measures = measures;
     if (result != FNL_OK) {
         renderer_forget(r);
         return result;

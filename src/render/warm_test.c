@@ -289,9 +289,9 @@ static void test_dry_declarations_leave_no_trace(void **state) {
         /* Once for what is prepared, then for what the frame after a first one does otherwise. */
         for (int frame = 0; frame < 3; frame++) {
             assert_int_equal(fnl_renderer_warm(s.renderer, &s.frame, NULL, true, NULL), FNL_OK);
-            if (frame == 0) assert_false(s.renderer->told_of_mesh_lists);
+            if (frame == 0) assert_false(s.renderer->lists.told_of_mesh);
             struct shot shot = stage_shoot(&s, &s.frame);
-            assert_true(s.renderer->told_of_mesh_lists == (s.frame.lists == FNL_LISTS_MULTIPASS));
+            assert_true(s.renderer->lists.told_of_mesh == (s.frame.lists == FNL_LISTS_MULTIPASS));
             shot_free(&shot);
             fnl_frame settled = s.frame;
             uint64_t ticket;

@@ -219,7 +219,7 @@ static void test_overflow(void **state) {
         assert_int_equal(counter(&stats, "dais.overflow"), 0);
         assert_true(counter(&stats, "dais.shaded") > 4000);
         /* Too small by far, or by so little that all but a few fragments find room. */
-        uint32_t *pool = i < 4 ? &renderer->dais_capacity : &renderer->dais_node_capacity;
+        uint32_t *pool = i < 4 ? &renderer->shading.dais_capacity : &renderer->shading.dais_node_capacity;
         const uint32_t enough = i < 4 ? counter(&stats, "dais.triangles") * 16 : counter(&stats, "dais.list-elements") + 1;
         const uint32_t sizes[] = {i < 4 ? 700 : 100, enough / 2, enough - enough / 50};
         fnl_frame other = frame;
@@ -268,7 +268,7 @@ static void test_gate(void **state) {
         for (int cramped = 0; cramped < 2; cramped++) {
             const char *name = clusters ? "dais gate clusters" : "dais gate";
             fnl_renderer *renderer = test_renderer(scene);
-            if (cramped) renderer->dais_capacity = 700;
+            if (cramped) renderer->shading.dais_capacity = 700;
             fnl_frame frame = wide_frame(0);
             frame.culling = clusters ? FNL_CULLING_CLUSTERS : FNL_CULLING_INSTANCES;
             memset(draws.mapped, 0xff, 4096);

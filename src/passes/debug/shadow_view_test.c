@@ -449,7 +449,7 @@ static void test_missing_pages_are_striped(void **state) {
     fnl_frame frame = view_frame(FNL_DEBUG_SHADOW_AGE);
     frame.width = frame.height = SIZE / 4; /* coarse pages */
     test_render_frame(renderer, &frame);
-    renderer->shadow_pairs = 1; /* of a page and an item: one page a frame */
+    renderer->shadows.pairs = 1; /* of a page and an item: one page a frame */
     frame.width = frame.height = SIZE;
     uint32_t last = SIZE * SIZE;
     for (int step = 0; step < 3 + GPU_FRAMES_IN_FLIGHT; step++) {

@@ -464,16 +464,16 @@ static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
             for (uint32_t i = 0; i < frame.width * frame.height * 4; i++)
                 beyond += abs(((const uint8_t *)full.pixels)[i] - ((const uint8_t *)reference.pixels)[i]) > 2;
             assert_true(beyond <= 4); /* single texels of steep faces, whose gradients are rounded */
-            r->decal_capacity = 7;
+            r->decals.capacity = 7;
             test_render_frame(r, &frame);
             fnl_image cramped = test_read(r, FNL_OUTPUT_COLOR);
             assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
             assert_true(counter(&stats, "decals.overflow") > 0);
             assert_true(test_equal(&full, &cramped));
-            assert_true(r->decal_capacity > 7);         /* for the next frame */
+            assert_true(r->decals.capacity > 7);         /* for the next frame */
             for (uint32_t tree = 0; tree < 2; tree++) { /* cells that ask each box, and a tree over few: the same entries */
                 uint64_t entries = counter(&stats, "decals.entries");
-                r->decal_tree = tree ? 0 : UINT32_MAX;
+                r->decals.tree_from = tree ? 0 : UINT32_MAX;
                 test_render_frame(r, &frame);
                 fnl_image same = test_read(r, FNL_OUTPUT_COLOR);
                 assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
@@ -654,7 +654,7 @@ static void test_lists_stand_in_for_the_gbuffer_ES_59(void **state) {
             frame.msaa = cases[i].msaa;
             test_render_frame(r, &frame);
             pictures[way] = test_read(r, FNL_OUTPUT_RADIANCE);
-            assert_int_equal(r->told_of_decals, way == FNL_DECALS_GBUFFER && cases[i].stands_in);
+            assert_int_equal(r->decals.told_of_lists, way == FNL_DECALS_GBUFFER && cases[i].stands_in);
         }
         if (cases[i].stands_in) assert_true(test_equal(&pictures[0], &pictures[1]));
         for (int k = 0; k < 2; k++) free_picture(&pictures[k]);

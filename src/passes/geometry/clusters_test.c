@@ -468,8 +468,8 @@ static void test_overflow(void **state) {
             fnl_renderer *own = test_renderer(scene);
             harness_hooks(own)->poison = true;
             harness_hooks(own)->cluster_limit = true;
-            own->cluster_capacity = capacities[i][0];
-            own->triangle_capacity = capacities[i][1];
+            own->culling.cluster_capacity = capacities[i][0];
+            own->culling.triangle_capacity = capacities[i][1];
             frame.culling = (fnl_culling)culling;
             fnl_image culled = shoot(own, &frame);
             fnl_frame_stats stats = stats_of(own);

@@ -258,8 +258,8 @@ static void test_overflow(void **state) {
             fnl_renderer *own = test_renderer(scene);
             harness_hooks(own)->poison = true;
             harness_hooks(own)->cluster_limit = true;
-            own->cluster_capacity = capacities[i];
-            own->triangle_capacity = 1; /* which mesh shaders do without */
+            own->culling.cluster_capacity = capacities[i];
+            own->culling.triangle_capacity = 1; /* which mesh shaders do without */
             fnl_image drawn = shoot(own, frame, FNL_GEOMETRY_MESH, &mesh);
             assert_true(test_equal(&expected, &drawn));
             assert_true(mesh.items_whole > 0 && mesh.triangles_drawn > vertex.triangles_drawn);
@@ -311,7 +311,7 @@ static void test_many_groups(void **state) {
     frame.camera.position = (vec3){0, 0, 30};
     frame.camera.target = (vec3){0, 0, 0};
     fnl_frame_stats vertex, mesh;
-    renderer->cluster_capacity = 1 << 17;
+    renderer->culling.cluster_capacity = 1 << 17;
     fnl_image a = shoot(renderer, frame, FNL_GEOMETRY_MESH, &mesh), b = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &vertex);
     assert_true(mesh.clusters_drawn > 65535);
     assert_int_equal(mesh.items_whole, 0);
@@ -332,7 +332,7 @@ static void test_gates(void **state) {
     frame.shading = FNL_SHADING_DAIS;
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame_stats stats;
-    renderer->dais_capacity = 8; /* for next to nothing */
+    renderer->shading.dais_capacity = 8; /* for next to nothing */
     fnl_image cut = shoot(renderer, frame, FNL_GEOMETRY_MESH, &stats);
     assert_true(counter(&stats, "dais.overflow") > 0);
     assert_int_equal(stats.geometry, FNL_GEOMETRY_MESH);

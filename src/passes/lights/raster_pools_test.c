@@ -326,7 +326,7 @@ static void test_node_limits_in_frames_CL_11(void **state) {
     stage.frame.raster.nodes = FNL_RASTER_LINKS32;
     struct shot shot = stage_shoot(&stage, &stage.frame);
     assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
-    assert_int_equal(shot.stats.list_bytes - shot.stats.cells * 4, 8ull * stage.renderer->pool_capacity);
+    assert_int_equal(shot.stats.list_bytes - shot.stats.cells * 4, 8ull * stage.renderer->lists.pool_capacity);
     shot_free(&all);
     shot_free(&shot);
     stage_close(&stage);

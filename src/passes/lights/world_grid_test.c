@@ -243,7 +243,7 @@ static void test_kept_while_the_camera_moves_ES_67(void **state) {
     struct stage stage = stage_open("builtin:hall?lights=64", 0);
     stage.frame.timers = true;
     stage.frame.lists = FNL_LISTS_WORLD;
-    const struct world_grid *grid = &stage.renderer->lists.world;
+    const struct world_grid *grid = &stage.renderer->lists.shared.world;
     struct shot shot = stage_shoot(&stage, &stage.frame);
     assert_true(has_pass(&stage, "world upload"));
     shot_free(&shot);
@@ -290,7 +290,7 @@ static void test_four_lights_a_cell_ES_8(void **state) {
         stage.frame.shading = (fnl_shading)s;
         check_equal(&stage, stage.frame);
     }
-    const struct world_grid *grid = &stage.renderer->lists.grid2d;
+    const struct world_grid *grid = &stage.renderer->lists.shared.grid2d;
     assert_int_equal(grid->build_count, 1);
     uint32_t most = 0;
     for (uint32_t c = 0; c < grid->cells.count; c++) most = MAX(most, grid->cells.data[c].count);

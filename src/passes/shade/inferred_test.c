@@ -59,7 +59,7 @@ static void test_fallback(void **state) {
         assert_int_equal(shot.stats.evaluations_useful, all.stats.evaluations_useful);
         assert_true(shot.stats.evaluations * 4 < all.stats.evaluations);
         assert_int_equal(shot.stats.overflow_cells, 0);
-        assert_true(cramped.stats.overflow_cells > 0 && stage.renderer->pool_capacity > 10);
+        assert_true(cramped.stats.overflow_cells > 0 && stage.renderer->lists.pool_capacity > 10);
         shot_free(&all);
         shot_free(&shot);
         shot_free(&cramped);

@@ -4,7 +4,7 @@
  * for each page, shadow_fill_add() (fill.h) draws those that are not true any more. shaders/shadows/maps_shared.h says how maps are laid out.
  *
  * Virtual shadow maps for many lights: O. Olsson et al., "Efficient Virtual Shadow Maps for Many Lights", *I3D* 2014. There, pages come from the boxes of
- * clusters; here each pixel requests the one that it will read.
+ * clusters; here each pixel requests the page that it will sample.
  */
 #ifndef FNL_PASSES_SHADOW_MAPS_H
 #define FNL_PASSES_SHADOW_MAPS_H

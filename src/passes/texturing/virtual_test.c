@@ -532,7 +532,7 @@ static void test_wanted_pages(void **state) {
         frame.height = 180;
         frame.outputs |= FNL_OUTPUT_POSITION;
         struct shot shot = stage_shoot(&stage, &frame);
-        const struct virtual_atlas *atlas = &stage.renderer->atlas;
+        const struct virtual_atlas *atlas = &stage.renderer->shading.atlas;
         static struct gpu_virtual_material materials[SQUARES + 2];
         static struct gpu_virtual_page numbered[MAX_PAGES];
         static uint32_t wanted[MAX_PAGES], table[MAX_PAGES];
@@ -654,7 +654,7 @@ static void test_the_graph_knows_all_layers(void **state) {
     const struct graph *graph = stage.renderer->graph;
     uint32_t layers = 0, known = 0;
     for (uint32_t i = 0; i < VIRTUAL_LAYERS; i++) {
-        const struct gpu_image *image = &stage.renderer->atlas.layers[i];
+        const struct gpu_image *image = &stage.renderer->shading.atlas.layers[i];
         if (!image->handle) continue;
         layers++;
         for (uint32_t k = 0; k < graph->resources.count; k++) known += graph->resources.data[k].image == image && graph->resources.data[k].first_use;

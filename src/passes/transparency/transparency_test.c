@@ -338,7 +338,7 @@ static void test_small_pool(void **state) {
         for (uint32_t i = 0; i < COUNT_OF(capacities); i++) {
             for (int k = 0; k < GPU_FRAMES_IN_FLIGHT; k++)
                 test_render_frame(renderer, &sorted_frame); /* that has not grown yet */
-            renderer->blend_capacity = capacities[i];
+            renderer->shading.blend_capacity = capacities[i];
             fnl_image image = shoot(renderer, &frame, &stats);
             uint32_t as_sorted = 0, as_linked = 0, differ = 0;
             bool over = false; /* pixels get their pieces of the pool from the top left on */

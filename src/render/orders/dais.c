@@ -19,8 +19,8 @@ static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *fram
                                 .each_sample = frame->msaa > 1 && (!info->post_depth_coverage || tests.dais_plain),
                                 .quads = info->quad_operations && !tests.dais_plain,
                                 .buckets = frame->dais.cache_buckets,
-                                .capacity = MAX(r->dais_capacity, 64u),
-                                .node_capacity = MAX(r->dais_node_capacity, 2u),
+                                .capacity = MAX(r->shading.dais_capacity, 64u),
+                                .node_capacity = MAX(r->shading.dais_node_capacity, 2u),
                                 .probe = tests.dais_probe,
                                 .attempts = tests.dais_impatient ? 0 : DAIS_ATTEMPTS};
 }
@@ -95,17 +95,17 @@ enum {
 };
 
 static void init(fnl_renderer *r) {
-    r->dais_capacity = POOL_START;
-    r->dais_node_capacity = NODE_START;
+    r->shading.dais_capacity = POOL_START;
+    r->shading.dais_node_capacity = NODE_START;
 }
 
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     const uint64_t limit = gpu_info(r->device)->memory_bytes / 8 / 4, nodes = counts->dais[DAIS_NODES] + 2ull;
     if (counts->dais[DAIS_OVERFLOW] == 0) return;
     /* How much more the others want is not known: those that find no room take none. */
-    if (counts->dais[DAIS_WORDS] + DAIS_RECORD_MAX > r->dais_capacity)
-        r->dais_capacity = (uint32_t)MIN(MAX(2ull * r->dais_capacity, (uint64_t)POOL_START), MIN(limit, POOL_LIMIT));
-    if (nodes > r->dais_node_capacity) r->dais_node_capacity = (uint32_t)MIN(nodes + nodes / 4, MIN(limit, POOL_LIMIT) / 4);
+    if (counts->dais[DAIS_WORDS] + DAIS_RECORD_MAX > r->shading.dais_capacity)
+        r->shading.dais_capacity = (uint32_t)MIN(MAX(2ull * r->shading.dais_capacity, (uint64_t)POOL_START), MIN(limit, POOL_LIMIT));
+    if (nodes > r->shading.dais_node_capacity) r->shading.dais_node_capacity = (uint32_t)MIN(nodes + nodes / 4, MIN(limit, POOL_LIMIT) / 4);
 }
 
 const struct order order_dais = {.traits = SHADING_LAYERS | SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW |

@@ -21,7 +21,7 @@ static void tell_of_mesh_lists(struct frame_state *f) {
     bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
     if (!own || list_kind(&f->lights.list) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
     f->drawn_lists = FNL_LISTS_MESH;
-    if (!renderer_tells(f->r, &f->r->told_of_mesh_lists)) return;
+    if (!renderer_tells(f->r, &f->r->lists.told_of_mesh)) return;
     const char *name = fnl_value_name(FNL_ENUM_LISTS, f->frame->lists);
     if (f->frame->msaa > 1)
         log_warning(&f->r->host, "%s lists have no MSAA: with %u samples per pixel objects are drawn with mesh lists", name,
@@ -40,7 +40,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
         batches_add(f->graph, input, f->radiance, f->depth);
         f->opaque_draws = batches_draw_count(input->scene);
     } else if (draws_per_light(f)) {
-        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance,
+        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->lists.pool_capacity, f->radiance,
                       f->depth);
         f->opaque_draws = multipass_draw_count(input->scene, lights->local_count, lights->directional_count);
     } else {

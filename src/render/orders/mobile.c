@@ -43,7 +43,7 @@ static void begin(struct frame_state *f) {
 }
 
 static void note_once(fnl_renderer *r, uint32_t note, const char *text) {
-    if (renderer_tells(r, &r->mobile_notes[note])) log_warning(&r->host, "mobile shading: %s", text);
+    if (renderer_tells(r, &r->shading.mobile_notes[note])) log_warning(&r->host, "mobile shading: %s", text);
 }
 
 /* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */

@@ -32,30 +32,30 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
 /* ---- virtual ---- */
 
 static fnl_result prepare_virtual(fnl_renderer *r, const fnl_frame *frame) {
-    return device_virtual_prepare(r->device_scene, frame->texturing.atlas_size, &r->atlas);
+    return device_virtual_prepare(r->device_scene, frame->texturing.atlas_size, &r->shading.atlas);
 }
 
-static void forget_virtual(fnl_renderer *r) { r->atlas.version = UINT64_MAX; }
-static void submitted_virtual(fnl_renderer *r) { r->atlas.fresh = false; }
-static void finish_virtual(fnl_renderer *r) { virtual_destroy(r->device, &r->atlas); }
+static void forget_virtual(fnl_renderer *r) { r->shading.atlas.version = UINT64_MAX; }
+static void submitted_virtual(fnl_renderer *r) { r->shading.atlas.fresh = false; }
+static void finish_virtual(fnl_renderer *r) { virtual_destroy(r->device, &r->shading.atlas); }
 
 /* The first frame draws the geometry once more, to know which pages it wants; later ones have what the frame before wanted. */
 static void add_virtual(struct frame_state *f, struct shade_input *input, bool prepass) {
     fnl_renderer *r = f->r;
-    struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->atlas, r->device_scene->materials.buffer.address);
-    if (r->atlas.fresh) texturing_virtual_add(f->graph, input, &pages, "texturing wanted", prepass, f->depth);
+    struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->shading.atlas, r->device_scene->materials.buffer.address);
+    if (r->shading.atlas.fresh) texturing_virtual_add(f->graph, input, &pages, "texturing wanted", prepass, f->depth);
     virtual_update_add(f->graph, &pages);
     COUNTERS_COPY(f, pages.commands, 16, pages); /* behind a dispatch */
-    counters_note(f, "atlas.pages", r->atlas.page_count);
-    counters_note(f, "atlas.capacity", r->atlas.across * r->atlas.across);
-    counters_note(f, "atlas.bytes", r->atlas.bytes);
+    counters_note(f, "atlas.pages", r->shading.atlas.page_count);
+    counters_note(f, "atlas.capacity", r->shading.atlas.across * r->shading.atlas.across);
+    counters_note(f, "atlas.bytes", r->shading.atlas.bytes);
     struct texturing texturing = texturing_virtual_add(f->graph, input, &pages, "texturing", prepass, f->depth);
     texturing.shows_levels = renderer_tests(r).show_levels;
     f->texturing = texturing;
     shade(f, input, &texturing);
     texturing_forward_add(f->graph, input, f->radiance, f->depth);
     f->forward_layouts = 1u << VIRTUAL_FORWARD;
-    f->opaque_draws = (r->atlas.fresh ? 2 : 1) * f->opaque_draws + geometry_draw_count(input->scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD));
+    f->opaque_draws = (r->shading.atlas.fresh ? 2 : 1) * f->opaque_draws + geometry_draw_count(input->scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD));
 }
 
 static void add_atlas(struct frame_state *f, bool swap) {

@@ -5,7 +5,7 @@
 
 #include "render/frame_state.h"
 
-/** Gives the view's lighting its depth, if the frame has contact shadows: lightings that are made afterwards have them. After what is drawn before lists. */
+/** Adds the view's depth to its lighting if the frame has contact shadows. Call it after the passes that come before lists, and before lighting_add(). */
 void shadow_contact_add(struct frame_state *f);
 
 #endif

@@ -7,7 +7,7 @@
 
 float shadow_hybrid_page_rays(const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadow.page_rays > 0) return frame->shadow.page_rays;
-    return shadow_costs_page_rays(&r->shadow_costs, gpu_info(r->device)->type == FNL_DEVICE_CPU);
+    return shadow_costs_page_rays(&r->shadows.costs, gpu_info(r->device)->type == FNL_DEVICE_CPU);
 }
 
 static bool timed(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_SPLIT) && !(frame->shadow.page_rays > 0) && !frame->count_lights; }
@@ -16,34 +16,34 @@ static bool may_probe(const fnl_frame *frame) { return frame->msaa == 1 && timed
 
 /* What the next frames decide by. */
 void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct lighting *surfaces, graph_image depth) {
-    const struct shadow_costs *costs = &f->r->shadow_costs;
+    const struct shadow_costs *costs = &f->r->shadows.costs;
     shadow_drawn_add(f->graph, pages, filled);
-    const bool asks = f->graph == f->r->asking_graph; /* some frame will need the pipeline */
+    const bool asks = f->graph == f->r->dry.graph; /* some frame will need the pipeline */
     if (f->view_index == 0 && may_probe(f->frame) && (asks || shadow_costs_probe(costs))) shadow_probe_add(f->graph, pages, surfaces, depth, costs->frames);
     COUNTERS_COPY(f, pages->split_counts, 0, split);
     counters_note(f, "shadows.page-rays", (uint64_t)lroundf(shadow_hybrid_page_rays(f->r, f->frame)));
 }
 
 static void counted(fnl_renderer *r, uint32_t slot) {
-    const struct frame_counts *counts = r->counts[slot].mapped;
-    r->shadow_counts.frame = r->shadow_counts.drawn = 0;
-    if (r->slot_views[slot] == 0 || counts->split.maps + counts->split.rays == 0) return;
-    r->shadow_counts.frame = r->slot_frames[slot];
-    r->shadow_counts.probed = counts->split.probed;
-    for (uint32_t i = 0; i < r->slot_views[slot]; i++) r->shadow_counts.drawn += counts[i].shadows.drawn;
+    const struct frame_counts *counts = r->slots.counts[slot].mapped;
+    r->shadows.counted.frame = r->shadows.counted.drawn = 0;
+    if (r->slots.views[slot] == 0 || counts->split.maps + counts->split.rays == 0) return;
+    r->shadows.counted.frame = r->slots.frames[slot];
+    r->shadows.counted.probed = counts->split.probed;
+    for (uint32_t i = 0; i < r->slots.views[slot]; i++) r->shadows.counted.drawn += counts[i].shadows.drawn;
 }
 
 static void submitted(fnl_renderer *r, const fnl_frame *frame) {
-    if (may_probe(frame)) r->shadow_costs.frames++;
+    if (may_probe(frame)) r->shadows.costs.frames++;
     const struct graph_timer *timers;
     uint32_t count;
-    if (r->shadow_counts.frame == 0 || !graph_query_timers(r->graph, r->shadow_counts.frame, &timers, &count)) return;
+    if (r->shadows.counted.frame == 0 || !graph_query_timers(r->graph, r->shadows.counted.frame, &timers, &count)) return;
     double fill = 0, probe = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (timers[i].role == GRAPH_ROLE_SHADOW_FILL) fill += timers[i].milliseconds;
         if (timers[i].role == GRAPH_ROLE_SHADOW_PROBE) probe += timers[i].milliseconds;
     }
-    shadow_costs_feed(&r->shadow_costs, (struct shadow_times){fill, r->shadow_counts.drawn, probe, r->shadow_counts.probed});
+    shadow_costs_feed(&r->shadows.costs, (struct shadow_times){fill, r->shadows.counted.drawn, probe, r->shadows.counted.probed});
 }
 
 #define SPLIT(key, unit, help, member) {"shadows." key, unit, help, COUNTED(split.member), .needs = "shadows=hybrid"}

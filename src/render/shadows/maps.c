@@ -96,7 +96,7 @@ static VkDeviceAddress add_updates(const struct frame_state *f) {
 static bool are_settled(const struct frame_state *views, uint32_t count) {
     const struct frame_state *f = views;
     struct renderer_shadows *s = &f->kept->shadows;
-    bool same = !s->all_changed && !s->moved && f->graph != f->r->asking_graph;
+    bool same = !s->all_changed && !s->moved && f->graph != f->r->dry.graph;
     for (uint32_t i = 0; i < count; i++) same = same && views[i].temporal.same;
     if (!same) s->changed = gpu_frame_number(f->r->device);
     return same && s->settled > s->changed && s->pages.known && !shadows_have(f->frame, SHADOWS_SPLIT) && !shadow_maps_classify(f->frame) &&
@@ -164,7 +164,7 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
     const struct light_set *lights = &f->lighting.lights;
     struct lighting scopes = f->lighting;
     if (!shadow_maps_possible(f->r, f->frame) || shadow_row_count(lights) == 0) return;
-    struct asked asked = {.pairs = MAX(f->r->shadow_pairs, f->scene->geometry.item_count)};
+    struct asked asked = {.pairs = MAX(f->r->shadows.pairs, f->scene->geometry.item_count)};
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
     struct gpu_shadow_maps *maps = slice.data;
     if (!maps) return; /* the frame fails */
@@ -211,10 +211,10 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
 }
 
 static void counted(fnl_renderer *r, uint32_t slot) {
-    const struct frame_counts *counts = r->counts[slot].mapped;
-    for (uint32_t i = 0; i < r->slot_views[slot]; i++) {
+    const struct frame_counts *counts = r->slots.counts[slot].mapped;
+    for (uint32_t i = 0; i < r->slots.views[slot]; i++) {
         const struct gpu_shadow_counts *c = &counts[i].shadows;
-        if ((c->drawn | c->evicted | c->pairs) == 0) r->views.data[i].shadows.settled = r->slot_frames[slot];
+        if ((c->drawn | c->evicted | c->pairs) == 0) r->views.data[i].shadows.settled = r->slots.frames[slot];
     }
 }
 
@@ -247,12 +247,12 @@ static const struct counter counters[] = {
 
 enum { PAIRS_START = 1 << 19, PAIRS_LIMIT = 1 << 28 };
 
-static void init(fnl_renderer *r) { r->shadow_pairs = PAIRS_START; }
+static void init(fnl_renderer *r) { r->shadows.pairs = PAIRS_START; }
 
 /* Pages without room are drawn in the next frame. */
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 20, (uint64_t)PAIRS_START);
-    if (needed > r->shadow_pairs) r->shadow_pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)PAIRS_LIMIT));
+    if (needed > r->shadows.pairs) r->shadows.pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)PAIRS_LIMIT));
 }
 
 static void forget(fnl_renderer *r) {
