@@ -27,7 +27,7 @@ float contact_visibility(lighting_block l, uint light, shadowed_point p, vec3 to
     vec3 from = p.position + p.normal * pixel; // off the surface that the depth image shows there
     vec4 begin = v.view.world_to_clip * vec4(from, 1.0), end = v.view.world_to_clip * vec4(from + to_light * reach, 1.0);
     if (!(begin.w > 0.0)) return 1.0;
-    if (!(end.w > v.view.near_distance * 0.5)) end = begin; // it passes the viewer: of unknown length on the screen
+    if (v.view.orthographic == 0.0 && !(end.w > v.view.near_distance * 0.5)) end = begin; // it passes the viewer: of unknown length on the screen
     vec2 crossed = (end.xy / end.w - begin.xy / begin.w) * 0.5 * vec2(v.view.size);
     uint steps = clamp(uint(length(crossed)), CONTACT_STEPS_LEAST, CONTACT_STEPS_MOST);
     float shift = source_turn(l, light, p.position);

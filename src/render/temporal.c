@@ -31,7 +31,7 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const fnl_frame *a = &s->frame, *b = f->frame;
     vec3 background = f->r->scene->background;
     return !f->scene->moved && s->uploads == f->r->device_scene->upload_count && s->light_version == f->r->scene->light_version && s->shadow_requests == f->r->scene->shadow_requests &&
-           s->decal_version == f->r->scene->decal_version &&
+           s->decal_version == f->r->scene->decal_version && s->view.mask == view->mask &&
            memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
            memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&
            a->background == b->background && a->background_blur == b->background_blur && a->transparency == b->transparency && a->transmission_layers == b->transmission_layers && a->decals == b->decals && a->light_lod == b->light_lod;

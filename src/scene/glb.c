@@ -122,8 +122,8 @@ void glb_set_name(struct glb *g, json_t *object, const char *name, const char *e
 
 void glb_set_extra(struct glb *g, json_t *object, const char *name, json_t *value) {
     json_t *extras = json_object_get(object, "extras");
-    if (extras && !json_is_object(extras)) glb_left_out(g, "extras that are no object");
     if (json_is_object(value) ? json_object_size(value) > 0 : value != NULL) {
+        if (extras && !json_is_object(extras)) glb_left_out(g, "extras that are no object");
         glb_set(g, glb_object(g, object, "extras"), name, value);
         return;
     }

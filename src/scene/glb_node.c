@@ -209,6 +209,13 @@ static bool is_added(const struct glb *g, uint32_t index) {
     return !g->scene->nodes.data[index].removed && (!g->file || index >= g->file->nodes.count);
 }
 
+/* In place of what the node's extras said. */
+static void write_masks(struct glb *g, json_t *object, const struct scene_node *node) {
+    glb_set_extra(g, object, "FNL_view_mask", node->unseen ? json_integer(255 & ~node->unseen) : NULL);
+    glb_set_extra(g, object, "FNL_light_mask", node->unlit ? json_integer(255 & ~node->unlit) : NULL);
+    if (node->refuses) glb_set(g, glb_extension(g, object, "FNL_decal"), "receiverMask", json_integer(255 & ~node->refuses));
+}
+
 /* Instances as nodes of their own: decomposed they would not be the same to the bit. */
 static void add_instances(struct glb *g, json_t *object, const struct scene_node *node) {
     json_t *children = glb_array(g, object, "children");
@@ -216,6 +223,7 @@ static void add_instances(struct glb *g, json_t *object, const struct scene_node
         json_t *instance = json_object();
         glb_set(g, instance, "mesh", json_integer((json_int_t)glb_mesh(g, node->mesh)));
         if (!is_identity(&node->instances[i])) glb_set(g, instance, "matrix", glb_floats(node->instances[i].m, 16));
+        write_masks(g, instance, node);
         glb_append(g, children, json_integer((json_int_t)glb_add(g, "nodes", instance)));
     }
 }
@@ -244,9 +252,7 @@ static void write_node(struct glb *g, json_t *object, uint32_t index) {
     for (uint32_t i = 0; i < g->scene->cameras.count; i++)
         if (g->scene->cameras.data[i].node == index) glb_set(g, object, "camera", json_integer((json_int_t)camera_of(g, &g->scene->cameras.data[i])));
     if (node->hidden) glb_set(g, glb_extension(g, object, "KHR_node_visibility"), "visible", json_false());
-    if (node->unseen) glb_set_extra(g, object, "FNL_view_mask", json_integer(255 & ~node->unseen));
-    if (node->unlit) glb_set_extra(g, object, "FNL_light_mask", json_integer(255 & ~node->unlit));
-    if (node->refuses) glb_set(g, glb_extension(g, object, "FNL_decal"), "receiverMask", json_integer(255 & ~node->refuses));
+    write_masks(g, object, node);
 }
 
 static void link_children(struct glb *g, uint32_t index) {

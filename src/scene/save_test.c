@@ -25,7 +25,7 @@ static int make_folder(void **state) {
 
 static int remove_folder(void **state) {
     UNUSED(state);
-    static const char *const names[] = {"saved.glb", "a.gltf", "a.bin", "b.bin", "a.png", "a.hdr"};
+    static const char *const names[] = {"saved.glb", "a.gltf", "masks.gltf", "a.bin", "b.bin", "a.png", "a.hdr"};
     char path[96];
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
@@ -588,6 +588,45 @@ static void test_what_was_added_to_a_file(void **state) {
     fnl_scene_destroy(&again);
 }
 
+/* Masks of a file that was loaded into a scene: those of instances, and one that was taken back. */
+static void test_masks_of_what_was_added(void **state) {
+    UNUSED(state);
+    static const char text[] = "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\"buffers\":[{\"byteLength\":36,"
+                               "\"uri\":\"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+                               "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
+                               "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+                               "\"nodes\":[{\"mesh\":0,\"extras\":{\"FNL_light_mask\":0,\"FNL_view_mask\":3},\"extensions\":{\"EXT_mesh_gpu_instancing\":"
+                               "{\"attributes\":{\"TRANSLATION\":0}}}},{\"mesh\":0,\"name\":\"freed\",\"extras\":{\"FNL_light_mask\":4,\"x\":1}}]}";
+    write_text("masks.gltf", text);
+    fnl_scene *scene, *again;
+    fnl_loaded loaded;
+    const fnl_host host = fnl_host_default();
+    assert_int_equal(fnl_scene_create(&host, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0}, in_folder("masks.gltf"), NULL, &loaded), FNL_OK);
+    assert_true(scene->has_light_masks); /* a mask of 0 counts although all lights have 255 */
+    for (uint32_t i = 0; i < scene->nodes.count; i++)
+        if (scene->nodes.data[i].name && strcmp(scene->nodes.data[i].name, "freed") == 0)
+            assert_int_equal(fnl_scene_set_instance_light_mask(scene, (fnl_instance_id){i, scene->nodes.data[i].generation}, 255), FNL_OK);
+    save(scene);
+    json_decref(validate(false));
+    again = load(saved);
+    uint32_t instances = 0, freed = 0;
+    for (uint32_t i = 0; i < again->nodes.count; i++) {
+        const struct scene_node *node = &again->nodes.data[i];
+        if (node->mesh == SCENE_NONE) continue;
+        const bool is_freed = node->name && strcmp(node->name, "freed") == 0;
+        freed += is_freed;
+        instances += is_freed ? 0 : node->instance_count ? node->instance_count : 1;
+        assert_int_equal(node->unlit, is_freed ? 0 : 255);
+        assert_int_equal(node->unseen, is_freed ? 0 : 252);
+        if (is_freed) assert_string_equal(node->extras, "{\"x\":1}");
+    }
+    assert_int_equal(instances, 3);
+    assert_int_equal(freed, 1);
+    fnl_scene_destroy(&scene);
+    fnl_scene_destroy(&again);
+}
+
 /* ---- surroundings ---- */
 
 static void test_environments(void **state) {
@@ -782,6 +821,7 @@ int main(void) {
         cmocka_unit_test(test_dangling_references_stay_so),
         cmocka_unit_test(test_changes_are_patched_in),
         cmocka_unit_test(test_what_was_added_to_a_file),
+        cmocka_unit_test(test_masks_of_what_was_added),
         cmocka_unit_test(test_environments),
         cmocka_unit_test(test_probes),
         cmocka_unit_test(test_errors_leave_no_file),

@@ -381,6 +381,7 @@ void scene_use_light_mask(fnl_scene *scene, uint32_t mask) {
 }
 
 void scene_set_light_mask(fnl_scene *scene, uint32_t index, uint32_t mask) {
+    scene_use_light_mask(scene, mask ? 255 : 0); /* every other mask meets a light's 255 */
     scene->nodes.data[index].unlit = (uint8_t)~mask;
     scene_node_edited(scene, index);
 }

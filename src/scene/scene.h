@@ -438,7 +438,7 @@ struct fnl_scene {
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
     bool has_rectangles;              /* some light was a rectangle at some time */
-    bool has_light_masks;             /* some light or probe had another mask than 255, or another contact_scale than 1, at some time */
+    bool has_light_masks;             /* at some time a light or probe had another mask than 255, a light another contact_scale than 1, or an instance the light mask 0 */
     bool has_requested;               /* some light's shadow maps were drawn on request at some time */
     uint32_t shadow_requests;         /* numbers of requests that were given */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */

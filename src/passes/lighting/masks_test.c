@@ -148,6 +148,14 @@ static void test_instances_lack_the_lights_of_other_masks(void **state) {
     close_world(&w);
 }
 
+static bool is_coarse(fnl_shading shading) {
+    return shading == FNL_SHADING_COARSE || shading == FNL_SHADING_LOW_RES || shading == FNL_SHADING_INFERRED || shading == FNL_SHADING_MOBILE ||
+           shading == FNL_SHADING_VIRTUAL_TEXTURING || shading == FNL_SHADING_TEXTURING;
+}
+
+static float tolerance_of(fnl_shading shading) { return is_coarse(shading) ? 0.25f : 0.05f; }
+static uint32_t allowed_of(fnl_shading shading) { return WIDTH * HEIGHT / (is_coarse(shading) ? 20 : 50); }
+
 /* Paths that store surfaces, or shade without access to the item, draw masked instances forward: equal within rounding. */
 static void test_every_path_heeds_masks(void **state) {
     UNUSED(state);
@@ -157,11 +165,55 @@ static void test_every_path_heeds_masks(void **state) {
         frame.shading = shading;
         frame.lists = FNL_LISTS_CLUSTERED;
         if (!fnl_shading_supports(shading, frame.lists, 1)) continue;
-        const bool coarse = shading == FNL_SHADING_COARSE || shading == FNL_SHADING_LOW_RES || shading == FNL_SHADING_INFERRED || shading == FNL_SHADING_MOBILE ||
-                            shading == FNL_SHADING_VIRTUAL_TEXTURING || shading == FNL_SHADING_TEXTURING;
-        expect_masked(&w, &frame, coarse ? 0.25f : 0.05f, WIDTH * HEIGHT / (coarse ? 20 : 50));
+        expect_masked(&w, &frame, tolerance_of(shading), allowed_of(shading));
     }
     close_world(&w);
+}
+
+/* A mask of 0, of an instance or of all lights, is as if the lights were off: along every path, whatever other masks are. */
+static void test_masks_of_zero_meet_none(void **state) {
+    UNUSED(state);
+    for (fnl_shading shading = 0; shading < FNL_SHADING_AUTO; shading++) {
+        if (!fnl_shading_supports(shading, FNL_LISTS_CLUSTERED, 1)) continue;
+        struct stage stage = stage_open("builtin:spheres?lights=20", 0); /* without masks so far */
+        stage.frame.width = WIDTH;
+        stage.frame.height = HEIGHT;
+        fnl_frame frame = stage.frame;
+        frame.shading = shading;
+        const uint32_t instances = fnl_scene_count(stage.scene, FNL_ENTITY_INSTANCE), lights = fnl_scene_count(stage.scene, FNL_ENTITY_LIGHT);
+        struct shot lit = stage_shoot(&stage, &frame), none[2], off[2];
+        for (uint32_t way = 0; way < 2; way++) {
+            for (uint32_t i = 0; i < instances; i++) {
+                fnl_entity_info info;
+                assert_int_equal(fnl_scene_query_entity(stage.scene, FNL_ENTITY_INSTANCE, i, &info), FNL_OK);
+                assert_int_equal(fnl_scene_set_instance_light_mask(stage.scene, info.id.instance, way ? 255 : 0), FNL_OK);
+            }
+            for (uint32_t i = 0; i < lights && way; i++) {
+                fnl_light_params light;
+                fnl_entity_info info;
+                assert_int_equal(fnl_scene_query_light(stage.scene, i, &light), FNL_OK);
+                assert_int_equal(fnl_scene_query_entity(stage.scene, FNL_ENTITY_LIGHT, i, &info), FNL_OK);
+                light.mask = 0;
+                assert_int_equal(fnl_scene_set_light(stage.scene, info.id.light, &light), FNL_OK);
+            }
+            none[way] = stage_shoot(&stage, &frame);
+        }
+        for (uint32_t i = lights; i-- > 0;) {
+            fnl_entity_info info;
+            assert_int_equal(fnl_scene_query_entity(stage.scene, FNL_ENTITY_LIGHT, i, &info), FNL_OK);
+            assert_int_equal(fnl_scene_remove_light(stage.scene, info.id.light), FNL_OK);
+        }
+        off[1] = stage_shoot(&stage, &frame);
+        frame.shading = FNL_SHADING_FORWARD_PREPASS; /* as many paths draw instances with masks */
+        off[0] = stage_shoot(&stage, &frame);
+        const uint32_t by_instances = MIN(count_off(&none[0].radiance, &off[0].radiance, 0.05f), count_off(&none[0].radiance, &off[1].radiance, 0.05f)),
+                       by_lights = count_off(&none[1].radiance, &off[1].radiance, 0.01f);
+        if (by_instances > WIDTH * HEIGHT / 50 || by_lights > 0)
+            fail_msg("%s: %u pixels are lit with instances of mask 0, %u with lights of mask 0", fnl_value_name(FNL_ENUM_SHADING, shading), by_instances, by_lights);
+        assert_true(count_off(&lit.radiance, &off[1].radiance, 1) > 1000);
+        shot_free(&lit), shot_free(&off[0]), shot_free(&off[1]), shot_free(&none[0]), shot_free(&none[1]);
+        stage_close(&stage);
+    }
 }
 
 /* Instances cast shadows even of lights that do not affect them. */
@@ -322,6 +374,28 @@ static void test_instances_out_of_view_cast_shadows(void **state) {
     stage_close(&stage);
 }
 
+/* A settled view whose mask changes shows surfaces for which no shadow map was drawn yet. */
+static void test_shadows_follow_the_mask_of_a_still_view(void **state) {
+    UNUSED(state);
+    enum { FRAMES = 6 };
+    struct shot shots[2];
+    for (uint32_t way = 0; way < 2; way++) { /* with the mask at the end, and from the start */
+        struct stage stage = stage_open("builtin:spheres?lights=20", 0);
+        stage.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+        stage.frame.shadows = FNL_SHADOWS_MAPS;
+        part_instances(stage.scene, true);
+        fnl_frame frame = stage.frame;
+        for (uint32_t i = 0; i < 2 * FRAMES; i++) {
+            frame.camera.view_mask = way || i >= FRAMES ? 1 : 4; /* 4: no instance */
+            assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+        }
+        shots[way] = stage_shoot(&stage, &frame);
+        stage_close(&stage);
+    }
+    assert_int_equal(count_differing(&shots[0].radiance, &shots[1].radiance), 0);
+    shot_free(&shots[0]), shot_free(&shots[1]);
+}
+
 /* Views of one frame, drawn at once or as eyes, show what each would alone. */
 static void test_views_have_masks_of_their_own(void **state) {
     UNUSED(state);
@@ -391,11 +465,13 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_instances_lack_the_lights_of_other_masks, harness_check),
         cmocka_unit_test_teardown(test_every_path_heeds_masks, harness_check),
+        cmocka_unit_test_teardown(test_masks_of_zero_meet_none, harness_check),
         cmocka_unit_test_teardown(test_masked_instances_cast_shadows, harness_check),
         cmocka_unit_test_teardown(test_paths_agree_on_glass, harness_check),
         cmocka_unit_test_teardown(test_unused_masks_cost_nothing, harness_check),
         cmocka_unit_test_teardown(test_cameras_show_what_their_mask_meets, harness_check),
         cmocka_unit_test_teardown(test_instances_out_of_view_cast_shadows, harness_check),
+        cmocka_unit_test_teardown(test_shadows_follow_the_mask_of_a_still_view, harness_check),
         cmocka_unit_test_teardown(test_views_have_masks_of_their_own, harness_check),
         cmocka_unit_test_teardown(test_traced_cameras_have_masks, harness_check),
     };

@@ -36,6 +36,7 @@ void main() {
         gl_FragDepth = place;
         return;
     }
+    if (!light_meets(lights_of(push.head.lighting), light, LIGHT_MASK_ALL)) discard; // surfaces with masks are drawn forward
     vec3 to_light;
     vec3 position = gbuffer_position(v, pixel, view_depth_of(v, depth));
     float strength = light_strength(lights_of(push.head.lighting), light, position, to_light);
