@@ -94,7 +94,7 @@ static void load_node(struct gltf *g, json_t *object, const struct at *at, uint3
     gltf_mask(g, object, at, "FNL_light_mask", &lights);
     gltf_mask(g, object, at, "FNL_view_mask", &views);
     node->unlit = (uint8_t)~lights;
-    scene_use_light_mask(g->scene, lights ? 255 : 0);
+    scene_use_light_masks(g->scene, lights == 0);
     node->unseen = (uint8_t)~views;
 }
 

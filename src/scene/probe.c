@@ -40,7 +40,7 @@ bool scene_has_reflections(const fnl_scene *scene) {
 uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params) {
     struct scene_probe probe = {.params = *params, .generation = scene_take_generation(scene), .version = ++scene->probe_version};
     probe.params.rotation = quat_normalize(params->rotation);
-    scene_use_light_mask(scene, params->mask);
+    scene_use_light_masks(scene, params->mask != 255);
     uint32_t index = scene->probes.count;
     if (scene->free_probes.count > 0)
         scene->probes.data[index = scene->free_probes.data[--scene->free_probes.count]] = probe;
@@ -74,7 +74,7 @@ fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id id, const fnl_prob
     probe->params = *params;
     probe->params.rotation = quat_normalize(params->rotation);
     probe->version = ++scene->probe_version;
-    scene_use_light_mask(scene, params->mask);
+    scene_use_light_masks(scene, params->mask != 255);
     return FNL_OK;
 }
 

@@ -678,7 +678,7 @@ static void test_probes(void **state) {
     box.capture.y = 0.2f;
     box.wall = 0.01f, box.softness = 2, box.blend = 0.7f, box.intensity = 0.1f;
     box.face_size = 64, box.priority = -3;
-    box.shadows = false, box.reflection = true;
+    box.shadows = false, box.reflection = true, box.mask = 5;
     assert_int_equal(fnl_scene_add_probe(scene, &box, &first), FNL_OK);
     assert_int_equal(fnl_scene_add_probe(scene, &usual, &second), FNL_OK);
     save(scene);
@@ -687,7 +687,13 @@ static void test_probes(void **state) {
     fnl_scene_query_probe(scene, 0, &box); /* as it is kept */
     fnl_scene_query_probe(again, 0, &p);
     assert_memory_equal(&p.centre, &box.centre, 13 * sizeof(float));
-    assert_true(p.wall == box.wall && p.softness == 2 && p.blend == 0.7f && p.intensity == 0.1f && p.face_size == 64 && p.priority == -3 && !p.shadows && p.reflection);
+    assert_true(p.wall == box.wall && p.softness == 2 && p.blend == 0.7f && p.intensity == 0.1f && p.face_size == 64 && p.priority == -3 && p.mask == 5 && !p.shadows && p.reflection);
+    fnl_scene *host; /* a merged probe's mask counts as one that was added */
+    fnl_loaded loaded;
+    assert_int_equal(fnl_scene_create(&again->host, &host), FNL_OK);
+    assert_int_equal(fnl_scene_load_into(host, (fnl_instance_id){0}, saved, NULL, &loaded), FNL_OK);
+    assert_true(host->has_light_masks);
+    fnl_scene_destroy(&host);
     assert_int_equal(fnl_scene_remove_probe(again, entity(again, FNL_ENTITY_PROBE, 0).id.probe), FNL_OK);
     assert_int_equal(fnl_scene_remove_probe(again, entity(again, FNL_ENTITY_PROBE, 0).id.probe), FNL_OK);
     save(again);

@@ -374,14 +374,14 @@ void scene_set_view_mask(fnl_scene *scene, uint32_t index, uint32_t mask) {
     scene_node_edited(scene, index);
 }
 
-void scene_use_light_mask(fnl_scene *scene, uint32_t mask) {
-    if (mask == 255 || scene->has_light_masks) return;
+void scene_use_light_masks(fnl_scene *scene, bool used) {
+    if (!used || scene->has_light_masks) return;
     scene->has_light_masks = true;
     scene_structure_changed(scene); /* instances that lack bits are drawn apart from now on */
 }
 
 void scene_set_light_mask(fnl_scene *scene, uint32_t index, uint32_t mask) {
-    scene_use_light_mask(scene, mask ? 255 : 0); /* every other mask meets a light's 255 */
+    scene_use_light_masks(scene, mask == 0); /* any other mask shares a bit with a light's 255 */
     scene->nodes.data[index].unlit = (uint8_t)~mask;
     scene_node_edited(scene, index);
 }

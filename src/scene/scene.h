@@ -438,7 +438,7 @@ struct fnl_scene {
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
     bool has_rectangles;              /* some light was a rectangle at some time */
-    bool has_light_masks;             /* at some time a light or probe had another mask than 255, a light another contact_scale than 1, or an instance the light mask 0 */
+    bool has_light_masks;             /* at some time a light or probe had a mask other than 255, a light a contact_scale other than 1, or an instance the light mask 0 */
     bool has_requested;               /* some light's shadow maps were drawn on request at some time */
     uint32_t shadow_requests;         /* numbers of requests that were given */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
@@ -528,8 +528,8 @@ void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *nodes, const mat4
 void scene_set_receivers(fnl_scene *scene, uint32_t node, uint32_t receivers);
 /** Which cameras show it. */
 void scene_set_view_mask(fnl_scene *scene, uint32_t node, uint32_t mask);
-/** Notes the mask of a light or probe. */
-void scene_use_light_mask(fnl_scene *scene, uint32_t mask);
+/** Sets has_light_masks if `used`; it is never unset. */
+void scene_use_light_masks(fnl_scene *scene, bool used);
 /** Which lights affect it. */
 void scene_set_light_mask(fnl_scene *scene, uint32_t node, uint32_t mask);
 /** Finds out which nodes of a tree are active. */

@@ -89,7 +89,7 @@ static void place_light(fnl_scene *scene, uint32_t index) {
     struct scene_light *light = &scene->lights.data[index];
     bool directional = light->params.kind == FNL_LIGHT_DIRECTIONAL;
     scene->has_rectangles |= light->params.kind == FNL_LIGHT_RECTANGLE;
-    scene_use_light_mask(scene, light->params.contact_scale == 1 ? light->params.mask : 0);
+    scene_use_light_masks(scene, light->params.mask != 255 || light->params.contact_scale != 1);
     scene->has_requested |= light->params.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     list_sun(scene, index, directional && scene_light_shines(light));
     bool local = !directional && scene_light_shines(light);

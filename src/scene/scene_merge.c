@@ -235,7 +235,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     move_properties(into, &at);
     append_decals(into, from, &at);
     append_probes(into, from, &at);
-    scene_use_light_mask(into, from->has_light_masks ? 0 : 255);
+    scene_use_light_masks(into, from->has_light_masks);
     append_words(into, from);
     scene_materials_changed(into);
     arena_adopt(&into->arena, &from->arena);

@@ -42,7 +42,7 @@ struct device_node {
     uint32_t first_instance, instance_count;
     uint32_t first_vertex, vertex_count; /* of its own, where it deforms */
     uint32_t first_primitive;            /* of its own; SCENE_NONE: it does not deform */
-    bool mirrored, masked;               /* its draws were sorted as those of a mirrored node, of one with a light mask */
+    bool mirrored, masked;               /* its draws were sorted as those of a mirrored node; of a node with a light mask */
     bool fresh;                          /* its instances are not sent yet */
 };
 
