@@ -32,20 +32,11 @@ static void tell_of_lists(struct frame_state *f) {
                     fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 
-fnl_result decals_send(struct frame_state *f) {
-    if (!is_on(f)) return FNL_OK;
-    tell_of_lists(f);
-    return device_decals_add(f->r->device_scene, f->graph, &f->decals.buffers);
-}
-
-fnl_result decals_begin(struct frame_state *f) {
-    if (!is_on(f)) return FNL_OK;
-    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_decal_set));
-    if (!slice.data) return gpu_status(f->r->device);
-    f->decals.set = slice.data;
-    f->decals.set_address = slice.address;
-    f->view.decals = (uvec2){(uint32_t)slice.address, (uint32_t)(slice.address >> 32)};
-    return FNL_OK;
+/* Sends changed decals. */
+static fnl_result begin_frame(struct frame_state *shared) {
+    if (!is_on(shared)) return FNL_OK;
+    tell_of_lists(shared);
+    return device_decals_add(shared->r->device_scene, shared->graph, &shared->decals.buffers);
 }
 
 /* As for the clusters of lights: slices reach as far as the scene does. */
@@ -105,8 +96,15 @@ static void add_list(struct frame_state *f) {
     geometry->feature_buffers[5] = d->list.spare;
 }
 
-fnl_result decals_add_list(struct frame_state *f) {
+/* The list over their boxes, and what the shaders of the scene do for them. */
+static fnl_result begin_view(struct frame_state *f) {
     if (!is_on(f)) return FNL_OK;
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_decal_set));
+    if (!slice.data) return gpu_status(f->r->device);
+    f->decals.set = slice.data;
+    f->decals.set_address = slice.address;
+    f->view.decals = (uvec2){(uint32_t)slice.address, (uint32_t)(slice.address >> 32)};
+    graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     graph_push_names(f->graph, "decals");
     add_list(f);
     graph_pop_names(f->graph);
@@ -194,4 +192,4 @@ static void grow(fnl_renderer *r, const struct frame_counts *counts) {
     if (needed > r->decals.capacity) r->decals.capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
 }
 
-const struct frame_step step_decals = {.name = "decals", .init = init, .grow = grow, .counters = counters, .counter_count = COUNT_OF(counters)};
+const struct frame_step step_decals = {.name = "decals", .init = init, .begin_frame = begin_frame, .begin_view = begin_view, .grow = grow, .counters = counters, .counter_count = COUNT_OF(counters)};

@@ -5,12 +5,6 @@
 
 #include "render/frame_state.h"
 
-/** Sends changed decals, once for all views. */
-fnl_result decals_send(struct frame_state *f);
-/** Makes the place of the decals' set known to the view; before the view is sent. */
-fnl_result decals_begin(struct frame_state *f);
-/** The list over their boxes, and what the shaders of the scene do for them. After the view was sent, before anything is drawn. */
-fnl_result decals_add_list(struct frame_state *f);
 /** Whether a later pass applies boxes and volumes to the G-buffer. */
 bool decals_in_gbuffer(const struct frame_state *f);
 

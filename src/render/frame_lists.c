@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Light lists in a frame: users, inputs and pool sizes. */
+#include "passes/lights/sprites.h"
 #include "render/orders/order.h"
 #include "render/step.h"
 #include "render/stereo.h"
@@ -36,12 +37,23 @@ static void grow(fnl_renderer *r, const struct frame_counts *counts) {
 
 static void forget(fnl_renderer *r) { r->lists.shared.world.version = r->lists.shared.grid2d.version = UINT64_MAX; }
 
-static void finish(fnl_renderer *r) {
+/* Small lights fade. */
+static fnl_result begin_view(struct frame_state *f) {
+    struct device_scene_user *user = &f->r->scene_user;
+    const float lod = f->frame->light_lod;
+    graph_set_role(f->graph, GRAPH_ROLE_LISTS);
+    TRY(device_lights_fade(user, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
+    f->whole_lights = f->lighting.lights;
+    if (lod > 0) light_fade_add(f->graph, f->r->device, f->view_address, &f->lighting.lights, &user->faded_lights, &user->faded_bounds, lod);
+    return FNL_OK;
+}
+
+static void destroy(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->views.count; i++) lists_finish(&r->views.data[i].lists, r->device);
     lists_shared_finish(&r->lists.shared, r->device);
 }
 
-const struct frame_step step_lists = {.name = "lists", .init = init, .check = check, .forget = forget, .grow = grow, .finish = finish};
+const struct frame_step step_lists = {.name = "lists", .init = init, .check = check, .begin_view = begin_view, .forget = forget, .grow = grow, .destroy = destroy};
 
 /* ---- lists of a view ---- */
 

@@ -67,7 +67,6 @@ struct frame_state {
     const struct frame_state *mono;         /* of an eye: the view of what is far away (mono.c), or NULL */
     const struct frame_state *eyes;         /* of such a view: whose it is, eye_count of them; else NULL */
     uint32_t eye_count;
-    bool drawn;                             /* with other views: shading_take_layer() */
     uint32_t first_draws;                   /* draw calls of what was drawn before lists; of several views at once the first view has them */
     graph_image radiance, depth;
     uint32_t opaque_draws;    /* draw calls of the opaque set without a prepass: of one draw unless the order says more */
@@ -75,7 +74,6 @@ struct frame_state {
     struct gbuffer gbuffer;                 /* depth id 0: none */
     struct lighting lighting;               /* without a list: what lights the view, as far as it is known yet */
     struct light_set whole_lights;          /* before small ones were faded */
-    bool shadowed;                          /* shadows_add() has been called */
     graph_image shadow_depth;               /* drawn only for shadows; id 0: it is not */
     struct rays rays;                       /* of items at least, where maps are drawn; address 0: there are none */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */

@@ -29,17 +29,17 @@ fnl_result inspect_prepare(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-static void finish(fnl_renderer *r) {
+static void destroy(fnl_renderer *r) {
     gpu_buffer_destroy(r->device, &r->pixel.answer);
     array_free(&r->host, &r->pixel.suns);
     array_free(&r->host, &r->pixel.lights);
 }
 
-const struct frame_step step_inspect = {.name = "inspect", .check = check, .finish = finish};
-
-void inspect_declare(struct frame_state *f) {
+/* If the view is the one that is asked. */
+static void finish_view(struct frame_state *f) {
     const fnl_pixel_query *query = &f->frame->pixel;
     if (!query->asked || query->view != f->view_index) return;
+    graph_set_role(f->graph, GRAPH_ROLE_REST);
     graph_push_names(f->graph, "pixel");
     const struct lighting whole = order_add_fallback_lists(f);
     const bool volumes = frame_is(f->frame, SHADING_VOLUMES);
@@ -61,6 +61,8 @@ void inspect_declare(struct frame_state *f) {
     graph_use_buffer(host, graph_import_buffer(f->graph, "pixel", &f->r->pixel.answer), GRAPH_READ_HOST);
     graph_pop_names(f->graph);
 }
+
+const struct frame_step step_inspect = {.name = "inspect", .check = check, .finish_view = finish_view, .destroy = destroy};
 
 /* ---- the answer ---- */
 

@@ -7,7 +7,4 @@
 
 /** Before a frame that asks: where its answer goes, and what has to be known later of the lights as they are now. */
 fnl_result inspect_prepare(fnl_renderer *r, const fnl_frame *frame);
-/** Declares it, if the view is the one that is asked. After the frame's lists. */
-void inspect_declare(struct frame_state *f);
-
 #endif

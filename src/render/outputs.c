@@ -3,6 +3,7 @@
 #include "passes/post/post.h"
 #include "render/frame_steps.h"
 #include "render/shading.h"
+#include "render/step.h"
 
 static const char *const output_names[OUTPUT_COUNT] = {"read color",  "read radiance", "read surface",
                                                        "read normal", "read position", "read motion", "read objects"};
@@ -20,7 +21,7 @@ static void execute_read_image(const struct graph_context *context, const void *
 }
 
 /* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
-void frame_add_outputs(struct frame_state *f) {
+static void add_outputs(struct frame_state *f) {
     graph_image images[OUTPUT_COUNT] = {f->color,      f->radiance,     f->aov.albedo,
                                         f->aov.normal, f->aov.position, f->temporal.motion,
                                         f->objects};
@@ -70,7 +71,7 @@ static void execute_counts(const struct graph_context *context, const void *data
 }
 
 /* Exact counts of this very frame: those of every frame, and what its steps have counted. */
-void frame_add_counts(struct frame_state *f) {
+static void add_counts(struct frame_state *f) {
     uint64_t items = f->scene->geometry.item_count * 4ull;
     COUNTERS_COPY(f, f->draws.sums, items, visible_items);
     COUNTERS_COPY(f, f->lights.list.totals, 0, lights);
@@ -103,7 +104,7 @@ void frame_add_counts(struct frame_state *f) {
 }
 
 /* What is known before the GPU has run. */
-void frame_note_stats(struct frame_state *f) {
+static void note_stats(struct frame_state *f) {
     const struct geometry_scene *scene = &f->scene->geometry;
     struct renderer_view *kept = f->kept;
     fnl_frame_stats *s = &kept->stats;
@@ -128,3 +129,39 @@ void frame_note_stats(struct frame_state *f) {
     kept->totals_known = f->lights.list.totals_known;
     kept->known_totals = f->lights.list.known;
 }
+
+void outputs_add_counts(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_READ);
+    add_counts(f);
+    note_stats(f);
+}
+
+/* ---- the steps ---- */
+
+static fnl_result name_objects(struct frame_state *shared) {
+    const struct device_scene *d = shared->r->device_scene;
+    if (!(shared->frame->outputs & FNL_OUTPUT_OBJECT)) return FNL_OK;
+    struct gpu_slice slice = gpu_frame_allocate(shared->r->device, d->item_count * sizeof(struct device_object));
+    if (!slice.data) return gpu_status(shared->r->device);
+    shared->object_table = slice.address;
+    return device_items_name(d, slice.data);
+}
+
+static void draw_surfaces(struct frame_state *f) {
+    const fnl_frame *frame = f->frame;
+    graph_set_role(f->graph, GRAPH_ROLE_REST);
+    if (frame_shows_surfaces(frame)) f->aov = aov_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
+    if (frame->outputs & FNL_OUTPUT_OBJECT)
+        f->objects = objects_add(f->graph, f->r->device, &f->scene->geometry, &f->draws, f->view_address, f->object_table, frame->width, frame->height);
+}
+
+/* What outputs and debug views show of the nearest surface of each pixel. */
+const struct frame_step step_surfaces = {.name = "surfaces", .begin_frame = name_objects, .light_view = draw_surfaces};
+
+static void finish_view(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_READ);
+    add_outputs(f);
+    outputs_add_counts(f);
+}
+
+const struct frame_step step_outputs = {.name = "outputs", .finish_view = finish_view};

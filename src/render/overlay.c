@@ -74,11 +74,11 @@ fnl_result overlay_prepare(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-static void finish(fnl_renderer *r) {
+static void destroy(fnl_renderer *r) {
     for (uint32_t i = 0; i < FNL_OVERLAY_IMAGES_MAX; i++) drop(r, &r->overlays[i]);
 }
 
-const struct frame_step step_overlay = {.name = "overlay", .check = check, .finish = finish};
+const struct frame_step step_overlay = {.name = "overlay", .check = check, .destroy = destroy};
 
 void overlay_draw(struct frame_state *f) {
     const struct picture picture = frame_picture(f);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/** From radiance to the picture, or to a debug view in its place. */
+/** From radiance to the picture, or to a debug view in its place: exposure and picture. */
 #include "passes/aa/morphological.h"
 #include "passes/post/overlay.h"
 #include "passes/post/post.h"
 #include "render/debug_views.h"
 #include "render/frame_steps.h"
 #include "render/overlay.h"
+#include "render/step.h"
 
 bool frame_shows_surfaces(const fnl_frame *frame) {
     return debug_views_need_surfaces(frame) ||
@@ -27,7 +28,7 @@ static void add_picture(struct frame_state *f) {
     if (f->frame->aa == FNL_ANTIALIASING_SMAA) f->color = smaa_add(f->graph, f->color, &shapes);
 }
 
-void frame_add_picture(struct frame_state *f) {
+static void finish_picture(struct frame_state *f) {
     add_picture(f);
     if (f->target) {
         const struct gpu_extent size = frame_target_size(f->target);
@@ -60,7 +61,7 @@ static void add_target_depth(struct frame_state *f, const struct gpu_image_copy 
     graph_use_image(pass, copy.to, GRAPH_COPY_TO);
 }
 
-void frame_add_target(struct frame_state *f) {
+static void add_target(struct frame_state *f) {
     const fnl_vulkan_part *part = &f->target->part;
     struct copy_image_data copy = {
         f->color, graph_import_image(f->graph, f->target->image, f->target->initial_layout, f->target->final_layout),
@@ -75,3 +76,28 @@ void frame_add_target(struct frame_state *f) {
     graph_use_image(pass, copy.to, GRAPH_COPY_TO);
     if (f->target->depth) add_target_depth(f, &copy.copy);
 }
+
+/* ---- the steps ---- */
+
+static bool wants_color(const struct frame_state *f) { return f->target || (f->frame->outputs & FNL_OUTPUT_COLOR); }
+
+static void expose(struct frame_state *views, uint32_t count) {
+    graph_set_role(views->graph, GRAPH_ROLE_REST);
+    graph_image radiance[GROUP_MOST] = {{0}}, depth[GROUP_MOST] = {{0}};
+    const fnl_frame *frame = views->frame;
+    if (frame->exposure != FNL_EXPOSURE_AUTO || !(wants_color(views) || frame->aa == FNL_ANTIALIASING_TAA)) return;
+    for (uint32_t i = 0; i < count; i++) radiance[i] = views[i].radiance, depth[i] = views[i].depth;
+    views->exposure = exposure_add(views->graph, radiance, depth, count);
+    for (uint32_t i = 1; i < count; i++) views[i].exposure = views->exposure;
+}
+
+/* One for all views that are lit together. */
+const struct frame_step step_exposure = {.name = "exposure", .end_light = expose};
+
+static void finish_view(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_REST);
+    if (wants_color(f)) finish_picture(f);
+    if (f->target) add_target(f);
+}
+
+const struct frame_step step_picture = {.name = "picture", .finish_view = finish_view};

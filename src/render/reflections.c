@@ -178,7 +178,8 @@ static void face_cameras(const fnl_probe_params *params, fnl_camera *out) {
     }
 }
 
-void reflections_take_face(struct frame_state *f) {
+/* In a frame that captures: what the view has seen becomes a face. */
+static void finish_view(struct frame_state *f) {
     fnl_renderer *r = f->r;
     if (!r->capture.owner) return;
     struct renderer_reflections *p = &r->capture.owner->reflections;
@@ -243,7 +244,7 @@ fnl_result reflections_capture(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-static void finish(fnl_renderer *r) {
+static void destroy(fnl_renderer *r) {
     struct renderer_reflections *p = &r->reflections;
     fnl_renderer_destroy(&p->capturer);
     for (uint32_t i = 0; i < p->list.count; i++) release(r->device, &p->list.data[i]);
@@ -257,9 +258,7 @@ static void finish(fnl_renderer *r) {
 
 /* ---- in the frame ---- */
 
-fnl_result reflections_begin(struct frame_state *f) {
-    const struct renderer_reflections *p = reflections_of(f->r);
-    if (p->list.count == 0) return FNL_OK;
+static fnl_result send_set(struct frame_state *f, const struct renderer_reflections *p) {
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_reflection_set));
     if (!slice.data) return gpu_status(f->r->device);
     const struct gpu_sampler_params smooth = {.mag = VK_FILTER_LINEAR,
@@ -318,15 +317,18 @@ static void gather_diffuse(struct frame_state *f, struct renderer_reflections *p
 
 static void forget(fnl_renderer *r) { reflections_of(r)->gathered = false; }
 
-void reflections_add_list(struct frame_state *f) {
+/* The list over the boxes, and what passes that shade use. */
+static fnl_result begin_view(struct frame_state *f) {
     struct renderer_reflections *p = reflections_of(f->r);
+    if (p->list.count == 0) return FNL_OK;
+    TRY(send_set(f, p));
     struct environment_reflections *out = &f->lighting.environment.reflections;
-    if (!out->set) return;
+    graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     out->reflections = graph_import_buffer(f->graph, "reflection probes", &p->probes.buffer);
     out->bounds = graph_import_buffer(f->graph, "reflection bounds", &p->bounds.buffer);
     out->diffuse = graph_import_buffer(f->graph, "probe light", &p->diffuse);
     gather_diffuse(f, p, out->diffuse);
-    if (p->list.count <= DIRECT) return;
+    if (p->list.count <= DIRECT) return FNL_OK;
     const struct light_input input = {.set = {.buffer = out->bounds, .entities = p->bounds.buffer.address, .local_count = p->list.count},
                                       .kinds = 1u << GPU_ENTITY_PROBE,
                                       .view = f->view_address,
@@ -344,11 +346,12 @@ void reflections_add_list(struct frame_state *f) {
     out->ids = list.ids;
     out->spare = list.spare;
     COUNTERS_COPY(f, list.totals, 0, reflections);
+    return FNL_OK;
 }
 
 /* ---- numbers ---- */
 
-void reflections_note(struct frame_state *f) {
+static void light_view(struct frame_state *f) {
     const struct renderer_reflections *p = &f->r->reflections;
     if (f->r->capture.owner || p->list.count == 0) return;
     uint64_t bytes = 0;
@@ -369,5 +372,12 @@ static const struct counter counters[] = {
      COUNTED(reflections.entries)},
 };
 
-const struct frame_step step_reflections = {
-    .name = "reflections", .prepare = prepare, .forget = forget, .finish = finish, .counters = counters, .counter_count = COUNT_OF(counters)};
+const struct frame_step step_reflections = {.name = "reflections",
+                                            .prepare = prepare,
+                                            .begin_view = begin_view,
+                                            .light_view = light_view,
+                                            .finish_view = finish_view,
+                                            .forget = forget,
+                                            .destroy = destroy,
+                                            .counters = counters,
+                                            .counter_count = COUNT_OF(counters)};

@@ -157,7 +157,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     graph_destroy(&r->graph);
     graph_destroy(&r->dry.graph);
     device_scene_close(&r->scene_user);
-    steps_finish(r);
+    steps_destroy(r);
     for (uint32_t i = 0; i < r->views.count; i++) {
         struct renderer_view *view = &r->views.data[i];
         gpu_buffer_destroy(r->device, &view->draws);

@@ -3,8 +3,6 @@
 #include "render/decals.h"
 #include "render/mono.h"
 #include "render/orders/order.h"
-#include "render/reflections.h"
-#include "render/shadows.h"
 #include "render/stereo.h"
 #include "render/step.h"
 
@@ -185,7 +183,6 @@ void shading_draw(struct frame_state *f) {
 }
 
 void shading_take_layer(struct frame_state *f, const struct frame_state *together, uint32_t layer) {
-    f->drawn = true;
     f->first_draws = layer ? 0 : together->first_draws;
     f->radiance = graph_image_layer(f->graph, together->radiance, layer);
     f->depth = graph_image_layer(f->graph, together->depth, layer);
@@ -262,13 +259,11 @@ static void note_environment(struct frame_state *f) {
     counters_note(f, "environment.cached", d->environment_made == DEVICE_ENVIRONMENT_KEPT);
 }
 
-void shading_add(struct frame_state *f) {
+/* Everything between what is drawn first and the picture: lists, opaque surfaces, sprites, blended surfaces. */
+static void light_view(struct frame_state *f) {
     const struct order *order = shading_order(f->frame->shading);
-    reflections_note(f);
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
     note_environment(f);
-    if (!f->drawn) shading_draw(f);
-    if (!f->shadowed) shadows_add(f);
     graph_set_role(f->graph, GRAPH_ROLE_GEOMETRY);
     const struct shade_input input = input_of(f);
     struct shade_input opaque = input;
@@ -419,18 +414,19 @@ static void grow(fnl_renderer *r, const struct frame_counts *counts) {
         if (shading_order((fnl_shading)i)->grow) shading_order((fnl_shading)i)->grow(r, counts);
 }
 
-static void finish(fnl_renderer *r) {
+static void destroy(fnl_renderer *r) {
     for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
-        if (shading_order((fnl_shading)i)->finish) shading_order((fnl_shading)i)->finish(r);
+        if (shading_order((fnl_shading)i)->destroy) shading_order((fnl_shading)i)->destroy(r);
 }
 
 const struct frame_step step_shading = {.name = "shading",
                                         .init = init,
                                         .check = check,
                                         .prepare = prepare,
+                                        .light_view = light_view,
                                         .submitted = submitted,
                                         .forget = forget,
                                         .grow = grow,
-                                        .finish = finish,
+                                        .destroy = destroy,
                                         .counters = counters,
                                         .counter_count = COUNT_OF(counters)};

@@ -23,14 +23,11 @@ VkFormat shading_format(const struct frame_state *f);
 /** Fills in what of f->shared depends on the order, before it is sent. */
 void shading_begin(struct frame_state *f);
 /**
- * Draws what needs no lists, with f->draws, which may be of several views: then targets have a layer for each. shading_add() does it where it
- * was not done before.
+ * Draws what needs no lists, with f->draws, which may be of several views: then targets have a layer for each. Makes f->radiance and f->depth.
  */
 void shading_draw(struct frame_state *f);
 /** The view takes its layer of what was drawn for several, of which it is one. */
 void shading_take_layer(struct frame_state *f, const struct frame_state *together, uint32_t layer);
-/** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
-void shading_add(struct frame_state *f);
 /** Sets the pools that start with a frame's size. */
 void shading_prepare_pools(fnl_renderer *r, uint64_t pixels);
 

@@ -85,16 +85,17 @@ fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct 
     return method->prepare_view ? method->prepare_view(r, frame, view) : FNL_OK;
 }
 
-void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene) {
-    if (shared->frame->shadows == FNL_SHADOWS_OFF) return;
+static fnl_result begin_frame(struct frame_state *shared) {
+    if (shared->frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
     const struct device_rays_use use = rays_use_of(shared->r, shared->frame);
     graph_set_role(shared->graph, GRAPH_ROLE_SHADOWS);
-    shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &scene->geometry, use);
+    shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &shared->scene->geometry, use);
     if (use.trees || use.query) shared->lighting.shadows.rays = shared->rays;
     const struct shadow_method *method = shadow_method(shared->frame->shadows);
     if (method->begin) method->begin(shared);
     if (shared->frame->shadow.samples > 1) shared->lighting.shadows.bits |= GPU_LIGHTING_SOFT;
     if (shared->frame->shadow.filter != FNL_SHADOW_FILTER_HARD) shared->lighting.shadows.bits |= GPU_LIGHTING_FILTERED;
+    return FNL_OK;
 }
 
 /* ---- auto ---- */
@@ -130,19 +131,17 @@ static void note_structures(struct frame_state *f) {
     counters_note(f, "shadows.structure-bytes", gpu_memory_stats(f->r->device).structure_bytes);
 }
 
-void shadows_add_display(struct frame_state *views, uint32_t count) {
+/* The maps of the views: lists that are made afterwards cast shadows. The eyes of a display share the maps of the first. */
+static void begin_light(struct frame_state *views, uint32_t count) {
     const struct shadow_method *method = shadow_method(views->frame->shadows);
     for (uint32_t i = 0; i < count; i++) {
         note_structures(&views[i]);
         if (method->begin_view) method->begin_view(&views[i]);
-        views[i].shadowed = true;
     }
     graph_set_role(views->graph, GRAPH_ROLE_SHADOWS);
     if (method->add) method->add(views, count);
     for (uint32_t i = 0; i < count; i++) shadow_contact_add(&views[i]);
 }
-
-void shadows_add(struct frame_state *f) { shadows_add_display(f, 1); }
 
 /* ---- numbers ---- */
 
@@ -199,19 +198,21 @@ static void grow(fnl_renderer *r, const struct frame_counts *counts) {
         if (shadow_method((fnl_shadows)i)->grow) shadow_method((fnl_shadows)i)->grow(r, counts);
 }
 
-static void finish(fnl_renderer *r) {
+static void destroy(fnl_renderer *r) {
     for (int i = 0; i < FNL_SHADOWS_AUTO; i++)
-        if (shadow_method((fnl_shadows)i)->finish) shadow_method((fnl_shadows)i)->finish(r);
+        if (shadow_method((fnl_shadows)i)->destroy) shadow_method((fnl_shadows)i)->destroy(r);
 }
 
 const struct frame_step step_shadows = {.name = "shadows",
                                         .init = init,
                                         .check = check,
                                         .prepare = prepare,
+                                        .begin_frame = begin_frame,
+                                        .begin_light = begin_light,
                                         .counted = counted,
                                         .submitted = submitted,
                                         .forget = forget,
                                         .grow = grow,
-                                        .finish = finish,
+                                        .destroy = destroy,
                                         .counters = counters,
                                         .counter_count = COUNT_OF(counters)};

@@ -11,11 +11,4 @@ void shadows_settle(const fnl_renderer *r, fnl_frame *frame);
 bool shadows_timed(const fnl_frame *frame);
 /** What lasts longer than the frame, for one more view. */
 fnl_result shadows_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view);
-/** What all views of a frame share. */
-void shadows_begin(struct frame_state *shared, struct device_scene_frame *scene);
-/** The maps of a view: lists that are made afterwards cast shadows. After what is drawn before lists, before lists. */
-void shadows_add(struct frame_state *f);
-/** The same of the eyes of a display, which share the maps of the first. All have been drawn. */
-void shadows_add_display(struct frame_state *views, uint32_t count);
-
 #endif

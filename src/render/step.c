@@ -28,6 +28,38 @@ void steps_counted(fnl_renderer *r, uint32_t slot) {
         if (steps[i]->counted) steps[i]->counted(r, slot);
 }
 
+fnl_result steps_begin_frame(struct frame_state *shared) {
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
+        if (steps[i]->begin_frame) TRY(steps[i]->begin_frame(shared));
+    return FNL_OK;
+}
+
+fnl_result steps_begin_view(struct frame_state *f) {
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
+        if (steps[i]->begin_view) TRY(steps[i]->begin_view(f));
+    return FNL_OK;
+}
+
+void steps_begin_light(struct frame_state *views, uint32_t count) {
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
+        if (steps[i]->begin_light) steps[i]->begin_light(views, count);
+}
+
+void steps_light_view(struct frame_state *f) {
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
+        if (steps[i]->light_view) steps[i]->light_view(f);
+}
+
+void steps_end_light(struct frame_state *views, uint32_t count) {
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
+        if (steps[i]->end_light) steps[i]->end_light(views, count);
+}
+
+void steps_finish_view(struct frame_state *f) {
+    for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
+        if (steps[i]->finish_view) steps[i]->finish_view(f);
+}
+
 void steps_submitted(fnl_renderer *r, const fnl_frame *frame) {
     for (uint32_t i = 0; i < FRAME_STEP_COUNT; i++)
         if (steps[i]->submitted) steps[i]->submitted(r, frame);
@@ -43,7 +75,7 @@ void steps_grow(fnl_renderer *r, const struct frame_counts *counts) {
         if (steps[i]->grow) steps[i]->grow(r, counts);
 }
 
-void steps_finish(fnl_renderer *r) {
+void steps_destroy(fnl_renderer *r) {
     for (uint32_t i = FRAME_STEP_COUNT; i-- > 0;)
-        if (steps[i]->finish) steps[i]->finish(r);
+        if (steps[i]->destroy) steps[i]->destroy(r);
 }

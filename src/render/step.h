@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * The steps of a frame, one row each, at the end of the step's file. frame.c declares their work in order. Each
- * shading path has its own row (orders/order.h), called by the step `shading`.
+ * The steps of a frame, one row each, at the end of the step's file. A frame calls each hook of all rows, in their order,
+ * before it calls the next hook. Each shading path has its own row (orders/order.h), called by the step `shading`, and each
+ * shadow method (shadows/method.h), called by the step `shadows`.
  */
 #ifndef FNL_RENDER_STEP_H
 #define FNL_RENDER_STEP_H
@@ -9,6 +10,8 @@
 #include "base/check.h"
 #include "fanal/renderer.h"
 #include "render/counters.h"
+
+struct frame_state;
 
 /** Members that a step does not need are NULL. */
 struct frame_step {
@@ -21,6 +24,22 @@ struct frame_step {
     fnl_result (*prepare)(fnl_renderer *r, const fnl_frame *frame);
     /** Inside a frame, after `grow`: what the last frame of a slot counted is known (fnl_renderer.counts). */
     void (*counted)(fnl_renderer *r, uint32_t slot);
+    /*
+     * Declare work of a frame, in this order. A view of what is far away (frame_state.eyes) begins and is lit like any other; its eyes show it,
+     * so it has no exposure and is not finished.
+     */
+    /** Once, before any view: what all views share. `shared` is what each of them starts from. */
+    fnl_result (*begin_frame)(struct frame_state *shared);
+    /** Each view, before anything is drawn for it. Its camera is known; hooks may add to `f->view`. */
+    fnl_result (*begin_view)(struct frame_state *f);
+    /** Drawn, but not lit: what `count` views have in common, the eyes of a display and what is far from them, or one view. */
+    void (*begin_light)(struct frame_state *views, uint32_t count);
+    /** Each view: fills f->radiance, or looks at what is drawn. */
+    void (*light_view)(struct frame_state *f);
+    /** Lit: what `count` views have in common. */
+    void (*end_light)(struct frame_state *views, uint32_t count);
+    /** Each view: from radiance to pictures and numbers. */
+    void (*finish_view)(struct frame_state *f);
     /** After submission: later frames may rely on what this frame made. */
     void (*submitted)(fnl_renderer *r, const fnl_frame *frame);
     /** After a failed frame: drops state the device may not have. */
@@ -28,15 +47,15 @@ struct frame_step {
     /** Grows pools by the counts of an earlier view. */
     void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
     /** Frees the step's state. Nothing is in flight. */
-    void (*finish)(fnl_renderer *r);
+    void (*destroy)(fnl_renderer *r);
     const struct counter *counters;
     uint32_t counter_count;
 };
 
 /** In the order of a frame. */
 #define FRAME_STEPS(ROW)                                                                                                                                        \
-    ROW(reflections) ROW(decals) ROW(temporal) ROW(lists) ROW(culling) ROW(stereo) ROW(mono) ROW(shadows) ROW(shading) ROW(debug_views) ROW(inspect) \
-        ROW(overlay)
+    ROW(decals) ROW(reflections) ROW(lists) ROW(culling) ROW(stereo) ROW(mono) ROW(shadows) ROW(shading) ROW(surfaces) ROW(exposure) ROW(temporal) \
+    ROW(debug_views) ROW(overlay) ROW(picture) ROW(inspect) ROW(outputs)
 #define DECLARE_FRAME_STEP(name) extern const struct frame_step step_##name;
 FRAME_STEPS(DECLARE_FRAME_STEP)
 #define COUNT_FRAME_STEP(name) +1
@@ -45,15 +64,21 @@ enum { FRAME_STEP_COUNT = 0 FRAME_STEPS(COUNT_FRAME_STEP) };
 /** The row at a place, in the order of a frame. */
 const struct frame_step *frame_step_at(uint32_t index);
 
-/* Each calls all rows in frame order; forget and finish in reverse. */
+/* Each calls all rows in frame order; forget and destroy in reverse. */
 
 void steps_init(fnl_renderer *r);
 fnl_result steps_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
 fnl_result steps_prepare(fnl_renderer *r, const fnl_frame *frame);
 void steps_counted(fnl_renderer *r, uint32_t slot);
+fnl_result steps_begin_frame(struct frame_state *shared);
+fnl_result steps_begin_view(struct frame_state *f);
+void steps_begin_light(struct frame_state *views, uint32_t count);
+void steps_light_view(struct frame_state *f);
+void steps_end_light(struct frame_state *views, uint32_t count);
+void steps_finish_view(struct frame_state *f);
 void steps_submitted(fnl_renderer *r, const fnl_frame *frame);
 void steps_forget(fnl_renderer *r);
 void steps_grow(fnl_renderer *r, const struct frame_counts *counts);
-void steps_finish(fnl_renderer *r);
+void steps_destroy(fnl_renderer *r);
 
 #endif

@@ -34,6 +34,7 @@ void stereo_cull(struct frame_state *f) {
         frame_cull(f);
         return;
     }
+    graph_set_role(f->graph, GRAPH_ROLE_GEOMETRY);
     if (!display->draws.sums.id) display->draws = cull_items_add(f->graph, "cull", &f->scene->geometry, display->near_address ? display->near_address : display->head_address, NULL);
     f->draws = display->draws;
     cull_sort_add(f->graph, &f->scene->geometry, f->view_address, &f->draws);

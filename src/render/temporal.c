@@ -86,7 +86,8 @@ static void add_motion(struct frame_state *f, graph_image depth) {
 
 void temporal_add_motion(struct frame_state *f) { add_motion(f, f->depth); }
 
-void temporal_add(struct frame_state *f) {
+/* Motion vectors; with temporal antialiasing f->radiance becomes what was collected. */
+static void collect(struct frame_state *f) {
     struct frame_temporal *t = &f->temporal;
     const fnl_frame *frame = f->frame;
     if (!temporal_needs_motion(frame)) return;
@@ -106,7 +107,9 @@ void temporal_add(struct frame_state *f) {
     f->radiance = taa_add(f->graph, f->radiance, &params);
 }
 
-void temporal_end(struct frame_state *f) {
+static void finish_view(struct frame_state *f) {
+    graph_set_role(f->graph, GRAPH_ROLE_REST);
+    collect(f);
     f->kept->temporal = (struct temporal_state){.valid = true,
                                                 .view = f->temporal.view,
                                                 .jitter = f->temporal.jitter,
@@ -132,4 +135,4 @@ static void forget(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
 }
 
-const struct frame_step step_temporal = {.name = "temporal", .check = check, .forget = forget};
+const struct frame_step step_temporal = {.name = "temporal", .check = check, .finish_view = finish_view, .forget = forget};

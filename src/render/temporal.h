@@ -13,9 +13,4 @@ void temporal_begin(struct frame_state *f);
 fnl_camera frame_camera(const struct frame_state *f);
 /** Motion vectors, with f->depth, for what needs them before the frame is shaded; fills f->temporal.motion. */
 void temporal_add_motion(struct frame_state *f);
-/** After shading: motion vectors, and with temporal antialiasing f->radiance becomes what was collected. */
-void temporal_add(struct frame_state *f);
-/** Once the frame is declared. */
-void temporal_end(struct frame_state *f);
-
 #endif

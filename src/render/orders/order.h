@@ -38,7 +38,7 @@ struct order {
     void (*submitted)(fnl_renderer *r);
     void (*forget)(fnl_renderer *r);
     void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
-    void (*finish)(fnl_renderer *r);
+    void (*destroy)(fnl_renderer *r);
 };
 
 /** All orders: FNL_SHADING_… and the row order_…. */

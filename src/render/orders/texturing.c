@@ -37,7 +37,7 @@ static fnl_result prepare_virtual(fnl_renderer *r, const fnl_frame *frame) {
 
 static void forget_virtual(fnl_renderer *r) { r->shading.atlas.version = UINT64_MAX; }
 static void submitted_virtual(fnl_renderer *r) { r->shading.atlas.fresh = false; }
-static void finish_virtual(fnl_renderer *r) { virtual_destroy(r->device, &r->shading.atlas); }
+static void destroy_virtual(fnl_renderer *r) { virtual_destroy(r->device, &r->shading.atlas); }
 
 /* The first frame draws the geometry once more, to know which pages it wants; later ones have what the frame before wanted. */
 static void add_virtual(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -100,5 +100,5 @@ const struct order order_virtual_texturing = {.traits = TRAITS | SHADING_LAYERS,
                                               .counter_count = COUNT_OF(virtual_counters),
                                               .init = forget_virtual,
                                               .forget = forget_virtual,
-                                              .finish = finish_virtual,
+                                              .destroy = destroy_virtual,
                                               .submitted = submitted_virtual};

@@ -230,7 +230,7 @@ static void submitted(fnl_renderer *r, const fnl_frame *frame) {
     for (uint32_t i = 0; i < r->probes.list.count; i++) r->probes.list.data[i].key = key_of(r, &r->probes.list.data[i]);
 }
 
-static void finish(fnl_renderer *r) {
+static void destroy(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->probes.list.count; i++) gpu_image_destroy(r->device, &r->probes.list.data[i].image);
     gpu_buffer_destroy(r->device, &r->probes.moving.buffer);
     array_free(&r->host, &r->probes.moving.sent);
@@ -287,7 +287,7 @@ const struct shadow_method shadow_method_cubemap = {.traits = SHADOWS_RAYS | SHA
                                                     .captured_as = FNL_SHADOWS_CUBEMAP,
                                                     .prepare = prepare,
                                                     .submitted = submitted,
-                                                    .finish = finish,
+                                                    .destroy = destroy,
                                                     .begin = begin,
                                                     .begin_view = begin_view,
                                                     .counters = counters,

@@ -262,7 +262,7 @@ static void forget(fnl_renderer *r) {
     }
 }
 
-static void finish(fnl_renderer *r) {
+static void destroy(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->views.count; i++) {
         shadow_state_finish(r->device, &r->views.data[i].shadows.pages);
         gpu_buffer_destroy(r->device, &r->views.data[i].shadows.kept);
@@ -275,7 +275,7 @@ const struct shadow_method shadow_method_maps = {.traits = SHADOWS_MAPS | SHADOW
                                                  .counted = counted,
                                                  .forget = forget,
                                                  .grow = grow,
-                                                 .finish = finish,
+                                                 .destroy = destroy,
                                                  .prepare_view = shadow_maps_prepare_view,
                                                  .add = shadow_maps_add,
                                                  .counters = counters,

@@ -21,7 +21,7 @@ struct shadow_method {
     void (*submitted)(fnl_renderer *r, const fnl_frame *frame);
     void (*forget)(fnl_renderer *r);
     void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
-    void (*finish)(fnl_renderer *r);
+    void (*destroy)(fnl_renderer *r);
     /* Only for frames that use this method: prepares what outlives the frame, for one view. The eyes of a display share the first view's. */
     fnl_result (*prepare_view)(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view);
     /* Whether the times of the frame's passes are wanted. */
