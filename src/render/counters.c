@@ -8,16 +8,33 @@
 
 uint32_t counters_total(void) {
     uint32_t count = 0, shadings;
-    for (uint32_t t = 0; t < counter_table_count(); t++) count += counter_table_at(t, &shadings).count;
+    for (uint32_t t = 0; t < counter_table_count(); t++) {
+        const struct counter_table *table = counter_table_at(t, &shadings);
+        count += table ? table->row_count : 0;
+    }
     return count;
 }
+
+uint64_t counters_place(const struct counter_table *table) {
+    uint64_t place = 0;
+    uint32_t shadings;
+    for (uint32_t t = 0; t < counter_table_count(); t++) {
+        const struct counter_table *before = counter_table_at(t, &shadings);
+        if (!before) continue;
+        if (before == table) break;
+        place += before->counts_size;
+    }
+    return place;
+}
+
+uint64_t counters_size(void) { return counters_place(NULL); }
 
 static const struct counter *find(const char *key) {
     uint32_t shadings;
     for (uint32_t t = 0; t < counter_table_count(); t++) {
-        struct counter_table table = counter_table_at(t, &shadings);
-        for (uint32_t i = 0; i < table.count; i++)
-            if (strcmp(table.rows[i].key, key) == 0) return &table.rows[i];
+        const struct counter_table *table = counter_table_at(t, &shadings);
+        for (uint32_t i = 0; table && i < table->row_count; i++)
+            if (strcmp(table->rows[i].key, key) == 0) return &table->rows[i];
     }
     return NULL;
 }
@@ -35,12 +52,13 @@ bool fnl_counter_query(uint32_t index, fnl_counter *out) {
     uint32_t shadings;
     if (check_handle(__func__, "out", out) != FNL_OK) return false;
     for (uint32_t t = 0; t < counter_table_count(); t++) {
-        struct counter_table table = counter_table_at(t, &shadings);
-        if (index < table.count) {
-            *out = describe(&table.rows[index], shadings);
+        const struct counter_table *table = counter_table_at(t, &shadings);
+        if (!table) continue;
+        if (index < table->row_count) {
+            *out = describe(&table->rows[index], shadings);
             return true;
         }
-        index -= table.count;
+        index -= table->row_count;
     }
     return false;
 }
@@ -106,15 +124,16 @@ static bool has_needs(const fnl_frame *frame, const char *needs) {
     return strcmp(value, "off") != 0 && strcmp(value, "0") != 0;
 }
 
-static bool query(const struct counted *counted, const struct counter *row, uint64_t *out) {
+static bool query(const struct counted *counted, const struct counter_table *table, const struct counter *row, uint64_t *out) {
     bool has_note = noted(counted, row, out);
     if (!has_needs(counted->frame, row->needs)) return false;
     if (row->find) return row->find(counted, out);
     if (row->size == 0) return has_note;
-    if (!counters_copied(counted, row->offset)) return false;
+    const uint64_t place = counters_place(table) + row->offset;
+    if (!counters_copied(counted, place)) return false;
     for (uint32_t i = 0; i < row->size; i += 4) {
         uint32_t word;
-        memcpy(&word, (const char *)counted->counts + row->offset + i, sizeof word);
+        memcpy(&word, (const char *)counted->counts + place + i, sizeof word);
         *out += word;
     }
     return true;
@@ -124,10 +143,10 @@ uint32_t counters_query(const struct counted *counted, fnl_counter *out) {
     uint32_t count = 0, shadings;
     uint64_t value;
     for (uint32_t t = 0; t < counter_table_count(); t++) {
-        struct counter_table table = counter_table_at(t, &shadings);
-        for (uint32_t i = 0; i < table.count && shadings >> counted->frame->shading & 1; i++) {
-            if (!query(counted, &table.rows[i], &value)) continue;
-            out[count] = describe(&table.rows[i], shadings);
+        const struct counter_table *table = counter_table_at(t, &shadings);
+        for (uint32_t i = 0; table && i < table->row_count && shadings >> counted->frame->shading & 1; i++) {
+            if (!query(counted, table, &table->rows[i], &value)) continue;
+            out[count] = describe(&table->rows[i], shadings);
             out[count++].value = value;
         }
     }

@@ -12,7 +12,7 @@
 
 struct fnl_renderer;
 struct renderer_view;
-struct frame_counts;
+struct frame_counts; /* what the GPU writes for the CPU in each view of a frame, for all tables: see COUNTS; what a frame does not count is 0 */
 struct view_counters;
 
 /** A view of a frame that the device has finished. */
@@ -32,16 +32,24 @@ struct counter {
     const char *key, *unit, *help;
     const char *needs; /* as in fnl_counter; NULL: nothing */
     fnl_counter_kind kind;
-    /* The 32-bit words in struct frame_counts whose sum it is. Size 0: see above. */
+    /* The 32-bit words of the table's part of struct frame_counts whose sum it is. Size 0: see above. */
     uint32_t offset, size;
     /* Changes `value`, which is what was noted, or 0; false: the frame does not have the number. */
     bool (*find)(const struct counted *counted, uint64_t *value);
 };
-#define COUNTED(member) COUNTED_SUM(member, sizeof(((struct frame_counts *)0)->member) / 4)
+#define COUNTED(table, member) COUNTED_SUM(table, member, sizeof(((struct table##_counts *)0)->member) / 4)
 /** The words from `member` on. */
-#define COUNTED_SUM(member, words) .offset = offsetof(struct frame_counts, member), .size = 4 * (words)
+#define COUNTED_SUM(table, member, words) .offset = offsetof(struct table##_counts, member), .size = 4 * (words)
 /** By counters_note() alone. */
 #define NOTED .size = 0
+
+/** The numbers of a technique, `const struct counter_table counters_NAME`. The GPU writes struct NAME_counts for them, 32-bit words. */
+struct counter_table {
+    const struct counter *rows;
+    uint32_t row_count, counts_size;
+};
+#define COUNTER_TABLE(rows_) {.rows = rows_, .row_count = COUNT_OF(rows_)}
+#define COUNTER_TABLE_COUNTED(rows_, table) {.rows = rows_, .row_count = COUNT_OF(rows_), .counts_size = sizeof(struct table##_counts)}
 
 enum { COUNTERS_COPIES = 24, COUNTERS_NOTES = 24 };
 
@@ -58,28 +66,31 @@ struct view_counters {
     uint32_t copy_count, note_count;
 };
 
-/** When the frame is over, `buffer` holds a member of the view's struct frame_counts at this offset. Does nothing without a buffer (id 0). */
-#define COUNTERS_COPY(f, buffer, from_offset, member)                                                                       \
-    counters_copy(&(f)->r->host, &(f)->kept->numbers, buffer, from_offset, offsetof(struct frame_counts, member), sizeof(((struct frame_counts *)0)->member))
+/** Copies a member of struct NAME_counts from there when the frame is over. Does nothing without a buffer (id 0). */
+#define COUNTERS_COPY(f, buffer, from_offset, table, member)                                                                                  \
+    counters_copy(&(f)->r->host, &(f)->kept->numbers, buffer, from_offset, counters_place(&counters_##table) + offsetof(struct table##_counts, member), \
+                  sizeof(((struct table##_counts *)0)->member))
 void counters_copy(const fnl_host *host, struct view_counters *c, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size);
 /** A number that the CPU knows; or the part of it that it knows, for counter.find. */
 #define counters_note(f, key, value) counters_note_in(&(f)->r->host, &(f)->kept->numbers, key, value)
 void counters_note_in(const fnl_host *host, struct view_counters *c, const char *key, uint64_t value);
 
-/** For counter.find: whether the frame copied what stands at this offset of struct frame_counts. */
-#define COUNTED_HAS(counted, member) counters_copied(counted, offsetof(struct frame_counts, member))
+/** A table's part of what the GPU wrote for a view. */
+#define COUNTS(counts, table) ((const struct table##_counts *)counters_part(counts, counters_place(&counters_##table)))
+static inline const void *counters_part(const struct frame_counts *counts, uint64_t place) { return (const char *)counts + place; }
+/** For counter.find: whether the frame copied a member. */
+#define COUNTED_HAS(counted, table, member) counters_copied(counted, counters_place(&counters_##table) + offsetof(struct table##_counts, member))
 bool counters_copied(const struct counted *counted, uint64_t offset);
 
 /**
- * The table at an index: steps first, then shading paths. The first of several paths that share a table returns it; `out_shadings` gets the bits of all.
- * Count 0: no table.
+ * The table at an index: of steps, shadow methods, then shading paths. The first of several paths that share a table has it; `out_shadings` gets the bits
+ * of all. NULL: no table.
  */
-struct counter_table {
-    const struct counter *rows;
-    uint32_t count;
-};
-struct counter_table counter_table_at(uint32_t index, uint32_t *out_shadings);
+const struct counter_table *counter_table_at(uint32_t index, uint32_t *out_shadings);
 uint32_t counter_table_count(void);
+/** Where a table's part of struct frame_counts begins, and what all have together; bytes. */
+uint64_t counters_place(const struct counter_table *table);
+uint64_t counters_size(void);
 
 /** The number of rows of all techniques. */
 uint32_t counters_total(void);

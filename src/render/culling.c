@@ -79,22 +79,29 @@ static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_fram
 }
 
 /* Pools of clusters and triangles grow as far as the scene can fill them. */
-static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+static void enlarge(fnl_renderer *r, uint32_t clusters, uint32_t triangles) {
     const struct device_scene *d = r->device_scene;
     if (renderer_tests(r).cluster_limit) return;
     const uint64_t limit = MAX(gpu_info(r->device)->memory_bytes / 128, (uint64_t)CLUSTER_POOL_START);
-    const uint64_t clusters = MIN(MAX(CLUSTER_POOL_START, counts->clusters.clusters + counts->clusters.clusters / 4ull), limit);
-    uint64_t triangles = MIN(MAX(TRIANGLE_POOL_START, counts->clusters.triangles + counts->clusters.triangles / 4ull), limit);
-    triangles = MIN(triangles, (UINT32_MAX - (uint64_t)d->index_count) / 3);
-    r->culling.cluster_capacity = (uint32_t)MAX(MIN(clusters, d->cluster_count), (uint64_t)r->culling.cluster_capacity);
-    r->culling.triangle_capacity = (uint32_t)MAX(MIN(triangles, d->triangle_count), (uint64_t)r->culling.triangle_capacity);
+    const uint64_t cluster_room = MIN(MAX(CLUSTER_POOL_START, clusters + clusters / 4ull), limit);
+    uint64_t triangle_room = MIN(MAX(TRIANGLE_POOL_START, triangles + triangles / 4ull), limit);
+    triangle_room = MIN(triangle_room, (UINT32_MAX - (uint64_t)d->index_count) / 3);
+    r->culling.cluster_capacity = (uint32_t)MAX(MIN(cluster_room, d->cluster_count), (uint64_t)r->culling.cluster_capacity);
+    r->culling.triangle_capacity = (uint32_t)MAX(MIN(triangle_room, d->triangle_count), (uint64_t)r->culling.triangle_capacity);
+}
+
+static void grow(fnl_renderer *r, const struct frame_counts *counts) {
+    const struct gpu_cluster_totals *c = &COUNTS(counts, culling)->clusters;
+    enlarge(r, c->clusters, c->triangles);
 }
 
 static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->culling == FNL_CULLING_INSTANCES || r->device_scene->triangle_count == 0) return FNL_OK;
-    if (r->culling.triangle_capacity == 0) grow(r, &(struct frame_counts){0}); /* the scene's size is known now */
+    if (r->culling.triangle_capacity == 0) enlarge(r, 0, 0); /* the scene's size is known now */
     if (r->culling.meshes) return FNL_OK;
     return device_scene_reserve_triangles(&r->scene_user, r->culling.triangle_capacity, frame->view_count > 0 ? MAX(frame->stereo.eyes, 1u) : 1);
 }
 
-const struct frame_step step_culling = {.name = "culling", .check = check, .prepare = prepare, .grow = grow};
+const struct counter_table counters_culling = {.counts_size = sizeof(struct culling_counts)};
+
+const struct frame_step step_culling = {.name = "culling", .check = check, .prepare = prepare, .grow = grow, .counters = &counters_culling};

@@ -9,6 +9,13 @@
 #include "render/surfaces.h"
 #include "render/traits.h"
 
+/* Of the list, and of the way of the G-buffer. */
+struct decals_counts {
+    struct light_totals list;
+    struct decals_gbuffer_totals gbuffer;
+};
+static const struct counter_table counters_decals;
+
 static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene->decals; }
 static bool is_on(const struct frame_state *f) {
     return f->frame->decals != FNL_DECALS_OFF && decals_of(f)->order.count > 0;
@@ -88,7 +95,7 @@ static void add_list(struct frame_state *f) {
     struct clustered_params params = cluster_params(f);
     d->list = all->count < f->r->decals.tree_from ? clustered_add(f->graph, f->r->device, &input, &d->in_view, &params)
                                             : bvh_add(f->graph, f->r->device, &input, &d->in_view, &params);
-    COUNTERS_COPY(f, d->list.totals, 0, decals);
+    COUNTERS_COPY(f, d->list.totals, 0, decals, list);
     d->set->list = d->list.header;
     geometry->features |= GPU_FEATURE_DECALS;
     geometry->feature_buffers[3] = d->list.cells;
@@ -133,7 +140,7 @@ void decals_on_gbuffer_add(struct frame_state *f, const struct shade_input *inpu
                                           .mip_fix = f->frame->decal_mip_fix,
                                           .pool_capacity = f->r->decals.capacity};
     graph_buffer totals = decals_gbuffer_add(f->graph, f->r->device, input, &decals, gbuffer, f->radiance);
-    COUNTERS_COPY(f, totals, 0, gbuffer_decals);
+    COUNTERS_COPY(f, totals, 0, decals, gbuffer);
 }
 
 bool decals_redraws(const struct frame_state *f) { return is_on(f) && decals_of(f)->draw_count > 0; }
@@ -153,29 +160,31 @@ void decals_redraw(struct frame_state *f, const struct shade_input *input) {
 /* ---- numbers ---- */
 
 /* Decals in lists, or decals over the G-buffer. */
-static bool has_boxes(const struct counted *counted) {
-    return COUNTED_HAS(counted, decals) || COUNTED_HAS(counted, gbuffer_decals);
-}
+static bool has_boxes(const struct counted *counted) { return COUNTED_HAS(counted, decals, list) || COUNTED_HAS(counted, decals, gbuffer); }
 static bool find_in_view(const struct counted *counted, uint64_t *value) {
-    *value = MAX(counted->counts->decals.in_view, counted->counts->gbuffer_decals.in_view);
+    const struct decals_counts *c = COUNTS(counted->counts, decals);
+    *value = MAX(c->list.in_view, c->gbuffer.in_view);
     return has_boxes(counted);
 }
 static bool find_entries(const struct counted *counted, uint64_t *value) {
-    *value = (uint64_t)counted->counts->decals.entries + counted->counts->gbuffer_decals.entries;
+    const struct decals_counts *c = COUNTS(counted->counts, decals);
+    *value = (uint64_t)c->list.entries + c->gbuffer.entries;
     return has_boxes(counted);
 }
 static bool find_overflow(const struct counted *counted, uint64_t *value) {
-    *value = (uint64_t)counted->counts->decals.overflow_cells + counted->counts->gbuffer_decals.overflow_pixels;
+    const struct decals_counts *c = COUNTS(counted->counts, decals);
+    *value = (uint64_t)c->list.overflow_cells + c->gbuffer.overflow_pixels;
     return has_boxes(counted);
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"decals.total", "decals", "decals that are shown, without baked ones", NOTED},
     {"decals.in-view", "decals", "boxes and volumes whose bounds touch the view", .find = find_in_view},
     {"decals.entries", "", "entries of the decal list, or of the tiles of decals over the G-buffer", .find = find_entries},
     {"decals.overflow", "", "cells, or pixels, that tested all decals because the pool was too small",
      .find = find_overflow, .kind = FNL_COUNTER_OVERFLOW},
 };
+static const struct counter_table counters_decals = COUNTER_TABLE_COUNTED(rows, decals);
 
 /* ---- the step ---- */
 
@@ -188,8 +197,9 @@ static void init(fnl_renderer *r) {
 
 /* Entries of the list, or fragments of the G-buffer's way. */
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
-    const uint64_t needed = MAX(counts->decals.entries, counts->gbuffer_decals.entries), limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
+    const struct decals_counts *c = COUNTS(counts, decals);
+    const uint64_t needed = MAX(c->list.entries, c->gbuffer.entries), limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
     if (needed > r->decals.capacity) r->decals.capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
 }
 
-const struct frame_step step_decals = {.name = "decals", .init = init, .begin_frame = begin_frame, .begin_view = begin_view, .grow = grow, .counters = counters, .counter_count = COUNT_OF(counters)};
+const struct frame_step step_decals = {.name = "decals", .init = init, .begin_frame = begin_frame, .begin_view = begin_view, .grow = grow, .counters = &counters_decals};

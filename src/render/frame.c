@@ -48,7 +48,7 @@ static fnl_result begin_view(struct group_state *g, uint32_t i, const struct fra
     f->scene = &f->kept->scene;
     f->kept->numbers = (struct view_counters){0};
     f->view_address = parts->cameras.address + index * sizeof(struct gpu_view);
-    f->counts_offset = index * sizeof(struct frame_counts);
+    f->counts_offset = index * counters_size();
     f->named = frame_view_count(parts->shared.frame) > 1;
     f->display = g->group->is_display && i < g->group->count ? &g->display : NULL;
     push_view(f);

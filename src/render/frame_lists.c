@@ -31,7 +31,8 @@ uint32_t lists_pool_limit(const fnl_renderer *r) { return renderer_tests(r).fixe
  * using all lights.
  */
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
-    const uint64_t needed = MAX(MAX(counts->lights.entries, counts->blend_lights.entries), counts->surface_lights.entries);
+    const struct lists_counts *c = COUNTS(counts, lists);
+    const uint64_t needed = MAX(MAX(c->lights.entries, c->blend_lights.entries), c->surface_lights.entries);
     if (needed > r->lists.pool_capacity) r->lists.pool_capacity = (uint32_t)MIN(needed + needed / 4, pool_limit(r));
 }
 
@@ -53,7 +54,19 @@ static void destroy(fnl_renderer *r) {
     lists_shared_finish(&r->lists.shared, r->device);
 }
 
-const struct frame_step step_lists = {.name = "lists", .init = init, .check = check, .begin_view = begin_view, .forget = forget, .grow = grow, .destroy = destroy};
+static const struct counter rows[] = {
+    {"lights.behind", "lights", "lights in view that are behind the surfaces of every tile they touch", COUNTED(lists, behind), .needs = "lists=backface"},
+};
+const struct counter_table counters_lists = COUNTER_TABLE_COUNTED(rows, lists);
+
+const struct frame_step step_lists = {.name = "lists",
+                                      .init = init,
+                                      .check = check,
+                                      .begin_view = begin_view,
+                                      .forget = forget,
+                                      .grow = grow,
+                                      .destroy = destroy,
+                                      .counters = &counters_lists};
 
 /* ---- lists of a view ---- */
 

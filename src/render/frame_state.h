@@ -6,6 +6,7 @@
 #include "decals_shared.h"
 #include "passes/aa/motion.h"
 #include "passes/dais/dais.h"
+#include "passes/debug/debug.h"
 #include "passes/post/post.h"
 #include "passes/shadow/denoise.h"
 #include "passes/stereo/hidden_area.h"

@@ -3,7 +3,18 @@
 #ifndef FNL_RENDER_FRAME_STEPS_H
 #define FNL_RENDER_FRAME_STEPS_H
 
+#include "passes/geometry/clusters_shared.h"
 #include "render/frame_state.h"
+
+struct culling_counts {
+    uint32_t visible_items, hidden_items;
+    struct gpu_cluster_totals clusters;
+};
+extern const struct counter_table counters_culling;
+struct exposure_counts {
+    float metered[2]; /* factor and EV */
+};
+extern const struct counter_table counters_exposure;
 
 /** Culls the opaque scene: fills f->draws (culling.c). */
 void frame_cull(struct frame_state *f);

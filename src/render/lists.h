@@ -39,6 +39,13 @@ void lists_init(struct lists_state *state, const fnl_host *host);
 /** The device is idle. */
 void lists_finish(struct lists_state *state, gpu_device *device);
 
+/** Of the frame's lists, and of the tiles beside them (lists_add_surfaces()). */
+struct lists_counts {
+    struct light_totals lights, blend_lights, surface_lights;
+    uint32_t behind;
+};
+extern const struct counter_table counters_lists;
+
 /** Entries that the pool of a list may have. */
 uint32_t lists_pool_limit(const struct fnl_renderer *r);
 

@@ -3,6 +3,7 @@
  * Lists and shading of real scenes, looked at from inside: the test declares a frame of its own from the same passes, and
  * reads cells, ids, counters, depths and positions of that very frame.
  */
+#include "passes/debug/debug.h"
 #include "passes/shade/deferred.h"
 #include "tests/list_bench.h"
 

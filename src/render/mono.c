@@ -2,8 +2,15 @@
 #include "render/mono.h"
 
 #include "passes/stereo/mono.h"
+#include "passes/stereo/mono_shared.h"
 #include "render/step.h"
 #include "render/traits.h"
+
+/* passes/stereo/mono_shared.h */
+struct mono_counts {
+    uint32_t pixels[MONO_COUNTS];
+};
+static const struct counter_table counters_mono;
 
 /* ---- what a frame may ask for ---- */
 
@@ -78,7 +85,7 @@ void mono_open(struct frame_state *f) {
     if (f->frame->count_lights) {
         counts = graph_create_buffer(f->graph, "mono counts", 4 * MONO_COUNTS);
         graph_add_clear(f->graph, "mono clear counts", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {counts}});
-        COUNTERS_COPY(f, counts, 0, mono);
+        COUNTERS_COPY(f, counts, 0, mono, pixels);
     }
     f->depth = mono_open_add(f->graph, &eye, f->depth, counts);
     if (f->gbuffer.depth.id) f->gbuffer.depth = f->depth;
@@ -90,10 +97,11 @@ void mono_composite(struct frame_state *f) {
     mono_composite_add(f->graph, &eye, f->mono->radiance, f->mono->depth, f->radiance, f->depth);
 }
 
-static const struct counter counters[] = {
-    {"stereo.pixels", "pixels", "that the view shades: an eye those nearer than stereo.mono-distance, the mono view those beyond it", COUNTED_SUM(mono[MONO_SHADED], 1),
+static const struct counter rows[] = {
+    {"stereo.pixels", "pixels", "that the view shades: an eye those nearer than stereo.mono-distance, the mono view those beyond it", COUNTED_SUM(mono, pixels[MONO_SHADED], 1),
      .needs = "count-lights"},
-    {"stereo.pixels-spared", "pixels", "that it does not: an eye those beyond, sky too, the mono view those for which no eye looks at it", COUNTED_SUM(mono[MONO_SPARED], 1),
+    {"stereo.pixels-spared", "pixels", "that it does not: an eye those beyond, sky too, the mono view those for which no eye looks at it", COUNTED_SUM(mono, pixels[MONO_SPARED], 1),
      .needs = "count-lights"},
 };
-const struct frame_step step_mono = {.name = "mono", .check = check, .counters = counters, .counter_count = COUNT_OF(counters)};
+static const struct counter_table counters_mono = COUNTER_TABLE_COUNTED(rows, mono);
+const struct frame_step step_mono = {.name = "mono", .check = check, .counters = &counters_mono};

@@ -73,13 +73,13 @@ static void execute_counts(const struct graph_context *context, const void *data
 /* Exact counts of this very frame: those of every frame, and what its steps have counted. */
 static void add_counts(struct frame_state *f) {
     uint64_t items = f->scene->geometry.item_count * 4ull;
-    COUNTERS_COPY(f, f->draws.sums, items, visible_items);
-    COUNTERS_COPY(f, f->lights.list.totals, 0, lights);
-    if (f->blend_lights.list.totals.id != f->lights.list.totals.id) COUNTERS_COPY(f, f->blend_lights.list.totals, 0, blend_lights);
-    COUNTERS_COPY(f, f->lights.list.culled, 0, lights_behind);
-    COUNTERS_COPY(f, f->draws.totals, 0, clusters);
-    COUNTERS_COPY(f, f->draws.hidden, items, hidden_items);
-    COUNTERS_COPY(f, f->exposure, 0, exposure);
+    COUNTERS_COPY(f, f->draws.sums, items, culling, visible_items);
+    COUNTERS_COPY(f, f->lights.list.totals, 0, lists, lights);
+    if (f->blend_lights.list.totals.id != f->lights.list.totals.id) COUNTERS_COPY(f, f->blend_lights.list.totals, 0, lists, blend_lights);
+    COUNTERS_COPY(f, f->lights.list.culled, 0, lists, behind);
+    COUNTERS_COPY(f, f->draws.totals, 0, culling, clusters);
+    COUNTERS_COPY(f, f->draws.hidden, items, culling, hidden_items);
+    COUNTERS_COPY(f, f->exposure, 0, exposure, metered);
     struct counts_data data = {
         .counts = graph_import_buffer(f->graph, "frame counts", &f->r->slots.counts[gpu_frame_slot(f->r->device)]),
         .offset = f->counts_offset,

@@ -91,8 +91,10 @@ static void expose(struct frame_state *views, uint32_t count) {
     for (uint32_t i = 1; i < count; i++) views[i].exposure = views->exposure;
 }
 
+const struct counter_table counters_exposure = {.counts_size = sizeof(struct exposure_counts)};
+
 /* One for all views that are lit together. */
-const struct frame_step step_exposure = {.name = "exposure", .end_light = expose};
+const struct frame_step step_exposure = {.name = "exposure", .end_light = expose, .counters = &counters_exposure};
 
 static void finish_view(struct frame_state *f) {
     graph_set_role(f->graph, GRAPH_ROLE_REST);

@@ -7,6 +7,12 @@
 
 enum { FACES = 6, DIRECT = 4 /* so few probes need no list */, DIFFUSE_START = 32 };
 
+/* Of the list over their boxes. */
+struct reflections_counts {
+    struct light_totals list;
+};
+static const struct counter_table counters_reflections;
+
 /* Those that a frame looks up: a renderer that captures has them of the one that it captures for. */
 static struct renderer_reflections *reflections_of(fnl_renderer *r) { return r->capture.owner ? &r->capture.owner->reflections : &r->reflections; }
 
@@ -345,7 +351,7 @@ static fnl_result begin_view(struct frame_state *f) {
     out->cells = list.cells;
     out->ids = list.ids;
     out->spare = list.spare;
-    COUNTERS_COPY(f, list.totals, 0, reflections);
+    COUNTERS_COPY(f, list.totals, 0, reflections, list);
     return FNL_OK;
 }
 
@@ -363,14 +369,15 @@ static void light_view(struct frame_state *f) {
     counters_note(f, "reflections.bytes", bytes);
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"reflections.probes", "probes", "reflection probes", NOTED},
     {"reflections.captures", "captures", "captures of a probe that were made for this frame", NOTED},
     {"reflections.faces", "faces", "views drawn for them", NOTED},
     {"reflections.bytes", "bytes", "memory of what the probes have seen", NOTED},
     {"reflections.entries", "", "entries of the list over their boxes; with 4 probes or fewer all are looked at, without a list",
-     COUNTED(reflections.entries)},
+     COUNTED(reflections, list.entries)},
 };
+static const struct counter_table counters_reflections = COUNTER_TABLE_COUNTED(rows, reflections);
 
 const struct frame_step step_reflections = {.name = "reflections",
                                             .prepare = prepare,
@@ -379,5 +386,4 @@ const struct frame_step step_reflections = {.name = "reflections",
                                             .finish_view = finish_view,
                                             .forget = forget,
                                             .destroy = destroy,
-                                            .counters = counters,
-                                            .counter_count = COUNT_OF(counters)};
+                                            .counters = &counters_reflections};

@@ -141,7 +141,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->device_scene = r->scene_user.scene;
     if (result == FNL_OK) result = graph_create(&r->host, device, &r->graph);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && result == FNL_OK; i++)
-        result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->slots.counts[i]);
+        result = gpu_buffer_create(device, "frame counts", counters_size(), GPU_MEMORY_READBACK, &r->slots.counts[i]);
     if (result != FNL_OK) fnl_renderer_destroy(&r);
     *out = r;
     return result;
@@ -215,11 +215,10 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame, const
 
 /* Inside the frame: takes what the last one in this slot has counted, and clears the place for what this one will. */
 static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32_t slot) {
-    const struct frame_counts *last = r->slots.counts[slot].mapped;
-    for (uint32_t i = 0; i < r->slots.views[slot]; i++) steps_grow(r, &last[i]);
+    for (uint32_t i = 0; i < r->slots.views[slot]; i++) steps_grow(r, renderer_counts(r, slot, i));
     steps_counted(r, slot);
     r->slots.views[slot] = 0;
-    uint64_t size = frame_camera_count(frame) * sizeof(struct frame_counts);
+    uint64_t size = frame_camera_count(frame) * counters_size();
     TRY(keep_buffer(r, &r->slots.counts[slot], "frame counts", size));
     memset(r->slots.counts[slot].mapped, 0, size);
     return FNL_OK;

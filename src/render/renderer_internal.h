@@ -4,17 +4,7 @@
 
 #include "fanal/renderer.h"
 #include "fanal/vulkan.h"
-#include "passes/dais/dais_shared.h"
-#include "passes/debug/debug.h"
-#include "passes/decals/decals_gbuffer.h"
-#include "passes/geometry/clusters_shared.h"
-#include "passes/transmission/transmission.h"
-#include "passes/transparency/transparency.h"
-#include "passes/shade/coarse_shared.h"
-#include "passes/shade/edges_shared.h"
-#include "passes/shadow/denoise_shared.h"
 #include "passes/shadow/pages.h"
-#include "passes/stereo/mono_shared.h"
 #include "render/shadow_costs.h"
 #include "render/chooser.h"
 #include "render/counters.h"
@@ -25,30 +15,6 @@
 #include "render/temporal_state.h"
 #include "render/view.h"
 #include "render/view_plan.h"
-
-/** What the GPU writes for the CPU in each frame, for each view. What a frame does not count is 0. */
-struct frame_counts {
-    struct light_totals lights, blend_lights, surface_lights;
-    struct light_totals decals, reflections;
-    struct decals_gbuffer_totals gbuffer_decals;
-    uint32_t visible_items, lights_behind;
-    float exposure[2];
-    uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
-    uint32_t edges[EDGES_COUNTS];
-    uint32_t visible_fragments;
-    uint32_t visible[GPU_CLASSES][2]; /* first and end of what visibility shading lists, by class */
-    uint32_t coarse[COARSE_COUNTS];
-    struct linked_totals blend, blend_behind; /* and of those behind glass */
-    struct transmission_totals transmission;
-    struct gpu_cluster_totals clusters;
-    uint32_t hidden_items;
-    uint32_t dais[DAIS_COUNTS];
-    struct gpu_virtual_counts pages;
-    struct gpu_shadow_counts shadows;
-    struct gpu_shadow_split_counts split;
-    struct gpu_denoise_counts denoise;
-    uint32_t mono[MONO_COUNTS];
-};
 
 enum { OUTPUT_COUNT = 7 };           /* bits of fnl_output */
 
@@ -210,6 +176,11 @@ struct fnl_renderer {
 static inline bool renderer_tells(const fnl_renderer *r, bool *told) {
     if (*told || r->graph == r->dry.graph) return false;
     return *told = true;
+}
+
+/** What a slot holds of a view. */
+static inline const struct frame_counts *renderer_counts(const fnl_renderer *r, uint32_t slot, uint32_t view) {
+    return (const struct frame_counts *)(const void *)((const char *)r->slots.counts[slot].mapped + view * counters_size());
 }
 
 /** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, shadow rays, and those of them that passed. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What the last frame made: pictures and numbers. */
 #include "base/check.h"
+#include "render/frame_steps.h"
 #include "render/shading.h"
 #include "render/step.h"
 
@@ -61,25 +62,27 @@ static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *v
 /* The numbers of one view. */
 static void query_view(const fnl_renderer *r, const struct renderer_view *view, const struct frame_counts *counts,
                        fnl_frame_stats *out) {
+    const struct lists_counts *lists = COUNTS(counts, lists);
+    const struct culling_counts *culling = COUNTS(counts, culling);
     *out = view->stats;
-    struct light_totals lights = view->totals_known ? view->known_totals : counts->lights;
+    struct light_totals lights = view->totals_known ? view->known_totals : lists->lights;
     out->lights_in_view = lights.in_view + view->scene.lights.directional_count;
-    out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
-    out->overflow_cells = lights.overflow_cells + counts->blend_lights.overflow_cells;
+    out->list_entries = (uint64_t)lights.entries + lists->blend_lights.entries;
+    out->overflow_cells = lights.overflow_cells + lists->blend_lights.overflow_cells;
     out->list_used_bytes = view->fixed_bytes + lights.entries * (uint64_t)view->entry_bytes +
-                           counts->blend_lights.entries * (uint64_t)view->blend_entry_bytes;
-    out->items_visible = counts->visible_items;
-    const uint32_t *reasons = counts->clusters.reasons;
+                           lists->blend_lights.entries * (uint64_t)view->blend_entry_bytes;
+    out->items_visible = culling->visible_items;
+    const uint32_t *reasons = culling->clusters.reasons;
     uint64_t *const triangles[] = {[CLUSTERS_DRAWN] = &out->triangles_drawn,
                                    [CLUSTERS_OUTSIDE] = &out->triangles_outside,
                                    [CLUSTERS_BACK] = &out->triangles_back,
                                    [CLUSTERS_SMALL] = &out->triangles_small,
                                    [CLUSTERS_OCCLUDED] = &out->triangles_occluded};
     for (uint32_t i = 0; i < COUNT_OF(triangles); i++) *triangles[i] = reasons[2 * i] | (uint64_t)reasons[2 * i + 1] << 32;
-    out->clusters_drawn = counts->clusters.clusters_drawn;
-    out->items_occluded = counts->hidden_items;
-    out->items_whole = counts->clusters.whole_items;
-    if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
+    out->clusters_drawn = culling->clusters.clusters_drawn;
+    out->items_occluded = culling->hidden_items;
+    out->items_whole = culling->clusters.whole_items;
+    if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = COUNTS(counts, exposure)->metered[1];
     if (r->frame.count_lights) sum_evaluations(r, view, out);
 }
 
@@ -134,8 +137,7 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
 
 /* r->handed.counters has room for the view's. */
 static fnl_result query_one(fnl_renderer *r, uint32_t view, fnl_frame_stats *out) {
-    const struct frame_counts *counts = r->slots.counts[r->frame_slot].mapped;
-    const struct counted counted = {r, &r->views.data[view], &counts[view], &r->views.data[view].numbers, &r->frame};
+    const struct counted counted = {r, &r->views.data[view], renderer_counts(r, r->frame_slot, view), &r->views.data[view].numbers, &r->frame};
     fnl_counter *counters = r->handed.counters.data + r->handed.counters.count;
     query_view(r, counted.view, counted.counts, out);
     out->counters = counters;
@@ -149,8 +151,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     TRY(check_pointer(CALL(&r->host), "out", out));
     if (r->frame_number == 0) return misuse(CALL(&r->host), "no frame has been rendered");
     TRY(gpu_frame_wait(r->device, r->frame_number));
-    const struct frame_counts *counts = r->slots.counts[r->frame_slot].mapped;
-    for (uint32_t i = 0; i < frame_camera_count(&r->frame); i++) steps_grow(r, &counts[i]);
+    for (uint32_t i = 0; i < frame_camera_count(&r->frame); i++) steps_grow(r, renderer_counts(r, r->frame_slot, i));
     uint32_t views = r->frame.view_count ? frame_camera_count(&r->frame) : 0;
     r->handed.counters.count = 0;
     if (!array_reserve(&r->host, &r->handed.counters, (1 + views) * counters_total())) return FNL_ERROR_MEMORY;

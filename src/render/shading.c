@@ -51,9 +51,9 @@ static void add_transparency(struct frame_state *f, const struct shade_input *in
         struct linked_params params = {r->shading.blend_capacity};
         struct linked_lists linked = linked_add(f->graph, input, &params, f->radiance, depth);
         if (input->glass.id)
-            COUNTERS_COPY(f, linked.totals, 0, blend_behind);
+            COUNTERS_COPY(f, linked.totals, 0, shading, blend_behind);
         else
-            COUNTERS_COPY(f, linked.totals, 0, blend);
+            COUNTERS_COPY(f, linked.totals, 0, shading, blend);
         if (!input->glass.id) counters_note(f, "transparency.bytes", linked.byte_count);
     } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
         bool half = renderer_tests(r).weighted_half || weighted_needs_half(r->device);
@@ -209,7 +209,7 @@ static struct transmission find_glass(struct frame_state *f, const struct shade_
     const struct transmission found = transmission_find(f->graph, f->r->device, input, layers, f->radiance, f->depth);
     f->kept->transmission_layers = layers;
     f->kept->transmission_limit = f->frame->transmission_layers;
-    COUNTERS_COPY(f, found.totals, 0, transmission);
+    COUNTERS_COPY(f, found.totals, 0, shading, transmission);
     counters_note(f, "transmission.layers", layers);
     counters_note(f, "transmission.bytes", found.byte_count);
     f->opaque_draws += (2 * layers + 1) * geometry_draw_count(input->scene, GEOMETRY_GLASS);
@@ -302,49 +302,50 @@ static bool find_forward_items(const struct counted *counted, uint64_t *value) {
 }
 
 static bool find_overflow(const struct counted *counted, uint64_t *value) {
-    if (!COUNTED_HAS(counted, blend)) return false;
-    *value = counted->counts->blend.overflow_pixels;
-    if (COUNTED_HAS(counted, blend_behind)) *value += counted->counts->blend_behind.overflow_pixels;
+    const struct shading_counts *c = COUNTS(counted->counts, shading);
+    if (!COUNTED_HAS(counted, shading, blend)) return false;
+    *value = c->blend.overflow_pixels;
+    if (COUNTED_HAS(counted, shading, blend_behind)) *value += c->blend_behind.overflow_pixels;
     return true;
 }
 
 /* Surfaces that were left out for want of layers, and for which the next frame has some. */
 static bool find_left_out(const struct counted *counted, uint64_t *value) {
-    const uint64_t longest = MIN(counted->counts->transmission.longest, counted->view->transmission_limit);
+    const uint64_t longest = MIN(COUNTS(counted->counts, shading)->transmission.longest, counted->view->transmission_limit);
     *value = longest - MIN(longest, counted->view->transmission_layers);
     return counted->view->transmission_layers > 0;
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"environment.filtered", "", "1: this frame filters the environment's picture", NOTED},
     {"environment.cached", "", "1: this frame takes the environment's maps from the cache folder", NOTED},
     {"images.pending", "images", "images that are still being decoded (fnl_load_params.async); 0: the frame shows all", NOTED},
-    {"lights.behind", "lights", "lights in view that are behind the surfaces of every tile they touch",
-     COUNTED(lights_behind), .needs = "lists=backface"},
     {"gbuffer.bytes", "bytes", "memory of the G-buffer's targets; without depth and radiance", NOTED},
     {"gbuffer.items-forward", "items", "visible items that the G-buffer cannot hold: a forward pass shades them",
      .find = find_forward_items, .needs = "count-lights"},
-    {"msaa.pixels", "pixels", "pixels that show a surface in some sample", COUNTED(edges[EDGES_PIXELS])},
+    {"msaa.pixels", "pixels", "pixels that show a surface in some sample", COUNTED(shading, edges[EDGES_PIXELS])},
     {"msaa.edge-pixels", "pixels", "pixels whose samples show more than one thing, sky being one",
-     COUNTED(edges[EDGES_MIXED])},
+     COUNTED(shading, edges[EDGES_MIXED])},
     {"msaa.surfaces", "surfaces", "surfaces, summed over all pixels; in visibility each triangle is one",
-     COUNTED(edges[EDGES_SURFACES])},
-    {"msaa.samples", "samples", "samples that show a surface", COUNTED(edges[EDGES_SAMPLES])},
-    {"msaa.shaded", "surfaces", "surfaces shaded", COUNTED(edges[EDGES_SHADED]), .needs = "count-lights"},
+     COUNTED(shading, edges[EDGES_SURFACES])},
+    {"msaa.samples", "samples", "samples that show a surface", COUNTED(shading, edges[EDGES_SAMPLES])},
+    {"msaa.shaded", "surfaces", "surfaces shaded", COUNTED(shading, edges[EDGES_SHADED]), .needs = "count-lights"},
     {"transparency.bytes", "bytes", "memory for blended surfaces besides the picture", NOTED},
-    {"transparency.fragments", "fragments", "blended fragments that nothing opaque occludes", COUNTED(blend.fragments),
+    {"transparency.fragments", "fragments", "blended fragments that nothing opaque occludes", COUNTED(shading, blend.fragments),
      .needs = "transparency=linked"},
-    {"transparency.longest", "fragments", "most blended fragments in one pixel", COUNTED(blend.longest),
+    {"transparency.longest", "fragments", "most blended fragments in one pixel", COUNTED(shading, blend.longest),
      .needs = "transparency=linked"},
     {"transparency.overflow-pixels", "pixels", "pixels drawn as sorted because the pool was too small",
      .find = find_overflow, .needs = "transparency=linked", .kind = FNL_COUNTER_OVERFLOW},
     {"transmission.layers", "layers", "of surfaces that show what is behind them, drawn one over the other", NOTED},
     {"transmission.bytes", "bytes", "memory for the depth of these layers and for what is behind", NOTED},
-    {"transmission.fragments", "fragments", "of such surfaces that nothing opaque occludes", COUNTED(transmission.fragments)},
-    {"transmission.longest", "fragments", "most of them in one pixel", COUNTED(transmission.longest)},
+    {"transmission.fragments", "fragments", "of such surfaces that nothing opaque occludes", COUNTED(shading, transmission.fragments)},
+    {"transmission.longest", "fragments", "most of them in one pixel", COUNTED(shading, transmission.longest)},
     {"transmission.overflow-layers", "layers", "that were left out and that the next frame has (transmission-layers at most)",
      .find = find_left_out, .kind = FNL_COUNTER_OVERFLOW},
 };
+
+const struct counter_table counters_shading = COUNTER_TABLE_COUNTED(rows, shading);
 /* ---- the step ---- */
 
 enum { BLEND_POOL_START = 1 << 16 };
@@ -406,10 +407,11 @@ void shading_prepare_pools(fnl_renderer *r, uint64_t pixels) {
 }
 
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
-    const uint64_t needed = MAX(counts->blend.fragments, counts->blend_behind.fragments);
-    if (counts->blend.overflow_pixels > 0 || counts->blend_behind.overflow_pixels > 0) r->shading.blend_capacity = MAX(r->shading.blend_capacity, blend_capacity(r, needed + needed / 4));
+    const struct shading_counts *c = COUNTS(counts, shading);
+    const uint64_t needed = MAX(c->blend.fragments, c->blend_behind.fragments);
+    if (c->blend.overflow_pixels > 0 || c->blend_behind.overflow_pixels > 0) r->shading.blend_capacity = MAX(r->shading.blend_capacity, blend_capacity(r, needed + needed / 4));
     /* Each layer is a few passes: frames begin with one. */
-    r->shading.transmission_layers = MAX(r->shading.transmission_layers, MIN(counts->transmission.longest, (uint32_t)TRANSMISSION_LAYERS_MAX));
+    r->shading.transmission_layers = MAX(r->shading.transmission_layers, MIN(c->transmission.longest, (uint32_t)TRANSMISSION_LAYERS_MAX));
     for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
         if (shading_order((fnl_shading)i)->grow) shading_order((fnl_shading)i)->grow(r, counts);
 }
@@ -428,5 +430,4 @@ const struct frame_step step_shading = {.name = "shading",
                                         .forget = forget,
                                         .grow = grow,
                                         .destroy = destroy,
-                                        .counters = counters,
-                                        .counter_count = COUNT_OF(counters)};
+                                        .counters = &counters_shading};

@@ -5,9 +5,20 @@
 #ifndef FNL_RENDER_SHADING_H
 #define FNL_RENDER_SHADING_H
 
+#include "passes/shade/edges_shared.h"
+#include "passes/transmission/transmission.h"
+#include "passes/transparency/transparency.h"
 #include "render/frame_state.h"
 #include "render/surfaces.h"
 #include "render/traits.h"
+
+/** What orders have in common. Edges are those of orders with MSAA (passes/shade/edges_shared.h), which copy them. */
+struct shading_counts {
+    uint32_t edges[EDGES_COUNTS];
+    struct linked_totals blend, blend_behind; /* and of those behind glass */
+    struct transmission_totals transmission;
+};
+extern const struct counter_table counters_shading;
 
 /** Whether the debug view of lights, or the pixel that is asked for, shows counts of this very frame's volumes. */
 bool shading_shows_volumes(const fnl_frame *frame);

@@ -154,7 +154,7 @@ static bool find_rays_at(const struct counted *counted, uint64_t from_end, uint6
 static bool find_rays(const struct counted *counted, uint64_t *value) { return find_rays_at(counted, 2, value); }
 static bool find_rays_passed(const struct counted *counted, uint64_t *value) { return find_rays_at(counted, 1, value); }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
     {"shadows.rays-passed", "rays", "of them, those that find at least half of their light", .find = find_rays_passed, .needs = "count-lights"},
     {"shadows.instances", "items", "items in the device's acceleration structure, with ray queries", NOTED},
@@ -163,6 +163,7 @@ static const struct counter counters[] = {
     {"shadows.structures-compacted", "structures", "of meshes, made smaller in this frame", NOTED},
     {"shadows.structure-bytes", "bytes", "memory of all acceleration structures on the device", NOTED},
 };
+static const struct counter_table counters_shadows = COUNTER_TABLE(rows);
 
 /* ---- the step ---- */
 
@@ -214,5 +215,4 @@ const struct frame_step step_shadows = {.name = "shadows",
                                         .forget = forget,
                                         .grow = grow,
                                         .destroy = destroy,
-                                        .counters = counters,
-                                        .counter_count = COUNT_OF(counters)};
+                                        .counters = &counters_shadows};

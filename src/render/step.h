@@ -48,8 +48,7 @@ struct frame_step {
     void (*grow)(fnl_renderer *r, const struct frame_counts *counts);
     /** Frees the step's state. Nothing is in flight. */
     void (*destroy)(fnl_renderer *r);
-    const struct counter *counters;
-    uint32_t counter_count;
+    const struct counter_table *counters;
 };
 
 /** In the order of a frame. */

@@ -90,8 +90,9 @@ static bool find_vertices(const struct counted *counted, uint64_t *value) {
     return gpu_frame_vertex_count(counted->r->device, counted->r->frame_number, first, count, value);
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"stereo.states", "states", "of an eye: pipelines bound for what is drawn before light lists; of eyes that are drawn at once the first has them", NOTED},
     {"stereo.vertices", "vertices", "that vertex shaders ran for there, as the device counts them", .needs = "count-lights", .find = find_vertices},
 };
-const struct frame_step step_stereo = {.name = "stereo", .counters = counters, .counter_count = COUNT_OF(counters)};
+static const struct counter_table counters_stereo = COUNTER_TABLE(rows);
+const struct frame_step step_stereo = {.name = "stereo", .counters = &counters_stereo};

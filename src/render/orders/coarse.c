@@ -7,6 +7,12 @@
 #include "passes/debug/colors_shared.h"
 #include "passes/shade/coarse.h"
 
+/* passes/shade/coarse_shared.h */
+struct coarse_counts {
+    uint32_t blocks[COARSE_COUNTS];
+};
+static const struct counter_table counters_coarse;
+
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->coarse.criterion == FNL_COARSE_CRITERION_ID && !gpu_info(r->device)->primitive_ids)
         return unsupported(call, "this device has no primitive_ids, which coarse.criterion=id needs; use z");
@@ -37,7 +43,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     struct coarse coarse = coarse_add(f->graph, f->r->device, input, &params, &gbuffer, f->radiance);
     f->gbuffer = gbuffer;
     order_note_gbuffer(f, coarse_extra_bytes(&params.options));
-    COUNTERS_COPY(f, coarse.counts, 0, coarse);
+    COUNTERS_COPY(f, coarse.counts, 0, coarse, blocks);
     f->coarse_words = coarse.words;
 }
 
@@ -59,21 +65,22 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_COARSE_REASON, LEGEND_COLORS("what keeps a block from being shaded once", kinds), .surfaces = true, .add = add_view},
 };
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"coarse.blocks", "blocks", "blocks that show a surface",
-     COUNTED_SUM(coarse[COARSE_SHARED], COARSE_KINDS - COARSE_SHARED)},
-    {"coarse.shared", "blocks", "blocks shaded once", COUNTED(coarse[COARSE_SHARED])},
+     COUNTED_SUM(coarse, blocks[COARSE_SHARED], COARSE_KINDS - COARSE_SHARED)},
+    {"coarse.shared", "blocks", "blocks shaded once", COUNTED(coarse, blocks[COARSE_SHARED])},
     {"coarse.by-depth", "blocks", "blocks shaded pixel by pixel because depths or triangles differ",
-     COUNTED(coarse[COARSE_DEPTH])},
-    {"coarse.by-normal", "blocks", "blocks shaded pixel by pixel because normals differ", COUNTED(coarse[COARSE_NORMAL])},
-    {"coarse.by-material", "blocks", "blocks shaded pixel by pixel because materials differ", COUNTED(coarse[COARSE_OTHER])},
-    {"coarse.by-gaze", "blocks", "blocks shaded pixel by pixel because the viewer looks there", COUNTED(coarse[COARSE_EACH]), .needs = "coarse.fovea"},
-    {"coarse.halves", "blocks", "blocks of 4x4 of which each 2x2 pixels are shaded once", COUNTED(coarse[COARSE_HALF]), .needs = "coarse.fovea"},
-    {"coarse.pixels", "pixels", "pixels that show a surface", COUNTED(coarse[COARSE_COUNT_PIXELS])},
-    {"coarse.shaded", "", "how often a pixel, a block or a quarter of one was shaded", COUNTED(coarse[COARSE_COUNT_SHADED])},
-    {"coarse.ao-shaded", "", "how often ambient occlusion was computed", COUNTED(coarse[COARSE_COUNT_AO]),
+     COUNTED(coarse, blocks[COARSE_DEPTH])},
+    {"coarse.by-normal", "blocks", "blocks shaded pixel by pixel because normals differ", COUNTED(coarse, blocks[COARSE_NORMAL])},
+    {"coarse.by-material", "blocks", "blocks shaded pixel by pixel because materials differ", COUNTED(coarse, blocks[COARSE_OTHER])},
+    {"coarse.by-gaze", "blocks", "blocks shaded pixel by pixel because the viewer looks there", COUNTED(coarse, blocks[COARSE_EACH]), .needs = "coarse.fovea"},
+    {"coarse.halves", "blocks", "blocks of 4x4 of which each 2x2 pixels are shaded once", COUNTED(coarse, blocks[COARSE_HALF]), .needs = "coarse.fovea"},
+    {"coarse.pixels", "pixels", "pixels that show a surface", COUNTED(coarse, blocks[COARSE_COUNT_PIXELS])},
+    {"coarse.shaded", "", "how often a pixel, a block or a quarter of one was shaded", COUNTED(coarse, blocks[COARSE_COUNT_SHADED])},
+    {"coarse.ao-shaded", "", "how often ambient occlusion was computed", COUNTED(coarse, blocks[COARSE_COUNT_AO]),
      .needs = "coarse.ao-radius"},
 };
+static const struct counter_table counters_coarse = COUNTER_TABLE_COUNTED(rows, coarse);
 
 const struct order order_coarse = {.traits = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS |
                                              SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS,
@@ -81,5 +88,4 @@ const struct order order_coarse = {.traits = SHADING_FULL_RASTER | SHADING_GBUFF
                                    .add = add,
                                    .views = views,
                                    .view_count = COUNT_OF(views),
-                                   .counters = counters,
-                                   .counter_count = COUNT_OF(counters)};
+                                   .counters = &counters_coarse};

@@ -11,6 +11,12 @@ _Static_assert(FNL_DEBUG_DAIS_TRIANGLES - FNL_DEBUG_DAIS_ADDRESSES == DAIS_VIEW_
                    FNL_DEBUG_DAIS_FAILURES - FNL_DEBUG_DAIS_ADDRESSES == DAIS_VIEW_FAILURES,
                "dais_shared.h has the order of fnl_debug_view");
 
+/* passes/dais/dais_shared.h */
+struct dais_counts {
+    uint32_t words[DAIS_COUNTS];
+};
+static const struct counter_table counters_dais;
+
 static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_device_info *info = gpu_info(r->device);
     const struct renderer_tests tests = renderer_tests(r);
@@ -40,7 +46,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     order_add_lists(f, f->depth, NULL);
     dais_shade_add(f->graph, input, &dais, f->radiance);
     f->dais = dais;
-    COUNTERS_COPY(f, dais.counts, 0, dais);
+    COUNTERS_COPY(f, dais.counts, 0, dais, words);
     counters_note(f, "dais.bytes", dais.fixed_bytes);
 }
 
@@ -63,30 +69,31 @@ static const struct debug_view views[] = {
 
 /* Noted is what does not depend on the picture. */
 static bool find_bytes(const struct counted *counted, uint64_t *value) {
-    const uint32_t *counts = counted->counts->dais;
+    const uint32_t *counts = COUNTS(counted->counts, dais)->words;
     bool lists = counted->r->frame.dais.mode == FNL_DAIS_LIST;
     *value += counts[DAIS_WORDS] * 4ull + counts[DAIS_STORED] * 4ull +
               (lists ? counts[DAIS_NODES] * (uint64_t)DAIS_NODE * 4 : 0) + counts[DAIS_SAMPLES] * 8ull;
-    return COUNTED_HAS(counted, dais);
+    return COUNTED_HAS(counted, dais, words);
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"dais.bytes", "bytes", "memory that references, triangles, cache and lists fill", .find = find_bytes},
     {"dais.triangles", "triangles", "triangles stored, including those that the cache had forgotten",
-     COUNTED(dais[DAIS_STORED])},
-    {"dais.unique", "triangles", "different triangles among those stored", COUNTED(dais[DAIS_UNIQUE]),
+     COUNTED(dais, words[DAIS_STORED])},
+    {"dais.unique", "triangles", "different triangles among those stored", COUNTED(dais, words[DAIS_UNIQUE]),
      .needs = "count-lights"},
     {"dais.cache-failures", "triangles", "triangles stored again because a cache bucket stayed locked",
-     COUNTED(dais[DAIS_FAILED])},
+     COUNTED(dais, words[DAIS_FAILED])},
     {"dais.overflow", "fragments", "fragments that found a pool full: the frame was shaded forward",
-     COUNTED(dais[DAIS_OVERFLOW]), .kind = FNL_COUNTER_OVERFLOW},
-    {"dais.list-elements", "", "triangles that cover only part of their pixel", COUNTED(dais[DAIS_NODES]),
+     COUNTED(dais, words[DAIS_OVERFLOW]), .kind = FNL_COUNTER_OVERFLOW},
+    {"dais.list-elements", "", "triangles that cover only part of their pixel", COUNTED(dais, words[DAIS_NODES]),
      .needs = "dais.mode=list"},
-    {"dais.shading-samples", "", "places where ambient light was computed", COUNTED(dais[DAIS_SAMPLES]),
+    {"dais.shading-samples", "", "places where ambient light was computed", COUNTED(dais, words[DAIS_SAMPLES]),
      .needs = "dais.multirate"},
-    {"dais.shaded", "triangles", "triangles shaded: each once in every pixel that shows it", COUNTED(dais[DAIS_SHADED]),
+    {"dais.shaded", "triangles", "triangles shaded: each once in every pixel that shows it", COUNTED(dais, words[DAIS_SHADED]),
      .needs = "count-lights"},
 };
+static const struct counter_table counters_dais = COUNTER_TABLE_COUNTED(rows, dais);
 
 enum {
     POOL_START = 1 << 20, /* words of triangles */
@@ -100,10 +107,11 @@ static void init(fnl_renderer *r) {
 }
 
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
-    const uint64_t limit = gpu_info(r->device)->memory_bytes / 8 / 4, nodes = counts->dais[DAIS_NODES] + 2ull;
-    if (counts->dais[DAIS_OVERFLOW] == 0) return;
+    const uint32_t *words = COUNTS(counts, dais)->words;
+    const uint64_t limit = gpu_info(r->device)->memory_bytes / 8 / 4, nodes = words[DAIS_NODES] + 2ull;
+    if (words[DAIS_OVERFLOW] == 0) return;
     /* How much more the others want is not known: those that find no room take none. */
-    if (counts->dais[DAIS_WORDS] + DAIS_RECORD_MAX > r->shading.dais_capacity)
+    if (words[DAIS_WORDS] + DAIS_RECORD_MAX > r->shading.dais_capacity)
         r->shading.dais_capacity = (uint32_t)MIN(MAX(2ull * r->shading.dais_capacity, (uint64_t)POOL_START), MIN(limit, POOL_LIMIT));
     if (nodes > r->shading.dais_node_capacity) r->shading.dais_node_capacity = (uint32_t)MIN(nodes + nodes / 4, MIN(limit, POOL_LIMIT) / 4);
 }
@@ -116,5 +124,4 @@ const struct order order_dais = {.traits = SHADING_LAYERS | SHADING_VIEWS | SHAD
                                  .add = add,
                                  .views = views,
                                  .view_count = COUNT_OF(views),
-                                 .counters = counters,
-                                 .counter_count = COUNT_OF(counters)};
+                                 .counters = &counters_dais};

@@ -17,6 +17,13 @@ _Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT 
                    (uint32_t)FNL_MSAA_AGGREGATE == MSAA_AGGREGATE && FNL_MSAA_METHOD_COUNT == FNL_MSAA_AGGREGATE + 1,
                "deferred_msaa_shared.h has the values of fnl_msaa_method");
 
+/* What the GPU counts. */
+struct deferred_counts {
+    uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
+    struct gpu_denoise_counts denoise;
+};
+static const struct counter_table counters_deferred;
+
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
     if (frame->deferred.pass == FNL_DEFERRED_FRAGMENT && (frame->deferred.class_blocks || frame->msaa > 1))
@@ -45,7 +52,7 @@ static void add_deferred_samples(struct frame_state *f, struct shade_input *inpu
     struct edges edges = deferred_msaa_add(f->graph, input, &f->gbuffer, &params, f->radiance);
     add_rest(f, input, &f->gbuffer);
     f->surfaces = edges.surfaces;
-    COUNTERS_COPY(f, edges.counts, 0, edges);
+    COUNTERS_COPY(f, edges.counts, 0, shading, edges);
 }
 
 static void draw(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -67,13 +74,14 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     struct shade_classes classes = {0};
     if (f->frame->deferred.class_blocks) {
         classes = classify_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks);
-        COUNTERS_COPY(f, classes.counts, 0, blocks);
+        COUNTERS_COPY(f, classes.counts, 0, deferred, blocks);
     }
     if (f->frame->deferred.pass == FNL_DEFERRED_FRAGMENT && deferred_screen_supported(f->r->device))
         f->radiance = deferred_screen_add(f->graph, input, gbuffer, f->radiance);
     else
         deferred_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
     if (denoised) shadow_sampled_denoise(f, &input->apart);
+    COUNTERS_COPY(f, f->denoise.counts, 0, deferred, denoise);
     add_rest(f, input, gbuffer);
     order_note_gbuffer(f, 0);
 }
@@ -91,7 +99,7 @@ static struct surface_layers add_base(struct frame_state *f, struct shade_input 
     struct deferred_msaa_params params = {.method = MSAA_COMPACT, .groups = 2};
     struct edges edges = deferred_msaa_add(f->graph, input, gbuffer, &params, f->radiance);
     f->surfaces = edges.surfaces;
-    COUNTERS_COPY(f, edges.counts, 0, edges);
+    COUNTERS_COPY(f, edges.counts, 0, shading, edges);
     layers.surfaces = edges.surfaces;
     return layers;
 }
@@ -180,18 +188,18 @@ static const struct debug_view views[] = {
 
 #define BLOCKS(key_, what, class_)                                                                                          \
     {                                                                                                                       \
-        "shading-blocks." key_, "blocks", "blocks of the class: " what, COUNTED(blocks[class_]),                            \
+        "shading-blocks." key_, "blocks", "blocks of the class: " what, COUNTED(deferred, blocks[class_]),                            \
             .needs = "deferred.class-blocks"                                                                                \
     }
-#define DENOISED(key_, help, member) {"shadows." key_, "pixels", help, COUNTED(denoise.member), .needs = "shadow.denoise"}
+#define DENOISED(key_, help, member) {"shadows." key_, "pixels", help, COUNTED(deferred, denoise.member), .needs = "shadow.denoise"}
 static bool find_frames(const struct counted *counted, uint64_t *value) {
-    const struct gpu_denoise_counts *c = &counted->counts->denoise;
-    if (!COUNTED_HAS(counted, denoise)) return false;
+    const struct gpu_denoise_counts *c = &COUNTS(counted->counts, deferred)->denoise;
+    if (!COUNTED_HAS(counted, deferred, denoise)) return false;
     *value = c->pixels ? ((c->frames[0] | (uint64_t)c->frames[1] << 32) + c->pixels / 2) / c->pixels : 0;
     return true;
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     BLOCKS("plain", "neither lights nor metal, some pixels need no shading", 0),
     BLOCKS("lights", "lights, no metal, some pixels need no shading", SHADE_LIGHTS),
     BLOCKS("metal", "metal, no lights, some pixels need no shading", SHADE_METAL),
@@ -206,11 +214,13 @@ static const struct counter counters[] = {
     DENOISED("refuted", "of them, whose history was shortened because this frame shows other shadows", refuted),
     {"shadows.frames", "frames", "frames in a pixel's history, on average", .find = find_frames, .needs = "shadow.denoise"},
 };
+static const struct counter_table counters_deferred = COUNTER_TABLE_COUNTED(rows, deferred);
 
 static const struct counter volume_counters[] = {
     {"volumes.draws", "draws", "draw calls of light volumes: 2, and 2 for each light that the shape stencil draws by itself",
      NOTED},
 };
+static const struct counter_table counters_volumes = COUNTER_TABLE(volume_counters);
 
 enum { TRAITS = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_LAYOUTS | SHADING_DECALS | SHADING_SAMPLES };
 const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS | SHADING_SURFACES | SHADING_HIDDEN | SHADING_VIEWS | SHADING_MULTIVIEW,
@@ -219,11 +229,9 @@ const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS | SHAD
                                      .add = add,
                                      .views = views,
                                      .view_count = COUNT_OF(views),
-                                     .counters = counters,
-                                     .counter_count = COUNT_OF(counters)};
+                                     .counters = &counters_deferred};
 const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES | SHADING_VIEWS,
                                              .add = add_with_volumes,
                                              .views = views,
                                              .view_count = COUNT_OF(views),
-                                             .counters = volume_counters,
-                                             .counter_count = COUNT_OF(volume_counters)};
+                                             .counters = &counters_volumes};

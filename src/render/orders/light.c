@@ -34,7 +34,7 @@ static void split_surfaces(struct frame_state *f, const struct shade_input *inpu
     if (surfaces->samples == 1) return;
     struct edges edges = light_surfaces_split(f->graph, input, surfaces);
     f->surfaces = edges.surfaces;
-    COUNTERS_COPY(f, edges.counts, 0, edges);
+    COUNTERS_COPY(f, edges.counts, 0, shading, edges);
 }
 
 static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
@@ -161,12 +161,13 @@ static void add_low_res(struct frame_state *f, struct shade_input *input, bool p
     add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->light_buffer.scale);
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"light-buffer.bytes", "bytes",
      "memory of what replaces the G-buffer: surfaces and sums of light, or layers of lights; without depth and radiance",
      NOTED},
 };
-#define COUNTERS .counters = counters, .counter_count = COUNT_OF(counters)
+static const struct counter_table counters_light = COUNTER_TABLE(rows);
+#define COUNTERS .counters = &counters_light
 
 enum { STORES = SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_REDRAW | SHADING_SAMPLES };
 const struct order order_light_prepass = {

@@ -135,10 +135,11 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
                   "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"mobile.merged", "", "whether all passes shared one scope", .kind = FNL_COUNTER_SWITCH},
     {"mobile.tonemapped-inside", "", "whether tone mapping was in that scope too", .kind = FNL_COUNTER_SWITCH},
 };
+static const struct counter_table counters_mobile = COUNTER_TABLE(rows);
 
 const struct order order_mobile = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_LISTS_FIRST |
                                              SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_DECALS | SHADING_DECAL_STEP,
@@ -146,5 +147,4 @@ const struct order order_mobile = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER
                                    .check = check,
                                    .begin = begin,
                                    .add = add,
-                                   .counters = counters,
-                                   .counter_count = COUNT_OF(counters)};
+                                   .counters = &counters_mobile};

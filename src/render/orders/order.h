@@ -31,8 +31,7 @@ struct order {
     const struct debug_view *views;
     uint32_t view_count;
     /* Its own numbers; those that several orders have are in shading.c. */
-    const struct counter *counters;
-    uint32_t counter_count;
+    const struct counter_table *counters;
     /* As in struct frame_step, but `submitted` follows only frames of this path. */
     void (*init)(fnl_renderer *r);
     void (*submitted)(fnl_renderer *r);

@@ -7,6 +7,12 @@
 #include "passes/texturing/texturing.h"
 #include "passes/texturing/virtual_view_shared.h"
 
+/* What the GPU counts. */
+struct virtual_counts {
+    struct gpu_virtual_counts pages;
+};
+static const struct counter_table counters_virtual;
+
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->msaa > 1 &&
         !gpu_format_supports(r->device, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BIT))
@@ -20,7 +26,7 @@ static void shade(struct frame_state *f, struct shade_input *input, const struct
     order_add_lists(f, f->depth, NULL);
     struct visible_list surfaces = texturing_shade_add(f->graph, input, texturing, f->radiance);
     f->surfaces = surfaces.words;
-    COUNTERS_COPY(f, surfaces.counts, 0, edges);
+    COUNTERS_COPY(f, surfaces.counts, 0, shading, edges);
 }
 
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -45,7 +51,7 @@ static void add_virtual(struct frame_state *f, struct shade_input *input, bool p
     struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->shading.atlas, r->device_scene->materials.buffer.address);
     if (r->shading.atlas.fresh) texturing_virtual_add(f->graph, input, &pages, "texturing wanted", prepass, f->depth);
     virtual_update_add(f->graph, &pages);
-    COUNTERS_COPY(f, pages.commands, 16, pages); /* behind a dispatch */
+    COUNTERS_COPY(f, pages.commands, 16, virtual, pages); /* behind a dispatch */
     counters_note(f, "atlas.pages", r->shading.atlas.page_count);
     counters_note(f, "atlas.capacity", r->shading.atlas.across * r->shading.atlas.across);
     counters_note(f, "atlas.bytes", r->shading.atlas.bytes);
@@ -78,13 +84,14 @@ static const struct debug_view virtual_views[] = {
 static const struct counter virtual_counters[] = {
     {"atlas.pages", "pages", "pages of all materials of the scene", NOTED},
     {"atlas.capacity", "pages", "pages that fit into the atlas", NOTED},
-    {"atlas.wanted", "pages", "pages that the last frame wanted", COUNTED(pages.wanted)},
-    {"atlas.resident", "pages", "pages in the atlas", COUNTED(pages.resident)},
-    {"atlas.filled", "pages", "pages filled for this frame", COUNTED(pages.filled)},
-    {"atlas.missing", "pages", "wanted pages that found no room in the atlas", COUNTED(pages.missing)},
-    {"atlas.evicted", "pages", "pages replaced by others", COUNTED(pages.evicted)},
+    {"atlas.wanted", "pages", "pages that the last frame wanted", COUNTED(virtual, pages.wanted)},
+    {"atlas.resident", "pages", "pages in the atlas", COUNTED(virtual, pages.resident)},
+    {"atlas.filled", "pages", "pages filled for this frame", COUNTED(virtual, pages.filled)},
+    {"atlas.missing", "pages", "wanted pages that found no room in the atlas", COUNTED(virtual, pages.missing)},
+    {"atlas.evicted", "pages", "pages replaced by others", COUNTED(virtual, pages.evicted)},
     {"atlas.bytes", "bytes", "memory of the atlas", NOTED},
 };
+static const struct counter_table counters_virtual = COUNTER_TABLE_COUNTED(virtual_counters, virtual);
 
 /* Approximate as visibility is, and because normals are rounded. */
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_APPROXIMATE | SHADING_SAMPLES };
@@ -96,8 +103,7 @@ const struct order order_virtual_texturing = {.traits = TRAITS | SHADING_LAYERS,
                                               .add = add_virtual,
                                               .views = virtual_views,
                                               .view_count = COUNT_OF(virtual_views),
-                                              .counters = virtual_counters,
-                                              .counter_count = COUNT_OF(virtual_counters),
+                                              .counters = &counters_virtual,
                                               .init = forget_virtual,
                                               .forget = forget_virtual,
                                               .destroy = destroy_virtual,

@@ -11,6 +11,13 @@ _Static_assert((int)FNL_VISIBILITY_SORT_CLASS == VISIBILITY_SORT_CLASS &&
                    (int)FNL_VISIBILITY_SORT_COUNT == VISIBILITY_SORT_MATERIAL + 1,
                "visibility.h has the values of fnl_visibility_sort");
 
+/* What the GPU counts. */
+struct visibility_counts {
+    uint32_t fragments;
+    uint32_t ranges[GPU_CLASSES][2]; /* first and end of what is listed, by class */
+};
+static const struct counter_table counters_visibility;
+
 /* A grid of samples looks beside the centres of pixels; barycentrics are stored by a geometry shader, or by vertices of their own. */
 static uint32_t adjust(const fnl_frame *frame, uint32_t traits) {
     if (frame->visibility.grid) traits &= ~(uint32_t)(SHADING_FULL_RASTER | SHADING_SURFACES | SHADING_HIDDEN);
@@ -45,28 +52,31 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     enum visibility_sort sort = (enum visibility_sort)f->frame->visibility.sort;
     struct visibility_shaded shaded = visibility_shade_add(f->graph, input, &f->visibility, sort, f->radiance);
     f->surfaces = shaded.words;
-    COUNTERS_COPY(f, shaded.ranges, 0, visible);
-    COUNTERS_COPY(f, f->visibility.fragments, 0, visible_fragments);
-    COUNTERS_COPY(f, shaded.counts, 0, edges);
+    COUNTERS_COPY(f, shaded.ranges, 0, visibility, ranges);
+    COUNTERS_COPY(f, f->visibility.fragments, 0, visibility, fragments);
+    COUNTERS_COPY(f, shaded.counts, 0, shading, edges);
 }
 
 static bool find_entries(const struct counted *counted, uint64_t *value) {
-    for (uint32_t c = 0; c < GPU_CLASSES; c++) *value += counted->counts->visible[c][1] - counted->counts->visible[c][0];
-    return COUNTED_HAS(counted, visible);
+    const struct visibility_counts *counts = COUNTS(counted->counts, visibility);
+    for (uint32_t c = 0; c < GPU_CLASSES; c++) *value += counts->ranges[c][1] - counts->ranges[c][0];
+    return COUNTED_HAS(counted, visibility, ranges);
 }
 
 static bool find_classes(const struct counted *counted, uint64_t *value) {
-    for (uint32_t c = 0; c < GPU_CLASSES; c++) *value += counted->counts->visible[c][1] > counted->counts->visible[c][0];
-    return COUNTED_HAS(counted, visible);
+    const struct visibility_counts *counts = COUNTS(counted->counts, visibility);
+    for (uint32_t c = 0; c < GPU_CLASSES; c++) *value += counts->ranges[c][1] > counts->ranges[c][0];
+    return COUNTED_HAS(counted, visibility, ranges);
 }
 
-static const struct counter counters[] = {
-    {"visibility.fragments", "fragments", "how often the id pass wrote an id", COUNTED(visible_fragments),
+static const struct counter rows[] = {
+    {"visibility.fragments", "fragments", "how often the id pass wrote an id", COUNTED(visibility, fragments),
      .needs = "count-lights"},
     {"visibility.entries", "", "pixels, or triangles of pixels, to shade: with visibility.sort or MSAA",
      .find = find_entries},
     {"visibility.classes", "classes", "shader classes among those entries", .find = find_classes},
 };
+static const struct counter_table counters_visibility = COUNTER_TABLE_COUNTED(rows, visibility);
 
 /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
 const struct order order_visibility = {.traits = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE |
@@ -75,5 +85,4 @@ const struct order order_visibility = {.traits = SHADING_LAYERS | SHADING_FULL_R
                                        .check = check,
                                        .draw = draw,
                                        .add = add,
-                                       .counters = counters,
-                                       .counter_count = COUNT_OF(counters)};
+                                       .counters = &counters_visibility};

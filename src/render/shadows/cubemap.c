@@ -276,12 +276,13 @@ static void begin_view(struct frame_state *f) {
     counters_note(f, "probes.lights-inside", lights_inside(f->r));
 }
 
-static const struct counter counters[] = {
+static const struct counter rows[] = {
     {"probes.count", "probes", "probes by whose cube maps shadows are found", NOTED, .needs = "shadows=cubemap"},
     {"probes.baked", "probes", "of them, baked in this frame", NOTED, .needs = "shadows=cubemap"},
     {"probes.bytes", "bytes", "memory of their cube maps", NOTED, .needs = "shadows=cubemap"},
     {"probes.lights-inside", "lights", "lights in a box of a probe, whose shadows rays find", NOTED, .needs = "shadows=cubemap"},
 };
+static const struct counter_table counters_cubemap = COUNTER_TABLE(rows);
 
 const struct shadow_method shadow_method_cubemap = {.traits = SHADOWS_RAYS | SHADOWS_TREES | SHADOWS_ROOMS | SHADOWS_EXACT,
                                                     .captured_as = FNL_SHADOWS_CUBEMAP,
@@ -290,5 +291,4 @@ const struct shadow_method shadow_method_cubemap = {.traits = SHADOWS_RAYS | SHA
                                                     .destroy = destroy,
                                                     .begin = begin,
                                                     .begin_view = begin_view,
-                                                    .counters = counters,
-                                                    .counter_count = COUNT_OF(counters)};
+                                                    .counters = &counters_cubemap};

@@ -5,6 +5,12 @@
 #include "render/shadows/method.h"
 #include "render/step.h"
 
+/* passes/shadow/pages_shared.h */
+struct hybrid_counts {
+    struct gpu_shadow_split_counts split;
+};
+static const struct counter_table counters_hybrid;
+
 float shadow_hybrid_page_rays(const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadow.page_rays > 0) return frame->shadow.page_rays;
     return shadow_costs_page_rays(&r->shadows.costs, gpu_info(r->device)->type == FNL_DEVICE_CPU);
@@ -20,17 +26,18 @@ void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, 
     shadow_drawn_add(f->graph, pages, filled);
     const bool asks = f->graph == f->r->dry.graph; /* some frame will need the pipeline */
     if (f->view_index == 0 && may_probe(f->frame) && (asks || shadow_costs_probe(costs))) shadow_probe_add(f->graph, pages, surfaces, depth, costs->frames);
-    COUNTERS_COPY(f, pages->split_counts, 0, split);
+    COUNTERS_COPY(f, pages->split_counts, 0, hybrid, split);
     counters_note(f, "shadows.page-rays", (uint64_t)lroundf(shadow_hybrid_page_rays(f->r, f->frame)));
 }
 
 static void counted(fnl_renderer *r, uint32_t slot) {
-    const struct frame_counts *counts = r->slots.counts[slot].mapped;
     r->shadows.counted.frame = r->shadows.counted.drawn = 0;
-    if (r->slots.views[slot] == 0 || counts->split.maps + counts->split.rays == 0) return;
+    if (r->slots.views[slot] == 0) return;
+    const struct gpu_shadow_split_counts *split = &COUNTS(renderer_counts(r, slot, 0), hybrid)->split;
+    if (split->maps + split->rays == 0) return;
     r->shadows.counted.frame = r->slots.frames[slot];
-    r->shadows.counted.probed = counts->split.probed;
-    for (uint32_t i = 0; i < r->slots.views[slot]; i++) r->shadows.counted.drawn += counts[i].shadows.drawn;
+    r->shadows.counted.probed = split->probed;
+    for (uint32_t i = 0; i < r->slots.views[slot]; i++) r->shadows.counted.drawn += COUNTS(renderer_counts(r, slot, i), shadow_maps)->pages.drawn;
 }
 
 static void submitted(fnl_renderer *r, const fnl_frame *frame) {
@@ -46,14 +53,15 @@ static void submitted(fnl_renderer *r, const fnl_frame *frame) {
     shadow_costs_feed(&r->shadows.costs, (struct shadow_times){fill, r->shadows.counted.drawn, probe, r->shadows.counted.probed});
 }
 
-#define SPLIT(key, unit, help, member) {"shadows." key, unit, help, COUNTED(split.member), .needs = "shadows=hybrid"}
-static const struct counter counters[] = {
+#define SPLIT(key, unit, help, member) {"shadows." key, unit, help, COUNTED(hybrid, split.member), .needs = "shadows=hybrid"}
+static const struct counter rows[] = {
     SPLIT("by-maps", "lights", "hybrid: local lights that pixels look up in maps", maps),
     SPLIT("by-rays", "lights", "hybrid: local lights with shadow rays, because rays cost less", rays),
     SPLIT("reached", "pixels", "hybrid: sum over these lights of the pixels in reach: the most rays they can need", reached),
     SPLIT("switched", "lights", "hybrid: lights that went from maps to rays or back in this frame", switched),
     {"shadows.page-rays", "rays", "hybrid: how many take as long as drawing a page, given or measured", NOTED, .needs = "shadows=hybrid"},
 };
+static const struct counter_table counters_hybrid = COUNTER_TABLE_COUNTED(rows, hybrid);
 
 const struct shadow_method shadow_method_hybrid = {.traits = SHADOWS_MAPS | SHADOWS_RAYS | SHADOWS_SPLIT | SHADOWS_EXACT,
                                                    .captured_as = FNL_SHADOWS_MAPS,
@@ -62,5 +70,4 @@ const struct shadow_method shadow_method_hybrid = {.traits = SHADOWS_MAPS | SHAD
                                                    .submitted = submitted,
                                                    .prepare_view = shadow_maps_prepare_view,
                                                    .add = shadow_maps_add,
-                                                   .counters = counters,
-                                                   .counter_count = COUNT_OF(counters)};
+                                                   .counters = &counters_hybrid};

@@ -52,7 +52,7 @@ static struct lighting without_shadows(struct lighting lighting) {
 /* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
 static void add_requests(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
     struct lighting lighting = without_shadows(lighting_add(f->graph, f->r->device, &f->lighting, surfaces));
-    COUNTERS_COPY(f, surfaces->totals, 0, surface_lights);
+    COUNTERS_COPY(f, surfaces->totals, 0, lists, surface_lights);
     const bool splits = shadows_have(f->frame, SHADOWS_SPLIT);
     if (wanted->id)
         shadow_requests_more_add(f->graph, &lighting, suns, *wanted, depth, splits);
@@ -206,14 +206,13 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
         add_dark(&views[i], count, &pages, &surfaces, asked.depths[i]);
     }
     graph_pop_names(f->graph);
-    COUNTERS_COPY(f, pages.counts, 0, shadows);
+    COUNTERS_COPY(f, pages.counts, 0, shadow_maps, pages);
     counters_note(f, "shadows.waiting", asked.pairs);
 }
 
 static void counted(fnl_renderer *r, uint32_t slot) {
-    const struct frame_counts *counts = r->slots.counts[slot].mapped;
     for (uint32_t i = 0; i < r->slots.views[slot]; i++) {
-        const struct gpu_shadow_counts *c = &counts[i].shadows;
+        const struct gpu_shadow_counts *c = &COUNTS(renderer_counts(r, slot, i), shadow_maps)->pages;
         if ((c->drawn | c->evicted | c->pairs) == 0) r->views.data[i].shadows.settled = r->slots.frames[slot];
     }
 }
@@ -222,13 +221,13 @@ static void counted(fnl_renderer *r, uint32_t slot) {
 
 /* What was noted is the room that there was. */
 static bool find_waiting(const struct counted *counted, uint64_t *value) {
-    const uint64_t pairs = counted->counts->shadows.pairs;
+    const uint64_t pairs = COUNTS(counted->counts, shadow_maps)->pages.pairs;
     *value = pairs > *value ? pairs - *value : 0;
     return true;
 }
 
-#define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadows.member), .needs = "shadows=maps,hybrid"}
-static const struct counter counters[] = {
+#define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadow_maps, pages.member), .needs = "shadows=maps,hybrid"}
+static const struct counter rows[] = {
     MAPS("wanted", "pages", "pages of shadow maps that pixels ask for", wanted),
     MAPS("pages", "pages", "pages that there are: fewer where lights were made coarser", pages),
     MAPS("drawn", "pages", "of them, drawn in this frame", drawn),
@@ -242,6 +241,7 @@ static const struct counter counters[] = {
     {"shadows.waiting", "draws", "of them, without room in this frame; until their pages are drawn, coarser pages or rays replace them, or there is no shadow",
      .find = find_waiting, .needs = "shadows=maps,hybrid", .kind = FNL_COUNTER_OVERFLOW},
 };
+const struct counter_table counters_shadow_maps = COUNTER_TABLE_COUNTED(rows, shadow_maps);
 
 /* ---- the method ---- */
 
@@ -251,7 +251,7 @@ static void init(fnl_renderer *r) { r->shadows.pairs = PAIRS_START; }
 
 /* Pages without room are drawn in the next frame. */
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {
-    const uint64_t needed = counts->shadows.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 20, (uint64_t)PAIRS_START);
+    const uint64_t needed = COUNTS(counts, shadow_maps)->pages.pairs, limit = MAX(gpu_info(r->device)->memory_bytes / 64 / 20, (uint64_t)PAIRS_START);
     if (needed > r->shadows.pairs) r->shadows.pairs = (uint32_t)MIN(needed + needed / 4, MIN(limit, (uint64_t)PAIRS_LIMIT));
 }
 
@@ -278,5 +278,4 @@ const struct shadow_method shadow_method_maps = {.traits = SHADOWS_MAPS | SHADOW
                                                  .destroy = destroy,
                                                  .prepare_view = shadow_maps_prepare_view,
                                                  .add = shadow_maps_add,
-                                                 .counters = counters,
-                                                 .counter_count = COUNT_OF(counters)};
+                                                 .counters = &counters_shadow_maps};

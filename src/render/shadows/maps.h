@@ -7,6 +7,11 @@
 #include "passes/shadow/pages.h"
 #include "render/frame_state.h"
 
+struct shadow_maps_counts {
+    struct gpu_shadow_counts pages;
+};
+extern const struct counter_table counters_shadow_maps;
+
 /** Rows of maps that the scene's lights have, directional ones several each. */
 uint64_t shadow_maps_rows(const fnl_renderer *r);
 /** False: the method has none, the device cannot draw them, or there are more rows than room: rays find all shadows. */

@@ -32,8 +32,7 @@ struct shadow_method {
     void (*begin_view)(struct frame_state *f);
     /* After what is drawn before lists: what `count` views share, so that lists made afterwards cast shadows. */
     void (*add)(struct frame_state *views, uint32_t count);
-    const struct counter *counters;
-    uint32_t counter_count;
+    const struct counter_table *counters;
 };
 
 /** All methods: FNL_SHADOWS_… and the row shadow_method_…. */

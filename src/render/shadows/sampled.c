@@ -31,7 +31,6 @@ void shadow_sampled_denoise(struct frame_state *f, const struct shade_apart *apa
                                         .still = f->temporal.still_frames,
                                         .whole = f->temporal.still_frames >= f->temporal.sequence};
     f->denoise = denoise_add(f->graph, f->r->device, &input, f->radiance);
-    COUNTERS_COPY(f, f->denoise.counts, 0, denoise);
 }
 
 /* ---- the method ---- */
