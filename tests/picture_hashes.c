@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Prints a picture hash, pass count and bytes moved for every shading path with every light list, and for options of
- * some paths: shadows, views, eyes, environments, probes. Compare before and after a change that must keep pictures
+ * some paths: shadows, views, eyes, environments, probes, layers, kinds of lights, masks. Compare before and after a change that must keep pictures
  * bit-identical:
  *   picture_hashes > before.txt; …; picture_hashes | diff before.txt -
  * The hashes belong to one driver and are not kept.
@@ -143,6 +143,56 @@ static void print_surroundings(struct stage *s) {
     }
 }
 
+/* Materials with layers, which some paths draw over the others; lights of all kinds; surfaces with light masks. */
+static void print_special(struct stage *s) {
+    const uint32_t materials = fnl_scene_count(s->scene, FNL_ENTITY_MATERIAL), instances = fnl_scene_count(s->scene, FNL_ENTITY_INSTANCE);
+    for (uint32_t i = 0; i < materials; i++) {
+        fnl_entity_info entity;
+        fnl_material_params material;
+        if (fnl_scene_query_entity(s->scene, FNL_ENTITY_MATERIAL, i, &entity) != FNL_OK || fnl_scene_query_material(s->scene, i, &material) != FNL_OK) continue;
+        if (i % 3 == 0) material.clearcoat = (fnl_clearcoat_params){.strength = 0.8f, .roughness = 0.2f}, material.anisotropy.strength = 0.6f;
+        if (i % 3 == 1) material.sheen.color[0] = 0.7f, material.sheen.color[2] = 0.5f, material.sheen.roughness = 0.4f, material.iridescence.strength = 0.5f;
+        if (i % 3 == 2) material.diffuse_transmission.strength = 0.4f, material.diffuse_transmission.color[1] = 1;
+        if (fnl_scene_set_material(s->scene, entity.id.material, &material) != FNL_OK) printf("material %u stays as it was\n", i);
+    }
+    fnl_scatter_params scatter = fnl_scatter_params_default();
+    scatter.count = 24;
+    for (int kind = FNL_LIGHT_POINT; kind < FNL_LIGHT_KIND_COUNT; kind++) scatter.shares[kind] = 1;
+    if (fnl_scene_scatter_light_shapes(s->scene, &scatter) != FNL_OK) return;
+    static const struct way layered[] = {{"layered", 1, false, 0, {NULL}},
+                                         {"layered-msaa", 1, false, 0, {"msaa", "4"}},
+                                         {"layered-gbuffer", 1, false, 0, {"gbuffer.layout", "layers"}},
+                                         {"layered-rays", 1, false, 0, {"shadows", "rays", "shadow.samples", "4", "shadow.light-radius", "0.1"}},
+                                         {"layered-maps", 1, false, 0, {"shadows", "maps"}},
+                                         {"layered-eyes", 2, true, 0, {"shadows", "maps"}}};
+    static const struct way masked[] = {{"masked", 1, false, 0, {NULL}}, {"masked-maps", 1, false, 0, {"shadows", "maps", "shadow.contact-length", "0.2"}}};
+    for (int masks = 0; masks < 2; masks++) {
+        const struct way *all = masks ? masked : layered;
+        const uint32_t count = masks ? sizeof masked / sizeof *masked : sizeof layered / sizeof *layered;
+        for (uint32_t i = 0; masks && i < instances; i++) {
+            fnl_entity_info entity;
+            if (fnl_scene_query_entity(s->scene, FNL_ENTITY_INSTANCE, i, &entity) == FNL_OK) fnl_scene_set_instance_light_mask(s->scene, entity.id.instance, i % 2 ? 1 : 255);
+        }
+        for (uint32_t i = 0; masks && i < fnl_scene_count(s->scene, FNL_ENTITY_LIGHT); i += 2) {
+            fnl_entity_info entity;
+            fnl_light_params light;
+            if (fnl_scene_query_entity(s->scene, FNL_ENTITY_LIGHT, i, &entity) != FNL_OK || fnl_scene_query_light(s->scene, i, &light) != FNL_OK) continue;
+            light.mask = 2;
+            fnl_scene_set_light(s->scene, entity.id.light, &light);
+        }
+        for (fnl_shading shading = 0; shading < FNL_SHADING_AUTO; shading++) {
+            fnl_frame plain = s->frame;
+            plain.shading = shading;
+            for (uint32_t i = 0; i < count; i++) {
+                plain.lists = FNL_LISTS_CLUSTERED;
+                print_way(s, &plain, &all[i]);
+            }
+            for (plain.lists = 0; plain.lists < FNL_LISTS_AUTO && !masks; plain.lists++)
+                if (fnl_shading_supports(shading, plain.lists, 1)) print_hash(s, &plain, "layered");
+        }
+    }
+}
+
 static fnl_result print_scene(fnl_device *device, const char *source, bool more) {
     struct stage s = {.source = source, .device = device, .frame = frame_plain()};
     s.frame.width = 71;
@@ -160,6 +210,7 @@ static fnl_result print_scene(fnl_device *device, const char *source, bool more)
         print_lists(&s);
         if (more) print_ways(&s);
         if (more) print_surroundings(&s);
+        if (more) print_special(&s);
     }
     fnl_renderer_destroy(&s.renderer);
     fnl_scene_destroy(&s.scene);
