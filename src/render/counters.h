@@ -12,6 +12,7 @@
 
 struct fnl_renderer;
 struct renderer_view;
+struct view_made;
 struct frame_counts; /* what the GPU writes for the CPU in each view of a frame, for all tables: see COUNTS; what a frame does not count is 0 */
 struct view_counters;
 
@@ -19,6 +20,7 @@ struct view_counters;
 struct counted {
     const struct fnl_renderer *r;
     const struct renderer_view *view;
+    const struct view_made *made;
     const struct frame_counts *counts;
     const struct view_counters *numbers; /* the view's */
     const fnl_frame *frame;
@@ -68,11 +70,11 @@ struct view_counters {
 
 /** Copies a member of struct NAME_counts from there when the frame is over. Does nothing without a buffer (id 0). */
 #define COUNTERS_COPY(f, buffer, from_offset, table, member)                                                                                  \
-    counters_copy(&(f)->r->host, &(f)->kept->numbers, buffer, from_offset, counters_place(&counters_##table) + offsetof(struct table##_counts, member), \
+    counters_copy(&(f)->r->host, &(f)->made->numbers, buffer, from_offset, counters_place(&counters_##table) + offsetof(struct table##_counts, member), \
                   sizeof(((struct table##_counts *)0)->member))
 void counters_copy(const fnl_host *host, struct view_counters *c, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size);
 /** A number that the CPU knows; or the part of it that it knows, for counter.find. */
-#define counters_note(f, key, value) counters_note_in(&(f)->r->host, &(f)->kept->numbers, key, value)
+#define counters_note(f, key, value) counters_note_in(&(f)->r->host, &(f)->made->numbers, key, value)
 void counters_note_in(const fnl_host *host, struct view_counters *c, const char *key, uint64_t value);
 
 /** A table's part of what the GPU wrote for a view. */

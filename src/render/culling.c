@@ -58,7 +58,7 @@ void frame_cull(struct frame_state *f) {
                                      .centers = true,
                                      .cluster_capacity = f->r->culling.cluster_capacity,
                                      .pool = f->display ? f->view_index % frame->stereo.eyes : 0,
-                                     .meshes = f->r->culling.meshes,
+                                     .meshes = frame_draws_meshes(f->r, frame),
                                      .mesh_row = tests.mesh_row ? tests.mesh_row : 65535,
                                      .mesh_rows = tests.mesh_rows ? tests.mesh_rows : 64,
                                      .occluders = occluders.levels.id ? &occluders : NULL};
@@ -98,7 +98,7 @@ static void grow(fnl_renderer *r, const struct frame_counts *counts) {
 static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->culling == FNL_CULLING_INSTANCES || r->device_scene->triangle_count == 0) return FNL_OK;
     if (r->culling.triangle_capacity == 0) enlarge(r, 0, 0); /* the scene's size is known now */
-    if (r->culling.meshes) return FNL_OK;
+    if (frame_draws_meshes(r, frame)) return FNL_OK;
     return device_scene_reserve_triangles(&r->scene_user, r->culling.triangle_capacity, frame->view_count > 0 ? MAX(frame->stereo.eyes, 1u) : 1);
 }
 

@@ -31,7 +31,7 @@ bool decals_in_gbuffer(const struct frame_state *f) {
 static void tell_of_lists(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
     if (frame->decals != FNL_DECALS_GBUFFER || decals_of(f)->count == 0 || decals_in_gbuffer(f)) return;
-    if (!renderer_tells(f->r, &f->r->decals.told_of_lists)) return;
+    if (!FRAME_TELLS(f, decal_lists)) return;
     if (frame->msaa > 1)
         log_warning(&f->r->host, "decals=gbuffer needs 1 sample per pixel: with %u samples, lists are used", frame->msaa);
     else

@@ -43,10 +43,10 @@ static fnl_result begin_view(struct group_state *g, uint32_t i, const struct fra
     *f = parts->shared;
     f->view_index = index;
     f->frame = &g->frames[i];
-    f->kept = &f->r->views.data[index];
-    f->kept->scene = parts->scene;
-    f->scene = &f->kept->scene;
-    f->kept->numbers = (struct view_counters){0};
+    f->kept = &f->input->views[index];
+    f->made = &f->input->made[index];
+    f->made->scene = parts->scene;
+    f->scene = &f->made->scene;
     f->view_address = parts->cameras.address + index * sizeof(struct gpu_view);
     f->counts_offset = index * counters_size();
     f->named = frame_view_count(parts->shared.frame) > 1;
@@ -86,15 +86,11 @@ static fnl_result begin_views(struct group_state *g, const struct frame_parts *p
 
 /* The mono view's slot stays empty if the eyes diverge too far. */
 static fnl_result begin_far(struct group_state *g, const struct frame_parts *parts) {
-    const uint32_t count = g->group->count, index = g->group->far_index;
-    struct renderer_view *kept = &parts->shared.r->views.data[index];
+    const uint32_t count = g->group->count;
     struct frame_state *f = &g->views[count];
-    kept->stats = (fnl_frame_stats){0};
-    kept->temporal.valid = false;
-    kept->numbers = (struct view_counters){0};
     if (!g->group->has_far) return FNL_OK;
     mono_frame(parts->shared.frame, g->group, &g->frames[count]);
-    TRY(begin_view(g, count, parts, index));
+    TRY(begin_view(g, count, parts, g->group->far_index));
     f->eyes = g->views;
     f->eye_count = count;
     cull_view(f);
@@ -173,23 +169,26 @@ static fnl_result add_group(const struct frame_parts *parts, const struct view_g
     return FNL_OK;
 }
 
-fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct view_plan *plan, const struct frame_target *target) {
-    struct frame_parts parts = {.shared = {.r = r, .frame = frame, .graph = r->graph, .drawn_lists = frame->lists, .target = target}};
+fnl_result frame_declare(const fnl_renderer *r, const struct frame_input *input) {
+    const fnl_frame *frame = input->frame;
+    struct frame_common common = {0};
+    struct frame_parts parts = {
+        .shared = {.r = r, .input = input, .common = &common, .frame = frame, .graph = input->graph, .drawn_lists = frame->lists, .target = input->target}};
     struct frame_state *shared = &parts.shared;
     shared->scene = &parts.scene;
-    graph_begin(r->graph);
-    multiview_tell(r, frame, plan->path);
-    r->stereo.vertex_queries = 0;
-    graph_set_role(r->graph, GRAPH_ROLE_GEOMETRY);
-    TRY(device_scene_add(&r->scene_user, r->graph, &parts.scene));
+    memset(input->made, 0, input->plan->camera_count * sizeof *input->made);
+    graph_begin(input->graph);
+    multiview_tell(shared, input->plan->path);
+    graph_set_role(input->graph, GRAPH_ROLE_GEOMETRY);
+    TRY(device_scene_add(input->user, input->graph, &parts.scene));
     shared->lighting = (struct lighting){.lights = parts.scene.lights, .layered = parts.scene.layered, .environment = parts.scene.environment};
-    graph_set_role(r->graph, GRAPH_ROLE_REST);
+    graph_set_role(input->graph, GRAPH_ROLE_REST);
     TRY(send_constants(shared));
     TRY(steps_begin_frame(shared));
-    parts.cameras = gpu_frame_allocate(r->device, plan->camera_count * sizeof(struct gpu_view));
+    parts.cameras = gpu_frame_allocate(r->device, input->plan->camera_count * sizeof(struct gpu_view));
     if (!parts.cameras.data) return gpu_status(r->device);
-    for (uint32_t i = 0; i < plan->group_count; i++) TRY(add_group(&parts, &plan->groups[i]));
-    return graph_compile(r->graph);
+    for (uint32_t i = 0; i < input->plan->group_count; i++) TRY(add_group(&parts, &input->plan->groups[i]));
+    return graph_compile(input->graph);
 }
 
 /* ---- what belongs to no step ---- */

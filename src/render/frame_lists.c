@@ -40,7 +40,7 @@ static void forget(fnl_renderer *r) { r->lists.shared.world.version = r->lists.s
 
 /* Small lights fade. */
 static fnl_result begin_view(struct frame_state *f) {
-    struct device_scene_user *user = &f->r->scene_user;
+    struct device_scene_user *user = f->input->user;
     const float lod = f->frame->light_lod;
     graph_set_role(f->graph, GRAPH_ROLE_LISTS);
     TRY(device_lights_fade(user, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
@@ -50,7 +50,8 @@ static fnl_result begin_view(struct frame_state *f) {
 }
 
 static void destroy(fnl_renderer *r) {
-    for (uint32_t i = 0; i < r->views.count; i++) lists_finish(&r->views.data[i].lists, r->device);
+    for (uint32_t i = 0; i < r->lists.views.count; i++) lists_finish(&r->lists.views.data[i], r->device);
+    array_free(&r->host, &r->lists.views);
     lists_shared_finish(&r->lists.shared, r->device);
 }
 
@@ -86,12 +87,12 @@ static struct lists_context lists_context(struct frame_state *f, struct light_in
                                   .scene = &f->scene->geometry,
                                   .draws = &f->draws,
                                   .input = input,
-                                  .shared = &f->r->lists.shared,
-                                  .state = &f->kept->lists,
+                                  .shared = f->input->shared_lists,
+                                  .state = &f->input->lists[f->view_index],
                                   .fallback = &f->fallback,
                                   .has_blend = surfaces_have_blend(f),
                                   .layered = f->lighting.layered,
-                                  .estimates = f->graph != f->r->dry.graph,
+                                  .estimates = !frame_is_dry(f),
                                   .pool_capacity = f->r->lists.pool_capacity,
                                   .pool_limit = lists_pool_limit(f->r)};
 }

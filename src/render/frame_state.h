@@ -47,15 +47,24 @@ struct frame_display {
     struct light_list lights;     /* of the head, from the first eye on; header 0: none */
 };
 
+/** What views of a frame tell the next one. */
+struct frame_common {
+    uint32_t vertex_queries;        /* taken so far */
+    struct environment_faces faces; /* of a reflection probe that the frame captures */
+};
+
 /** Of one view of a frame; what all of them share was filled in before the first. */
 struct frame_state {
-    fnl_renderer *r;
-    struct renderer_view *kept;       /* of the view, from frame to frame */
+    const fnl_renderer *r; /* which declaring does not change */
+    const struct frame_input *input;
+    struct frame_common *common;
+    const struct renderer_view *kept; /* of the view, from frame to frame */
+    struct view_made *made;           /* of the view, in this one */
     uint32_t view_index;
     bool named;                       /* names of its passes begin with the view's */
     const fnl_frame *frame;           /* its camera is the view's */
     struct graph *graph;
-    struct device_scene_frame *scene; /* kept->scene */
+    struct device_scene_frame *scene; /* made->scene */
     struct gpu_frame shared; /* by all views */
     struct gpu_view view;
     VkDeviceAddress shared_address, view_address;
@@ -100,6 +109,11 @@ struct frame_state {
     bool sky_drawn;
     bool blended;                      /* the order has drawn blended surfaces itself */
 };
+
+/** Whether the frame is declared only for its pipelines. */
+static inline bool frame_is_dry(const struct frame_state *f) { return !f->input->notes; }
+/** Whether a message that a renderer logs once (renderer_notes) is due. */
+#define FRAME_TELLS(f, note) ((f)->input->notes && !(f)->input->notes->note && ((f)->input->notes->note = true))
 
 /** What radiance is multiplied by for the picture; 1 where metering finds it. */
 static inline float frame_exposure(const fnl_frame *frame) {

@@ -20,7 +20,7 @@ static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_fram
 fnl_result inspect_prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (!frame->pixel.asked) return FNL_OK;
     struct renderer_pixel *p = &r->pixel;
-    if (p->answer.size == 0) TRY(gpu_buffer_create(r->device, "pixel", sizeof(struct inspected), GPU_MEMORY_READBACK, &p->answer));
+    if (r->outputs.pixel.size == 0) TRY(gpu_buffer_create(r->device, "pixel", sizeof(struct inspected), GPU_MEMORY_READBACK, &r->outputs.pixel));
     const uint32_t suns = r->scene->suns.count;
     if (!array_reserve(&r->host, &p->suns, suns)) return FNL_ERROR_MEMORY;
     if (suns) memcpy(p->suns.data, r->scene->suns.data, suns * sizeof *p->suns.data);
@@ -30,7 +30,7 @@ fnl_result inspect_prepare(fnl_renderer *r, const fnl_frame *frame) {
 }
 
 static void destroy(fnl_renderer *r) {
-    gpu_buffer_destroy(r->device, &r->pixel.answer);
+    gpu_buffer_destroy(r->device, &r->outputs.pixel);
     array_free(&r->host, &r->pixel.suns);
     array_free(&r->host, &r->pixel.lights);
 }
@@ -55,10 +55,10 @@ static void finish_view(struct frame_state *f) {
                                         .own = volumes ? NULL : &f->lights,
                                         .own_skips_layered = surfaces_over(f) != 0,
                                         .counters = volumes ? f->counters : (graph_buffer){0},
-                                        .out = graph_import_buffer(f->graph, "pixel", &f->r->pixel.answer)});
+                                        .out = graph_import_buffer(f->graph, "pixel", &f->input->outputs->pixel)});
     struct graph_pass *host = graph_add_pass(f->graph, "to host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
     graph_keep(host);
-    graph_use_buffer(host, graph_import_buffer(f->graph, "pixel", &f->r->pixel.answer), GRAPH_READ_HOST);
+    graph_use_buffer(host, graph_import_buffer(f->graph, "pixel", &f->input->outputs->pixel), GRAPH_READ_HOST);
     graph_pop_names(f->graph);
 }
 
@@ -150,7 +150,7 @@ fnl_result fnl_renderer_query_pixel(fnl_renderer *r, fnl_pixel_info *out) {
     if (!r->frame.pixel.asked) return misuse(call, "the last frame was not asked for a pixel (fnl_frame.pixel)");
     TRY(gpu_frame_wait(r->device, r->frame_number));
     out->query = r->frame.pixel;
-    const struct inspected *found = r->pixel.answer.mapped;
+    const struct inspected *found = r->outputs.pixel.mapped;
     if (!(found->pixel.flags & INSPECT_HIT)) return FNL_OK;
     if (!array_reserve(&r->host, &r->pixel.lights, INSPECT_LIGHTS)) return FNL_ERROR_MEMORY;
     describe(r, &found->pixel, out);

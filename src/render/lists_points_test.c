@@ -125,7 +125,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     } else if (kind == CLUSTERS_CPU) {
         struct clustered_cpu_view cpu_view = {view.ndc_scale, view.ndc_offset, frame->camera.orthographic, t.width,
                                               t.height};
-        list = clustered_cpu_add(&r->views.data[0].lists.clustered_cpu, device, input,
+        list = clustered_cpu_add(&r->lists.views.data[0].clustered_cpu, device, input,
                                  r->device_scene->light_bounds.data, &view.world_to_view, &cpu_view,
                                  &clustered);
     } else {
@@ -155,7 +155,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     if (list.cells.id)
         t.list = list_readback_take(&readback, &grid);
     else if (kind == CLUSTERS_CPU)
-        t.list = list_copy_of_cpu(&r->views.data[0].lists.clustered_cpu, &grid);
+        t.list = list_copy_of_cpu(&r->lists.views.data[0].clustered_cpu, &grid);
     if (kind != ALL) list_check_form(&t.list, input->set.local_count);
     t.counters = copy_mapped(&counters);
     t.normals = copy_mapped(&normals);

@@ -14,10 +14,10 @@ void multiview_plan(const fnl_renderer *r, const fnl_frame *frame, struct view_p
     view_plan_make(&input, out);
 }
 
-void multiview_tell(fnl_renderer *r, const fnl_frame *frame, fnl_stereo_path path) {
-    const fnl_stereo_path asked = frame->stereo.path;
-    if (!frame->stereo.eyes || asked == FNL_STEREO_PATH_AUTO || asked == path || !renderer_tells(r, &r->stereo.told_of_path)) return;
-    log_warning(&r->host, "stereo.path=%s: this device has no %s: %s is used", fnl_value_name(FNL_ENUM_STEREO_PATH, asked),
+void multiview_tell(const struct frame_state *shared, fnl_stereo_path path) {
+    const fnl_stereo_path asked = shared->frame->stereo.path;
+    if (!shared->frame->stereo.eyes || asked == FNL_STEREO_PATH_AUTO || asked == path || !FRAME_TELLS(shared, stereo_path)) return;
+    log_warning(&shared->r->host, "stereo.path=%s: this device has no %s: %s is used", fnl_value_name(FNL_ENUM_STEREO_PATH, asked),
                 asked == FNL_STEREO_PATH_MULTIVIEW ? "multiview" : "vertex_layers", fnl_value_name(FNL_ENUM_STEREO_PATH, path));
 }
 

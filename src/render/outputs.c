@@ -32,7 +32,7 @@ static void add_outputs(struct frame_state *f) {
     graph_buffer buffers[OUTPUT_COUNT] = {0};
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) {
         if (!(f->frame->outputs & 1u << i)) continue;
-        struct read_image_data data = {images[i], graph_import_buffer(f->graph, output_names[i], &f->r->outputs[i]),
+        struct read_image_data data = {images[i], graph_import_buffer(f->graph, output_names[i], &f->input->outputs->pictures[i]),
                                        f->view_index * renderer_picture_size(f->frame, i)};
         struct graph_pass *pass =
             graph_add_pass(f->graph, output_names[i], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
@@ -83,8 +83,8 @@ static void add_counts(struct frame_state *f) {
     struct counts_data data = {
         .counts = graph_import_buffer(f->graph, "frame counts", &f->r->slots.counts[gpu_frame_slot(f->r->device)]),
         .offset = f->counts_offset,
-        .count = f->kept->numbers.copy_count};
-    memcpy(data.copies, f->kept->numbers.copies, sizeof data.copies);
+        .count = f->made->numbers.copy_count};
+    memcpy(data.copies, f->made->numbers.copies, sizeof data.copies);
     if (f->frame->count_lights) {
         data.draws = graph_import_buffer(f->graph, "read draws", &f->kept->draws);
         data.all_draws = f->draws.draws;
@@ -106,8 +106,8 @@ static void add_counts(struct frame_state *f) {
 /* What is known before the GPU has run. */
 static void note_stats(struct frame_state *f) {
     const struct geometry_scene *scene = &f->scene->geometry;
-    struct renderer_view *kept = f->kept;
-    fnl_frame_stats *s = &kept->stats;
+    struct view_made *made = f->made;
+    fnl_frame_stats *s = &made->stats;
     const struct light_set *lights = &f->scene->lights;
     *s = (fnl_frame_stats){.lights_total = lights->local_count - lights->unlit_count + lights->directional_count,
                            .items = scene->item_count,
@@ -121,13 +121,13 @@ static void note_stats(struct frame_state *f) {
     s->list_bytes = f->lights.list.byte_count + (second ? f->blend_lights.list.byte_count : 0);
     s->cells = f->lights.list.cell_count + (second ? f->blend_lights.list.cell_count : 0);
     s->draws = shading_draw_count(f);
-    kept->forward_layouts = f->forward_layouts;
+    made->forward_layouts = f->forward_layouts;
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
-    kept->fixed_bytes = f->lights.list.fixed_bytes + (second ? f->blend_lights.list.fixed_bytes : 0);
-    kept->entry_bytes = f->lights.list.entry_bytes;
-    kept->blend_entry_bytes = f->blend_lights.list.entry_bytes;
-    kept->totals_known = f->lights.list.totals_known;
-    kept->known_totals = f->lights.list.known;
+    made->fixed_bytes = f->lights.list.fixed_bytes + (second ? f->blend_lights.list.fixed_bytes : 0);
+    made->entry_bytes = f->lights.list.entry_bytes;
+    made->blend_entry_bytes = f->blend_lights.list.entry_bytes;
+    made->totals_known = f->lights.list.totals_known;
+    made->known_totals = f->lights.list.known;
 }
 
 void outputs_add_counts(struct frame_state *f) {

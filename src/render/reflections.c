@@ -13,8 +13,9 @@ struct reflections_counts {
 };
 static const struct counter_table counters_reflections;
 
-/* Those that a frame looks up: a renderer that captures has them of the one that it captures for. */
-static struct renderer_reflections *reflections_of(fnl_renderer *r) { return r->capture.owner ? &r->capture.owner->reflections : &r->reflections; }
+/* Whose probes a frame looks up: a renderer that captures has them of the one that it captures for. */
+static const struct renderer_reflections *reflections_of(const fnl_renderer *r) { return r->capture.owner ? &r->capture.owner->reflections : &r->reflections; }
+static struct renderer_reflections *owned_reflections(fnl_renderer *r) { return r->capture.owner ? &r->capture.owner->reflections : &r->reflections; }
 
 /* ---- which there are ---- */
 
@@ -121,7 +122,7 @@ static struct gpu_entity_bounds bounds_of(const struct renderer_reflection *prob
 static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(frame);
     if (!r->capture.owner) TRY(take_probes(r));
-    struct renderer_reflections *p = reflections_of(r);
+    struct renderer_reflections *p = owned_reflections(r);
     const uint32_t count = p->list.count;
     if (count == 0) return FNL_OK;
     struct gpu_reflection *probes = host_allocate_zero(&r->host, count * sizeof *probes);
@@ -186,15 +187,14 @@ static void face_cameras(const fnl_probe_params *params, fnl_camera *out) {
 
 /* In a frame that captures: what the view has seen becomes a face. */
 static void finish_view(struct frame_state *f) {
-    fnl_renderer *r = f->r;
+    const fnl_renderer *r = f->r;
     if (!r->capture.owner) return;
-    struct renderer_reflections *p = &r->capture.owner->reflections;
-    struct renderer_reflection *probe = &p->list.data[r->capture.probe];
+    const struct renderer_reflection *probe = &r->capture.owner->reflections.list.data[r->capture.probe];
     const uint32_t side = f->frame->width;
-    if (f->view_index == 0) r->capture.faces = environment_faces_create(f->graph, side);
-    environment_face_add(f->graph, r->device, side, f->view_index, f->radiance, &r->capture.faces);
+    if (f->view_index == 0) f->common->faces = environment_faces_create(f->graph, side);
+    environment_face_add(f->graph, r->device, side, f->view_index, f->radiance, &f->common->faces);
     if (f->view_index + 1 < FACES) return;
-    environment_faces_filter(f->graph, r->device, &probe->maps, &r->capture.faces);
+    environment_faces_filter(f->graph, r->device, &probe->maps, &f->common->faces);
 }
 
 static fnl_result capture(fnl_renderer *r, const fnl_frame *shown, uint32_t index) {
@@ -308,9 +308,8 @@ static void execute_gather(const struct graph_context *context, const void *data
 }
 
 /* What each has seen is kept apart, because their order changes; shaders read it from one buffer. */
-static void gather_diffuse(struct frame_state *f, struct renderer_reflections *p, graph_buffer to) {
-    if (p->gathered || f->graph == f->r->dry.graph) return;
-    p->gathered = true;
+static void gather_diffuse(struct frame_state *f, const struct renderer_reflections *p, graph_buffer to) {
+    if (p->gathered || f->view_index > 0) return;
     for (uint32_t i = 0; i < p->list.count; i++) {
         if (!p->list.data[i].is_captured) continue;
         const struct gather_data data = {graph_import_buffer(f->graph, "probe light", &p->list.data[i].maps.light), to, i * sizeof(struct gpu_environment)};
@@ -321,11 +320,16 @@ static void gather_diffuse(struct frame_state *f, struct renderer_reflections *p
     }
 }
 
-static void forget(fnl_renderer *r) { reflections_of(r)->gathered = false; }
+static void submitted(fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
+    owned_reflections(r)->gathered = true;
+}
+
+static void forget(fnl_renderer *r) { owned_reflections(r)->gathered = false; }
 
 /* The list over the boxes, and what passes that shade use. */
 static fnl_result begin_view(struct frame_state *f) {
-    struct renderer_reflections *p = reflections_of(f->r);
+    const struct renderer_reflections *p = reflections_of(f->r);
     if (p->list.count == 0) return FNL_OK;
     TRY(send_set(f, p));
     struct environment_reflections *out = &f->lighting.environment.reflections;
@@ -384,6 +388,7 @@ const struct frame_step step_reflections = {.name = "reflections",
                                             .begin_view = begin_view,
                                             .light_view = light_view,
                                             .finish_view = finish_view,
+                                            .submitted = submitted,
                                             .forget = forget,
                                             .destroy = destroy,
                                             .counters = &counters_reflections};

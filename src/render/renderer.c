@@ -114,11 +114,11 @@ fnl_vec2 fnl_jitter(uint32_t index) { return pixel_jitter(index); }
 /* ---- life ---- */
 
 static fnl_result prepare_views(fnl_renderer *r, uint32_t count) {
-    if (!array_reserve(&r->host, &r->views, count)) return FNL_ERROR_MEMORY;
+    if (!array_reserve(&r->host, &r->views, count) || !array_reserve(&r->host, &r->lists.views, count) || !array_reserve(&r->host, &r->making, count))
+        return FNL_ERROR_MEMORY;
     while (r->views.count < count) {
-        struct renderer_view *view = &r->views.data[r->views.count++];
-        *view = (struct renderer_view){0};
-        lists_init(&view->lists, &r->host);
+        r->views.data[r->views.count++] = (struct renderer_view){0};
+        lists_init(&r->lists.views.data[r->lists.views.count++], &r->host);
     }
     return FNL_OK;
 }
@@ -163,9 +163,11 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
         gpu_buffer_destroy(r->device, &view->draws);
         gpu_buffer_destroy(r->device, &view->counters);
     }
-    for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
+    for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs.pictures[i]);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->slots.counts[i]);
     array_free(&r->host, &r->views);
+    array_free(&r->host, &r->last);
+    array_free(&r->host, &r->making);
     array_free(&r->host, &r->counted_buckets);
     array_free(&r->host, &r->handed.view_stats);
     array_free(&r->host, &r->handed.counters);
@@ -200,7 +202,7 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame, const
     for (uint32_t i = step; i < views; i += step) TRY(shadows_prepare_view(r, frame, &r->views.data[i]));
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         if (frame->outputs & 1u << i)
-            TRY(keep_buffer(r, &r->outputs[i], "output", views * renderer_picture_size(frame, i)));
+            TRY(keep_buffer(r, &r->outputs.pictures[i], "output", views * renderer_picture_size(frame, i)));
     for (uint32_t i = 0; i < cameras && frame->count_lights; i++) {
         struct renderer_view *view = &r->views.data[i];
         fnl_frame own = *frame;
@@ -231,7 +233,6 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     TRY(device_scene_prepare(r->device_scene));
     frame->occlusion = frame_choose_occlusion(r, frame);
     renderer_choose(r, frame);
-    r->culling.meshes = frame_draws_meshes(r, frame);
     return steps_prepare(r, frame);
 }
 
@@ -265,6 +266,16 @@ static void note_sections(fnl_renderer *r, const struct frame_times *at, double 
     r->handed.cpu_milliseconds = (now - at->waited) * 1e3;
 }
 
+/* What was declared is the last frame now; the next one gets the memory of that before. */
+static void take_made(fnl_renderer *r) {
+    struct view_made *data = r->last.data;
+    const uint32_t capacity = r->last.capacity;
+    r->last.data = r->making.data;
+    r->last.capacity = r->making.capacity;
+    r->making.data = data;
+    r->making.capacity = capacity;
+}
+
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
                              const struct gpu_external_semaphores *external, double begun) {
     struct frame_times at = {.begun = begun};
@@ -278,10 +289,20 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     const uint64_t late = gpu_pipeline_stats(r->device).late;
     uint32_t slot = gpu_frame_slot(r->device);
     fnl_result result = prepare_counts(r, frame, slot);
-    shading_prepare_pools(r, (uint64_t)frame->width * frame->height);
     if (result == FNL_OK) result = prepare_candidate(r, frame, target);
     at.asked = time_now(); /* what comes next is the frame's own */
-    if (result == FNL_OK) result = frame_declare(r, frame, &plan, target);
+    const struct frame_input input = {.frame = frame,
+                                      .plan = &plan,
+                                      .target = target,
+                                      .graph = r->graph,
+                                      .views = r->views.data,
+                                      .outputs = &r->outputs,
+                                      .made = r->making.data,
+                                      .user = &r->scene_user,
+                                      .shared_lists = &r->lists.shared,
+                                      .lists = r->lists.views.data,
+                                      .notes = &r->notes};
+    if (result == FNL_OK) result = frame_declare(r, &input);
     at.declared = time_now();
     if (result != FNL_OK) {
         gpu_frame_end(r->device, NULL, 0, NULL);
@@ -295,6 +316,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
     device_scene_submitted(&r->scene_user);
+    take_made(r);
     r->frame = *frame;
     r->frame.views = NULL;
     r->frame.hidden_areas = NULL;

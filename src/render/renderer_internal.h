@@ -21,7 +21,6 @@ enum { OUTPUT_COUNT = 7 };           /* bits of fnl_output */
 /** What belongs to one view of a renderer's frames, by its place in fnl_frame.views. */
 struct renderer_view {
     struct temporal_state temporal;
-    struct lists_state lists; /* what builders keep from frame to frame */
     struct renderer_shadows {
         struct shadow_state pages;
         struct gpu_buffer kept; /* of items, by which they are found to have changed */
@@ -30,12 +29,14 @@ struct renderer_view {
         uint64_t changed; /* number of the last frame that was not in all the one before */
         uint64_t settled; /* of the last one known to have left all pages as they were */
     } shadows;
-
-    /* Of the last frame. */
-    struct device_scene_frame scene; /* with the lights as this view sees them; passes look at it while they are recorded */
     struct gpu_buffer draws, counters; /* read back with count_lights */
     uint64_t counter_count;            /* light_counter_count() of the view */
-    fnl_frame_stats stats;             /* the parts that the CPU knows */
+};
+
+/** What declaring a frame makes of a view. When it is submitted, steps take over what they keep; its results are told from the rest. */
+struct view_made {
+    struct device_scene_frame scene; /* with the lights as this view sees them; passes look at it while they are recorded */
+    fnl_frame_stats stats;           /* the parts that the CPU knows */
     struct view_counters numbers;
     struct light_totals known_totals;
     bool totals_known;
@@ -43,6 +44,26 @@ struct renderer_view {
     uint32_t transmission_layers, transmission_limit; /* drawn, and how many there may be; 0: nothing is transmissive */
     uint64_t fixed_bytes; /* of the lists: what their pools do not hold */
     uint32_t entry_bytes, blend_entry_bytes;
+    struct temporal_state temporal;
+    struct {
+        bool has_pages, same; /* the pages were asked for; and nothing had changed */
+        struct shadow_turn turn;
+    } shadows;
+};
+
+/** What the log has been told of, once by each renderer. */
+struct renderer_notes {
+    bool decal_lists;  /* decals asked for in the G-buffer come by lists */
+    bool mesh_lists;   /* mesh lists replace others */
+    bool stereo_path;  /* the device lacks what stereo.path needs */
+    bool shadow_rays;  /* rays replace shadow maps */
+    bool shadow_trees; /* trees replace ray queries */
+    bool mobile[2];    /* of the path mobile */
+};
+
+/** Where the CPU reads results: pictures of all views one after the other, and struct inspected. */
+struct renderer_outputs {
+    struct gpu_buffer pictures[OUTPUT_COUNT], pixel;
 };
 
 /** What tests ask of a renderer. */
@@ -78,20 +99,18 @@ struct fnl_renderer {
     ARRAY(struct renderer_view) views;     /* at least one; as many as any frame so far had */
     struct renderer_tests *tests;          /* of the host; NULL outside of tests */
 
-    /* What each step keeps. told_of_...: the log knows it. */
+    /* What each step keeps. Declaring a frame does not change it. */
     struct {
         struct lists_shared shared;
+        ARRAY(struct lists_state) views; /* one for each of `views` */
         uint32_t pool_capacity; /* entries that the pools of lists have at least; grows after an overflow */
-        bool told_of_mesh;      /* mesh lists replace others */
     } lists;
     struct {
         uint32_t capacity;  /* of what holds decals */
         uint32_t tree_from; /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
-        bool told_of_lists; /* decals asked for in the G-buffer come by lists */
     } decals;
     struct {
         uint32_t cluster_capacity, triangle_capacity; /* 0: before the first frame that needs them */
-        bool meshes;                                  /* mesh shaders draw the frame being made */
     } culling;
     struct {
         uint32_t pairs; /* of a page of shadow maps and an item that is drawn into it; grows after an overflow */
@@ -101,33 +120,24 @@ struct fnl_renderer {
         } counted;                /* of the frame whose counts were taken last; 0: its times are not wanted */
         uint64_t mapless_version; /* light_version of the scene + 1 at which `mapless` was found; 0: never */
         bool mapless;             /* the scene has lights without maps */
-        bool told_of_maps;        /* rays replace shadow maps */
-        bool told_of_trees;       /* trees replace ray queries */
     } shadows;
     struct renderer_probes probes;
     struct renderer_reflections reflections;
     struct {
         struct fnl_renderer *owner;     /* NULL: this renderer makes the caller's frames; else those that probes of `owner` are captured by */
         uint32_t probe;                 /* which one in the list */
-        struct environment_faces faces; /* in such a frame */
     } capture;
     struct {
         uint32_t transmission_layers; /* that frames draw: as many as the last ones needed */
         uint32_t blend_capacity;      /* fragments of linked transparency; 0: before the first frame */
         uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
         struct virtual_atlas atlas;   /* of virtual texturing */
-        bool mobile_notes[2];         /* what was said once about the path mobile */
     } shading;
-    struct {
-        uint32_t vertex_queries; /* of the frame that is being declared: those taken so far */
-        bool told_of_path;       /* the device lacks what stereo.path needs */
-    } stereo;
     struct renderer_overlay {
         struct gpu_image image;
         uint64_t version;
     } overlays[FNL_OVERLAY_IMAGES_MAX];
     struct renderer_pixel {
-        struct gpu_buffer answer;       /* struct inspected */
         ARRAY(uint32_t) suns;           /* the scene's when it was asked for */
         uint32_t next_generation;       /* as well: lights of later ones came after */
         ARRAY(fnl_pixel_light) lights;  /* handed out */
@@ -142,6 +152,8 @@ struct fnl_renderer {
         uint32_t moving_frames; /* for which lights still count as moving */
     } lights;
 
+    struct renderer_notes notes;
+
     /* Frames that are declared only for their pipelines. */
     struct {
         struct graph *graph; /* NULL: none yet */
@@ -153,7 +165,8 @@ struct fnl_renderer {
     uint64_t frame_number; /* 0: none yet, or the last one failed */
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
     uint32_t pipelines_made; /* by the frame itself */
-    struct gpu_buffer outputs[OUTPUT_COUNT]; /* the pictures of all views, one after the other */
+    struct renderer_outputs outputs;
+    ARRAY(struct view_made) last, making; /* of each view: of that frame, and of the one being declared */
     ARRAY(struct geometry_bucket) counted_buckets; /* of a frame with count_lights: another renderer may change the scene's meanwhile */
     struct {
         struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT]; /* struct frame_counts of each view */
@@ -171,12 +184,6 @@ struct fnl_renderer {
         double cpu_milliseconds;
     } handed;
 };
-
-/** Whether a message that a renderer logs once is due: never while a frame is declared only for its pipelines. */
-static inline bool renderer_tells(const fnl_renderer *r, bool *told) {
-    if (*told || r->graph == r->dry.graph) return false;
-    return *told = true;
-}
 
 /** What a slot holds of a view. */
 static inline const struct frame_counts *renderer_counts(const fnl_renderer *r, uint32_t slot, uint32_t view) {
@@ -214,8 +221,23 @@ fnl_occlusion frame_choose_occlusion(const fnl_renderer *r, const fnl_frame *fra
 /** Whether occluded surfaces are culled; nothing of the frame is auto. */
 bool frame_culls_hidden(const fnl_frame *frame);
 
+/** What a frame is declared with. Arrays have an element for each camera of the plan. */
+struct frame_input {
+    const fnl_frame *frame; /* settled */
+    const struct view_plan *plan;
+    const struct frame_target *target; /* NULL: none */
+    struct graph *graph;
+    const struct renderer_view *views;
+    const struct renderer_outputs *outputs;
+    struct view_made *made; /* out */
+    /* What steps work in while they declare. */
+    struct device_scene_user *user;
+    struct lists_shared *shared_lists;
+    struct lists_state *lists;
+    struct renderer_notes *notes; /* NULL: the frame is declared only for its pipelines, and says nothing */
+};
 /** Declares the whole frame (frame.c). */
-fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct view_plan *plan, const struct frame_target *target);
+fnl_result frame_declare(const fnl_renderer *r, const struct frame_input *input);
 
 /** Brings the scene on the device up to date, replaces auto by what the frame uses, and makes what lasts; outside of frames. */
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame);

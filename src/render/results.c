@@ -25,7 +25,7 @@ fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out)
     size_t size = (size_t)renderer_picture_size(&r->frame, bit) * views;
     void *pixels = host_allocate(&r->host, size);
     if (!pixels) return FNL_ERROR_MEMORY;
-    memcpy(pixels, r->outputs[bit].mapped, size);
+    memcpy(pixels, r->outputs.pictures[bit].mapped, size);
     *out =
         (fnl_image){r->frame.width, r->frame.height * views, bit == 0 ? FNL_PIXEL_FORMAT_RGBA8 : FNL_PIXEL_FORMAT_RGBA32F, pixels};
     return FNL_OK;
@@ -60,17 +60,18 @@ static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *v
 }
 
 /* The numbers of one view. */
-static void query_view(const fnl_renderer *r, const struct renderer_view *view, const struct frame_counts *counts,
-                       fnl_frame_stats *out) {
+static void query_view(const fnl_renderer *r, const struct counted *counted, fnl_frame_stats *out) {
+    const struct frame_counts *counts = counted->counts;
+    const struct view_made *made = counted->made;
     const struct lists_counts *lists = COUNTS(counts, lists);
     const struct culling_counts *culling = COUNTS(counts, culling);
-    *out = view->stats;
-    struct light_totals lights = view->totals_known ? view->known_totals : lists->lights;
-    out->lights_in_view = lights.in_view + view->scene.lights.directional_count;
+    *out = made->stats;
+    struct light_totals lights = made->totals_known ? made->known_totals : lists->lights;
+    out->lights_in_view = lights.in_view + made->scene.lights.directional_count;
     out->list_entries = (uint64_t)lights.entries + lists->blend_lights.entries;
     out->overflow_cells = lights.overflow_cells + lists->blend_lights.overflow_cells;
-    out->list_used_bytes = view->fixed_bytes + lights.entries * (uint64_t)view->entry_bytes +
-                           lists->blend_lights.entries * (uint64_t)view->blend_entry_bytes;
+    out->list_used_bytes = made->fixed_bytes + lights.entries * (uint64_t)made->entry_bytes +
+                           lists->blend_lights.entries * (uint64_t)made->blend_entry_bytes;
     out->items_visible = culling->visible_items;
     const uint32_t *reasons = culling->clusters.reasons;
     uint64_t *const triangles[] = {[CLUSTERS_DRAWN] = &out->triangles_drawn,
@@ -83,7 +84,7 @@ static void query_view(const fnl_renderer *r, const struct renderer_view *view, 
     out->items_occluded = culling->hidden_items;
     out->items_whole = culling->clusters.whole_items;
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = COUNTS(counts, exposure)->metered[1];
-    if (r->frame.count_lights) sum_evaluations(r, view, out);
+    if (r->frame.count_lights) sum_evaluations(r, counted->view, out);
 }
 
 /* Those of the whole frame. */
@@ -137,9 +138,10 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
 
 /* r->handed.counters has room for the view's. */
 static fnl_result query_one(fnl_renderer *r, uint32_t view, fnl_frame_stats *out) {
-    const struct counted counted = {r, &r->views.data[view], renderer_counts(r, r->frame_slot, view), &r->views.data[view].numbers, &r->frame};
+    const struct view_made *made = &r->last.data[view];
+    const struct counted counted = {r, &r->views.data[view], made, renderer_counts(r, r->frame_slot, view), &made->numbers, &r->frame};
     fnl_counter *counters = r->handed.counters.data + r->handed.counters.count;
-    query_view(r, counted.view, counted.counts, out);
+    query_view(r, &counted, out);
     out->counters = counters;
     out->counter_count = counters_query(&counted, counters);
     r->handed.counters.count += out->counter_count;

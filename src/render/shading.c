@@ -46,7 +46,7 @@ fnl_result order_check_primitive_ids(const struct call *call, const fnl_renderer
 /* ---- blended surfaces ---- */
 
 static void add_transparency(struct frame_state *f, const struct shade_input *input, graph_image depth) {
-    fnl_renderer *r = f->r;
+    const fnl_renderer *r = f->r;
     if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
         struct linked_params params = {r->shading.blend_capacity};
         struct linked_lists linked = linked_add(f->graph, input, &params, f->radiance, depth);
@@ -207,8 +207,8 @@ static void add_surfaces_over(struct frame_state *f, const struct shade_input *i
 static struct transmission find_glass(struct frame_state *f, const struct shade_input *input) {
     const uint32_t layers = MIN(MAX(f->r->shading.transmission_layers, 1u), f->frame->transmission_layers);
     const struct transmission found = transmission_find(f->graph, f->r->device, input, layers, f->radiance, f->depth);
-    f->kept->transmission_layers = layers;
-    f->kept->transmission_limit = f->frame->transmission_layers;
+    f->made->transmission_layers = layers;
+    f->made->transmission_limit = f->frame->transmission_layers;
     COUNTERS_COPY(f, found.totals, 0, shading, transmission);
     counters_note(f, "transmission.layers", layers);
     counters_note(f, "transmission.bytes", found.byte_count);
@@ -238,7 +238,7 @@ static void add_over(struct frame_state *f, const struct shade_input *input) {
     struct transmission found;
     blend.lighting = &f->blend_lights;
     if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
-    f->kept->transmission_layers = 0;
+    f->made->transmission_layers = 0;
     if (glass) {
         found = find_glass(f, input);
         if (blends) add_behind_glass(f, &blend, found.depths[0]);
@@ -291,7 +291,7 @@ uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws
 /* From the draws of this frame, read back. */
 static bool find_forward_items(const struct counted *counted, uint64_t *value) {
     const struct gpu_draw *draws = counted->view->draws.mapped;
-    uint32_t layouts = counted->view->forward_layouts;
+    uint32_t layouts = counted->made->forward_layouts;
     for (uint32_t b = 0; b < counted->r->counted_buckets.count && layouts; b++) {
         const struct geometry_bucket *bucket = &counted->r->counted_buckets.data[b];
         bool forward = geometry_bucket_opaque(bucket) && bucket->forward_layouts & layouts;
@@ -311,9 +311,9 @@ static bool find_overflow(const struct counted *counted, uint64_t *value) {
 
 /* Surfaces that were left out for want of layers, and for which the next frame has some. */
 static bool find_left_out(const struct counted *counted, uint64_t *value) {
-    const uint64_t longest = MIN(COUNTS(counted->counts, shading)->transmission.longest, counted->view->transmission_limit);
-    *value = longest - MIN(longest, counted->view->transmission_layers);
-    return counted->view->transmission_layers > 0;
+    const uint64_t longest = MIN(COUNTS(counted->counts, shading)->transmission.longest, counted->made->transmission_limit);
+    *value = longest - MIN(longest, counted->made->transmission_layers);
+    return counted->made->transmission_layers > 0;
 }
 
 static const struct counter rows[] = {
@@ -381,11 +381,6 @@ static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_fram
     return shading_order(checked.shading)->check(call, r, &checked);
 }
 
-static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
-    const struct order *order = shading_order(frame->shading);
-    return order->prepare ? order->prepare(r, frame) : FNL_OK;
-}
-
 static void submitted(fnl_renderer *r, const fnl_frame *frame) {
     const struct order *order = shading_order(frame->shading);
     if (order->submitted) order->submitted(r);
@@ -402,8 +397,10 @@ static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
     return (uint32_t)MIN(MAX(wanted, (uint64_t)BLEND_POOL_START), MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX));
 }
 
-void shading_prepare_pools(fnl_renderer *r, uint64_t pixels) {
-    if (!r->shading.blend_capacity) r->shading.blend_capacity = blend_capacity(r, pixels);
+static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
+    if (!r->shading.blend_capacity) r->shading.blend_capacity = blend_capacity(r, (uint64_t)frame->width * frame->height);
+    const struct order *order = shading_order(frame->shading);
+    return order->prepare ? order->prepare(r, frame) : FNL_OK;
 }
 
 static void grow(fnl_renderer *r, const struct frame_counts *counts) {

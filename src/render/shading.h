@@ -39,8 +39,6 @@ void shading_begin(struct frame_state *f);
 void shading_draw(struct frame_state *f);
 /** The view takes its layer of what was drawn for several, of which it is one. */
 void shading_take_layer(struct frame_state *f, const struct frame_state *together, uint32_t layer);
-/** Sets the pools that start with a frame's size. */
-void shading_prepare_pools(fnl_renderer *r, uint64_t pixels);
 
 /** Draw calls of the frame so declared. */
 uint32_t shading_draw_count(const struct frame_state *f);

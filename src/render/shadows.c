@@ -8,25 +8,21 @@
 
 /* ---- what finds them ---- */
 
-/* Lights that cast shadows and have no maps: capsules and rectangles. */
-static bool has_mapless(fnl_renderer *r) {
-    const fnl_scene *scene = r->scene;
-    if (r->shadows.mapless_version == scene->light_version + 1) return r->shadows.mapless;
-    r->shadows.mapless = false;
-    for (uint32_t i = 0; i < scene->lights.count && !r->shadows.mapless; i++) {
+/* Whether lights cast shadows that have no maps: capsules and rectangles. */
+static bool find_mapless(const fnl_scene *scene) {
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
         const fnl_light_params *light = &scene->lights.data[i].params;
-        r->shadows.mapless = light->casts_shadows && (light->kind == FNL_LIGHT_CAPSULE || light->kind == FNL_LIGHT_RECTANGLE);
+        if (light->casts_shadows && (light->kind == FNL_LIGHT_CAPSULE || light->kind == FNL_LIGHT_RECTANGLE)) return true;
     }
-    r->shadows.mapless_version = scene->light_version + 1;
-    return r->shadows.mapless;
+    return false;
 }
 
 /* Whether rays find some shadows: those of capsules and rectangles, and of any light where the atlas may not hold the coarsest pages of all; or are compared
    with maps. */
-static bool has_traced(fnl_renderer *r, const fnl_frame *frame) {
+static bool has_traced(const fnl_renderer *r, const fnl_frame *frame) {
     if (shadows_have(frame, SHADOWS_RAYS) || !shadow_maps_possible(r, frame) || frame->debug == FNL_DEBUG_SHADOW_ERRORS) return true;
     const uint64_t cells = shadow_maps_side(frame) / SHADOW_PAGE, smallest = SHADOW_PAGE / SHADOW_UNIT;
-    return has_mapless(r) || shadow_maps_rows(r) * SHADOW_FACES > cells * cells * smallest * smallest;
+    return r->shadows.mapless || shadow_maps_rows(r) * SHADOW_FACES > cells * cells * smallest * smallest;
 }
 
 /* Whether rays go through the device's own structures. `auto` walks the trees on the CPU, where no hardware helps. */
@@ -38,15 +34,15 @@ static bool queries(const fnl_renderer *r, const fnl_frame *frame) {
            (frame->shadow.ray_backend == FNL_RAY_BACKEND_AUTO && info->type != FNL_DEVICE_CPU);
 }
 
-static struct device_rays_use rays_use_of(fnl_renderer *r, const fnl_frame *frame) {
+static struct device_rays_use rays_use_of(const fnl_renderer *r, const fnl_frame *frame) {
     const bool traces = has_traced(r, frame), query = traces && queries(r, frame);
     return (struct device_rays_use){.trees = traces && !query, .query = query, .items = shadow_maps_possible(r, frame)};
 }
 
 /* Once for each renderer. */
 static void tell_of_rays(fnl_renderer *r) {
-    if (r->shadows.told_of_maps) return;
-    r->shadows.told_of_maps = true;
+    if (r->notes.shadow_rays) return;
+    r->notes.shadow_rays = true;
     if (!gpu_info(r->device)->clip_distances)
         log_warning(&r->host, "shadows: this device has no clip_distances, which maps need: rays find all shadows");
     else
@@ -55,8 +51,8 @@ static void tell_of_rays(fnl_renderer *r) {
 }
 
 static void tell_of_trees(fnl_renderer *r) {
-    if (r->shadows.told_of_trees) return;
-    r->shadows.told_of_trees = true;
+    if (r->notes.shadow_trees) return;
+    r->notes.shadow_trees = true;
     if (!gpu_info(r->device)->ray_query)
         log_warning(&r->host, "shadows: this device has no ray_query, which shadow.ray-backend=ray-query needs: rays go through bounding volume hierarchies");
     else
@@ -71,6 +67,8 @@ bool shadows_timed(const fnl_frame *frame) {
 
 static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
     if (frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
+    if (r->shadows.mapless_version != r->scene->light_version + 1) r->shadows.mapless = find_mapless(r->scene);
+    r->shadows.mapless_version = r->scene->light_version + 1;
     const struct device_rays_use use = rays_use_of(r, frame);
     if (use.trees && frame->shadow.ray_backend == FNL_RAY_BACKEND_RAY_QUERY) tell_of_trees(r);
     if (shadows_have(frame, SHADOWS_MAPS) && shadow_maps_rows(r) > 0 && !shadow_maps_possible(r, frame)) tell_of_rays(r);

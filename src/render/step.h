@@ -25,7 +25,8 @@ struct frame_step {
     /** Inside a frame, after `grow`: what the last frame of a slot counted is known (fnl_renderer.counts). */
     void (*counted)(fnl_renderer *r, uint32_t slot);
     /*
-     * Declare work of a frame, in this order. A view of what is far away (frame_state.eyes) begins and is lit like any other; its eyes show it,
+     * Declare work of a frame, in this order. They change nothing that the renderer keeps, so that a frame may be declared only for its pipelines: what
+     * later frames need goes into `f->made`, and `submitted` takes it over. A view of what is far away (frame_state.eyes) begins and is lit like any other; its eyes show it,
      * so it has no exposure and is not finished.
      */
     /** Once, before any view: what all views share. `shared` is what each of them starts from. */
@@ -40,7 +41,7 @@ struct frame_step {
     void (*end_light)(struct frame_state *views, uint32_t count);
     /** Each view: from radiance to pictures and numbers. */
     void (*finish_view)(struct frame_state *f);
-    /** After submission: later frames may rely on what this frame made. */
+    /** After submission: takes over what this frame made of each view (fnl_renderer.last), so that later frames may rely on it. */
     void (*submitted)(fnl_renderer *r, const fnl_frame *frame);
     /** After a failed frame: drops state the device may not have. */
     void (*forget)(fnl_renderer *r);

@@ -77,11 +77,11 @@ bool stereo_asks_list(const struct frame_state *f, fnl_light_lists lists) {
 void stereo_count_work(struct frame_state *f, struct geometry_draws *draws, uint32_t passes) {
     if (f->frame->stereo.eyes == 0 || passes == 0) return;
     counters_note(f, "stereo.states", (uint64_t)passes * geometry_draw_count(&f->scene->geometry, GEOMETRY_OPAQUE));
-    const uint32_t first = f->r->stereo.vertex_queries, count = passes * geometry_query_count(draws);
+    const uint32_t first = f->common->vertex_queries, count = passes * geometry_query_count(draws);
     if (!f->frame->count_lights || !gpu_info(f->r->device)->vertex_counts || first + count > GPU_MAX_VERTEX_COUNTS) return;
     draws->counts_vertices = true;
     draws->first_query = first;
-    f->r->stereo.vertex_queries += count;
+    f->common->vertex_queries += count;
     counters_note(f, "stereo.vertices", (uint64_t)first << 32 | count);
 }
 

@@ -110,7 +110,7 @@ static void collect(struct frame_state *f) {
 static void finish_view(struct frame_state *f) {
     graph_set_role(f->graph, GRAPH_ROLE_REST);
     collect(f);
-    f->kept->temporal = (struct temporal_state){.valid = true,
+    f->made->temporal = (struct temporal_state){.valid = true,
                                                 .view = f->temporal.view,
                                                 .jitter = f->temporal.jitter,
                                                 .uploads = f->r->device_scene->upload_count,
@@ -125,6 +125,10 @@ static void finish_view(struct frame_state *f) {
                                                 .still = f->temporal.still_frames};
 }
 
+static void submitted(fnl_renderer *r, const fnl_frame *frame) {
+    for (uint32_t i = 0; i < frame_camera_count(frame); i++) r->views.data[i].temporal = r->last.data[i].temporal;
+}
+
 static fnl_result check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
     if (!temporal_needs_motion(frame) || frame->msaa == 1) return FNL_OK;
@@ -135,4 +139,4 @@ static void forget(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
 }
 
-const struct frame_step step_temporal = {.name = "temporal", .check = check, .finish_view = finish_view, .forget = forget};
+const struct frame_step step_temporal = {.name = "temporal", .check = check, .finish_view = finish_view, .submitted = submitted, .forget = forget};

@@ -8,63 +8,41 @@
 #include "render/shading.h"
 #include "render/shadows.h"
 
-/* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
-struct last_frame {
-    struct renderer_view view; /* the first: all views of a frame have the same pipelines */
-    struct lists_shared lists;
-    uint32_t blend_capacity;
-    bool meshes;
-    struct gpu_buffer outputs[OUTPUT_COUNT], answer;
-};
-
-static void put_aside(const fnl_renderer *r, struct last_frame *out) {
-    *out = (struct last_frame){.view = r->views.data[0],
-                               .lists = r->lists.shared,
-                               .blend_capacity = r->shading.blend_capacity,
-                               .meshes = r->culling.meshes,
-                               .answer = r->pixel.answer};
-    memcpy(out->outputs, r->outputs, sizeof out->outputs);
-}
-
-static void put_back(fnl_renderer *r, const struct last_frame *last) {
-    r->views.data[0] = last->view;
-    r->lists.shared = last->lists;
-    r->shading.blend_capacity = last->blend_capacity;
-    r->culling.meshes = last->meshes;
-    r->pixel.answer = last->answer;
-    memcpy(r->outputs, last->outputs, sizeof r->outputs);
-}
-
 /* Buffers with sizes alone: nothing is recorded, and what the last frame wrote stays where it is. */
-static void stand_in(fnl_renderer *r, const fnl_frame *frame) {
-    struct renderer_view *view = &r->views.data[0];
-    for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
-        r->outputs[i] = (struct gpu_buffer){.size = renderer_picture_size(frame, i)};
-    r->pixel.answer = (struct gpu_buffer){.size = sizeof(struct inspected)};
-    view->counters = (struct gpu_buffer){.size = (uint64_t)frame->width * frame->height * 8 + 4};
-    view->draws = (struct gpu_buffer){.size = MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)};
-    lists_init(&view->lists, &r->host);
-    lists_shared_init(&r->lists.shared, &r->host);
+static struct renderer_outputs stand_ins(const fnl_frame *frame) {
+    struct renderer_outputs outputs = {.pixel = {.size = sizeof(struct inspected)}};
+    for (uint32_t i = 0; i < OUTPUT_COUNT; i++) outputs.pictures[i] = (struct gpu_buffer){.size = renderer_picture_size(frame, i)};
+    return outputs;
 }
 
 fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
                                   uint64_t *out_ticket) {
     if (!r->dry.graph) TRY(graph_create(&r->host, r->device, &r->dry.graph));
-    struct graph *graph = r->graph;
-    struct last_frame last;
-    put_aside(r, &last);
-    r->graph = r->dry.graph;
-    r->culling.meshes = frame_draws_meshes(r, frame);
-    stand_in(r, frame);
-    shading_prepare_pools(r, (uint64_t)frame->width * frame->height);
+    const struct renderer_outputs outputs = stand_ins(frame);
+    struct renderer_view view = r->views.data[0]; /* all views of a frame have the same pipelines */
+    view.counters = (struct gpu_buffer){.size = 4 * light_counter_count(frame)};
+    view.draws = (struct gpu_buffer){.size = MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)};
+    struct view_made made;
+    struct lists_state lists;
+    struct lists_shared shared_lists;
+    lists_init(&lists, &r->host);
+    lists_shared_init(&shared_lists, &r->host);
     struct view_plan plan;
     multiview_plan(r, frame, &plan);
-    fnl_result result = frame_declare(r, frame, &plan, target);
-    if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
-    lists_finish(&r->views.data[0].lists, r->device);
-    lists_shared_finish(&r->lists.shared, r->device);
-    put_back(r, &last);
-    r->graph = graph;
+    const struct frame_input input = {.frame = frame,
+                                      .plan = &plan,
+                                      .target = target,
+                                      .graph = r->dry.graph,
+                                      .views = &view,
+                                      .outputs = &outputs,
+                                      .made = &made,
+                                      .user = &r->scene_user,
+                                      .shared_lists = &shared_lists,
+                                      .lists = &lists};
+    fnl_result result = frame_declare(r, &input);
+    if (result == FNL_OK) result = graph_ask_pipelines(r->dry.graph, out_ticket);
+    lists_finish(&lists, r->device);
+    lists_shared_finish(&shared_lists, r->device);
     return result;
 }
 

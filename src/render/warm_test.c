@@ -2,6 +2,7 @@
 /* Pipelines that are made before the first frame that needs them. */
 #include "fanal/options.h"
 #include "fanal/vulkan.h"
+#include "render/reflections.h"
 #include "tests/render_harness.h"
 
 #include <time.h>
@@ -252,6 +253,8 @@ static struct kept kept_by(const fnl_renderer *r) {
     struct kept k = {0};
     keep(&k, r, sizeof *r);
     keep(&k, r->views.data, r->views.count * sizeof *r->views.data);
+    keep(&k, r->lists.views.data, r->lists.views.count * sizeof *r->lists.views.data);
+    keep(&k, r->last.data, r->views.count * sizeof *r->last.data);
     keep(&k, r->probes.list.data, r->probes.list.count * sizeof *r->probes.list.data);
     keep(&k, r->reflections.list.data, r->reflections.list.count * sizeof *r->reflections.list.data);
     return k;
@@ -289,9 +292,9 @@ static void test_dry_declarations_leave_no_trace(void **state) {
         /* Once for what is prepared, then for what the frame after a first one does otherwise. */
         for (int frame = 0; frame < 3; frame++) {
             assert_int_equal(fnl_renderer_warm(s.renderer, &s.frame, NULL, true, NULL), FNL_OK);
-            if (frame == 0) assert_false(s.renderer->lists.told_of_mesh);
+            if (frame == 0) assert_false(s.renderer->notes.mesh_lists);
             struct shot shot = stage_shoot(&s, &s.frame);
-            assert_true(s.renderer->lists.told_of_mesh == (s.frame.lists == FNL_LISTS_MULTIPASS));
+            assert_true(s.renderer->notes.mesh_lists == (s.frame.lists == FNL_LISTS_MULTIPASS));
             shot_free(&shot);
             fnl_frame settled = s.frame;
             uint64_t ticket;
@@ -311,6 +314,42 @@ static void test_dry_declarations_leave_no_trace(void **state) {
     }
 }
 
+/* Capturing a probe renders frames, by a renderer of its own: that of the frame changes nothing but what it keeps of reflection probes. */
+static void test_captures_change_nothing_else(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:room?lights=9", 0);
+    fnl_probe_params probe = fnl_probe_params_default();
+    fnl_probe_id id;
+    probe.half_size = (fnl_vec3){2, 2, 2};
+    probe.reflection = true;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    s.frame.aa = FNL_ANTIALIASING_TAA;
+    assert_int_equal(fnl_scene_add_probe(s.scene, &probe, &id), FNL_OK);
+    struct shot shot = stage_shoot(&s, &s.frame);
+    shot_free(&shot);
+    for (int i = 0; i < 2; i++) {
+        probe.capture.x = 0.1f * (float)(i + 1);
+        assert_int_equal(fnl_scene_set_probe(s.scene, id, &probe), FNL_OK);
+        fnl_frame settled = s.frame;
+        assert_int_equal(renderer_settle(s.renderer, &settled), FNL_OK);
+        const struct renderer_reflections reflections = s.renderer->reflections;
+        s.renderer->reflections = (struct renderer_reflections){0}; /* for the comparison */
+        const struct kept before = kept_by(s.renderer);
+        s.renderer->reflections = reflections;
+        assert_int_equal(reflections_capture(s.renderer, &settled), FNL_OK);
+        assert_int_equal(s.renderer->reflections.captures, 1);
+        const struct renderer_reflections captured = s.renderer->reflections;
+        s.renderer->reflections = (struct renderer_reflections){0};
+        const struct kept after = kept_by(s.renderer);
+        s.renderer->reflections = captured;
+        assert_int_equal(before.size, after.size);
+        assert_memory_equal(before.bytes, after.bytes, before.size);
+        free(before.bytes);
+        free(after.bytes);
+    }
+    stage_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_the_first_frame_makes_no_pipeline, harness_check),
@@ -319,6 +358,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_for_a_target, harness_check),
         cmocka_unit_test_teardown(test_the_last_frame_stays, harness_check),
         cmocka_unit_test_teardown(test_dry_declarations_leave_no_trace, harness_check),
+        cmocka_unit_test_teardown(test_captures_change_nothing_else, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

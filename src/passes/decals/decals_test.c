@@ -654,7 +654,7 @@ static void test_lists_stand_in_for_the_gbuffer_ES_59(void **state) {
             frame.msaa = cases[i].msaa;
             test_render_frame(r, &frame);
             pictures[way] = test_read(r, FNL_OUTPUT_RADIANCE);
-            assert_int_equal(r->decals.told_of_lists, way == FNL_DECALS_GBUFFER && cases[i].stands_in);
+            assert_int_equal(r->notes.decal_lists, way == FNL_DECALS_GBUFFER && cases[i].stands_in);
         }
         if (cases[i].stands_in) assert_true(test_equal(&pictures[0], &pictures[1]));
         for (int k = 0; k < 2; k++) free_picture(&pictures[k]);

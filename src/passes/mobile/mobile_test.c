@@ -475,11 +475,11 @@ static void test_without_inputs_the_passes_are_separate_MB_18(void **state) {
     struct stage stage = stage_open(MOBILE_SCENE, 0);
     fnl_frame frame = mobile_frame(&stage);
     struct shot merged = stage_shoot(&stage, &frame);
-    assert_false(stage.renderer->shading.mobile_notes[0] || stage.renderer->shading.mobile_notes[1]);
+    assert_false(stage.renderer->notes.mobile[0] || stage.renderer->notes.mobile[1]);
     harness_hooks(stage.renderer)->cannot_merge = true;
     struct shot fallback = stage_shoot(&stage, &frame);
     assert_true(counter(&merged.stats, "mobile.merged") && !counter(&fallback.stats, "mobile.merged"));
-    assert_true(!stage.renderer->shading.mobile_notes[0] && stage.renderer->shading.mobile_notes[1]); /* and it said so */
+    assert_true(!stage.renderer->notes.mobile[0] && stage.renderer->notes.mobile[1]); /* and it said so */
     assert_same(&merged.color, &fallback.color, "fallback");
     frame.msaa = 4;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);

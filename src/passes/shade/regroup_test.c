@@ -161,14 +161,14 @@ static void test_mesh_lists_stand_in(void **state) {
         fnl_light_lists lists = k ? FNL_LISTS_MULTIPASS : FNL_LISTS_BATCHES;
         struct shot one = shoot(&stage, lists);
         assert_int_equal(one.stats.lists, lists);
-        assert_false(stage.renderer->lists.told_of_mesh);
+        assert_false(stage.renderer->notes.mesh_lists);
         stage.frame.msaa = 4;
         struct shot several = shoot(&stage, lists), mesh = shoot(&stage, FNL_LISTS_MESH);
         assert_int_equal(several.stats.lists, FNL_LISTS_MESH);
-        assert_true(stage.renderer->lists.told_of_mesh);
+        assert_true(stage.renderer->notes.mesh_lists);
         assert_int_equal(count_differing(&several.radiance, &mesh.radiance), 0);
         stage.frame.msaa = 1;
-        stage.renderer->lists.told_of_mesh = false;
+        stage.renderer->notes.mesh_lists = false;
         shot_free(&one);
         shot_free(&several);
         shot_free(&mesh);
@@ -182,7 +182,7 @@ static void test_mesh_lists_stand_in(void **state) {
     struct shot passes = shoot(&stage, FNL_LISTS_MULTIPASS), batches = shoot(&stage, FNL_LISTS_BATCHES);
     assert_int_equal(passes.stats.lists, FNL_LISTS_MESH);
     assert_int_equal(batches.stats.lists, FNL_LISTS_BATCHES);
-    assert_true(stage.renderer->lists.told_of_mesh);
+    assert_true(stage.renderer->notes.mesh_lists);
     assert_int_equal(count_differing(&passes.radiance, &batches.radiance), 0);
     shot_free(&passes);
     shot_free(&batches);

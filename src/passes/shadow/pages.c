@@ -29,7 +29,7 @@ void shadow_state_finish(gpu_device *device, struct shadow_state *state) {
     *state = (struct shadow_state){0};
 }
 
-void shadow_state_forget(struct shadow_state *state) { state->known = false; }
+void shadow_state_forget(struct shadow_state *state) { state->last.known = false; }
 
 static uint32_t cell_count(uint32_t atlas_side) { return (atlas_side / SHADOW_PAGE) * (atlas_side / SHADOW_PAGE); }
 
@@ -99,10 +99,9 @@ struct build {
     } last;
 };
 
-static graph_image add_atlas(struct graph *graph, struct shadow_state *state) {
+static graph_image add_atlas(struct graph *graph, const struct shadow_state *state) {
     const VkImageLayout layout = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL;
-    const bool clear = !state->cleared;
-    state->cleared = true;
+    const bool clear = !state->last.cleared;
     graph_image atlas = graph_import_image(graph, &state->atlas, clear ? VK_IMAGE_LAYOUT_UNDEFINED : layout, layout);
     if (clear)
         graph_depth(graph_add_pass(graph, "shadow clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0), atlas,
@@ -249,7 +248,7 @@ static void add_places(const struct build *b, uint32_t sum_count) {
 }
 
 /* What `state` keeps, as a frame uses it. */
-static struct shadow_pages kept_pages(struct graph *graph, struct shadow_state *state, uint32_t turn, uint32_t row_count) {
+static struct shadow_pages kept_pages(struct graph *graph, const struct shadow_state *state, uint32_t turn, uint32_t row_count) {
     const uint32_t side = state->atlas.params.width / SHADOW_PAGE;
     return (struct shadow_pages){.held = graph_import_buffer(graph, "shadow held", &state->held[turn]),
                                  .before = graph_import_buffer(graph, "shadow before", &state->before[turn]),
@@ -263,9 +262,9 @@ static struct shadow_pages kept_pages(struct graph *graph, struct shadow_state *
                                  .page_limit = side * side * CELL_PAGES};
 }
 
-struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
-                                     const struct shadow_pages_input *input) {
-    const uint32_t last = state->turn, now = 1 - last, sun_rows = input->suns.id ? input->lighting->lights.directional_count * SHADOW_SUN_ROWS : 0,
+struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, const struct shadow_state *state,
+                                     const struct shadow_pages_input *input, struct shadow_turn *next) {
+    const uint32_t last = state->last.turn, now = 1 - last, sun_rows = input->suns.id ? input->lighting->lights.directional_count * SHADOW_SUN_ROWS : 0,
                    row_count = sun_rows + input->lighting->lights.local_count, face_count = row_count * SHADOW_FACES, side = state->atlas.params.width / SHADOW_PAGE,
                    cells = side * side, page_limit = cells * CELL_PAGES, blocks = DIVIDE_UP(page_limit, SHADOW_BLOCK),
                    sum_count = 2 * SHADOW_CLASSES * blocks + (SHADOW_CLASSES + 1) * cells + 1;
@@ -283,7 +282,7 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                       .cells = graph_create_buffer(graph, "shadow cells", cells * sizeof(struct gpu_shadow_cell)),
                       .faces = graph_create_buffer(graph, "shadow faces", (face_count + 1) * 4ull),
                       .places = graph_create_buffer(graph, "shadow places", sum_count * 4ull),
-                      .frames = state->kept + 1,
+                      .frames = state->last.kept + 1,
                       .sun_rows = sun_rows,
                       .face_count = face_count,
                       .side = side,
@@ -292,13 +291,12 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
                       .last = {.held = graph_import_buffer(graph, "shadow last held", &state->held[last]),
                                .before = graph_import_buffer(graph, "shadow last before", &state->before[last]),
                                .pages = graph_import_buffer(graph, "shadow last pages", &state->pages[last]),
-                               .row_count = state->known ? state->row_count : 0}};
+                               .row_count = state->last.known ? state->last.row_count : 0}};
     if (input->split) {
         b.out.split = graph_import_buffer(graph, "shadow split", &state->split);
         b.out.split_counts = graph_create_buffer(graph, "shadow split counts", sizeof(struct gpu_shadow_split_counts));
-        b.split_rows = state->splits ? b.last.row_count : 0;
+        b.split_rows = state->last.splits ? b.last.row_count : 0;
     }
-    state->splits = input->split != NULL;
     graph_add_clear(graph, "shadow tallies clear", GRAPH_QUEUE_GRAPHICS,
                     (struct graph_clear){.buffers = {b.tallies, b.rooms, b.cells}});
     graph_add_clear(graph, "shadow held clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {b.out.held}});
@@ -307,14 +305,12 @@ struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, st
     add_idle(&b);
     add_list(&b);
     add_places(&b, sum_count);
-    state->turn = now;
-    state->row_count = row_count;
-    state->known = true;
-    state->kept = 0;
+    *next = (struct shadow_turn){.row_count = row_count, .turn = now, .known = true, .cleared = true, .splits = input->split != NULL};
     return b.out;
 }
 
-struct shadow_pages shadow_pages_again(struct graph *graph, struct shadow_state *state) {
-    state->kept++;
-    return kept_pages(graph, state, state->turn, state->row_count);
+struct shadow_pages shadow_pages_again(struct graph *graph, const struct shadow_state *state, struct shadow_turn *next) {
+    *next = state->last;
+    next->kept++;
+    return kept_pages(graph, state, state->last.turn, state->last.row_count);
 }

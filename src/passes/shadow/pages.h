@@ -25,6 +25,16 @@
 #include "passes/shadow/split.h"
 #include "shadows/maps_shared.h"
 
+/** What a frame makes of struct shadow_state. */
+struct shadow_turn {
+    uint32_t row_count;
+    uint32_t turn;          /* which of the two of each buffer hold the pages */
+    bool known;             /* the pages are in the atlas */
+    bool cleared;           /* the atlas is */
+    uint32_t kept;          /* frames that shadow_pages_again() was called in since */
+    bool splits;            /* the frame had a split */
+};
+
 /** What a view keeps between frames. Zeroed: nothing yet. */
 struct shadow_state {
     struct gpu_buffer held[2], before[2], pages[2]; /* of the last frame and of this one, in turns */
@@ -32,13 +42,8 @@ struct shadow_state {
     struct gpu_buffer least; /* the least depths of squares of texels (dark_shared.h), of pages that were drawn */
     struct gpu_image atlas; /* D32_SFLOAT; an attachment, and sampled */
     uint32_t row_room;      /* rows that there is memory for */
-    uint32_t row_count;     /* of the last frame */
-    uint32_t turn;          /* which of the two are this frame's */
-    bool known;             /* the pages of the last frame are in the atlas */
-    bool cleared;           /* the atlas is */
-    uint32_t kept;          /* frames that shadow_pages_again() was called in since */
     struct gpu_buffer split;  /* struct gpu_shadow_split_row for each row */
-    bool splits;              /* the last frame had a split */
+    struct shadow_turn last;
 };
 void shadow_state_finish(gpu_device *device, struct shadow_state *state);
 /** All pages of the next frame are drawn: after what they show has changed as a whole, and after a frame that was declared and not executed. */
@@ -68,13 +73,13 @@ struct shadow_pages {
     uint32_t row_count;
     uint32_t page_limit; /* room in `pages` */
 };
-/** Once a frame, after shadow_pages_prepare(). All passes are on the graphics queue. With more rows than that prepared for: an error of the device. */
-struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, struct shadow_state *state,
-                                     const struct shadow_pages_input *input);
+/** Once a frame, after shadow_pages_prepare(). When the frame is submitted, `next` becomes state->last. All passes are on the graphics queue. With more rows than that prepared for: an error of the device. */
+struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, const struct shadow_state *state,
+                                     const struct shadow_pages_input *input, struct shadow_turn *next);
 /**
  * In place of it, where its input would be that of the last frame and that frame left all pages as they were: none drawn, evicted or waiting. Adds no passes.
  * Nothing is changed, ages apart, which the next shadow_pages_add() brings up to date.
  */
-struct shadow_pages shadow_pages_again(struct graph *graph, struct shadow_state *state);
+struct shadow_pages shadow_pages_again(struct graph *graph, const struct shadow_state *state, struct shadow_turn *next);
 
 #endif

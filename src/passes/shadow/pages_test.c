@@ -109,9 +109,10 @@ static struct answer run_frame(struct bench *b) {
                                   .directional_count = DIRECTIONAL,
                                   .local_count = b->row_count};
     const struct lighting lighting = lighting_add(b->graph, device, &(struct lighting){.lights = set, .view = view.address}, NULL);
+    struct shadow_turn next;
     struct shadow_pages made = shadow_pages_add(
         b->graph, device, &b->state,
-        &(struct shadow_pages_input){.wanted = graph_import_buffer(b->graph, "test wanted", &wanted), .lighting = &lighting});
+        &(struct shadow_pages_input){.wanted = graph_import_buffer(b->graph, "test wanted", &wanted), .lighting = &lighting}, &next);
     a.page_limit = made.page_limit;
     assert_int_equal(made.row_count, b->row_count);
     struct list_reads reads;
@@ -122,6 +123,7 @@ static struct answer run_frame(struct bench *b) {
     b->clears = strstr(plan, "shadow clear") != NULL;
     assert_int_equal(graph_execute_frame(b->graph, &(struct graph_execute_params){.poison = true}), FNL_OK);
     assert_int_equal(gpu_wait_idle(device), FNL_OK);
+    b->state.last = next;
     a.held = list_reads_take(&reads, 0);
     a.before = list_reads_take(&reads, 1);
     a.pages = list_reads_take(&reads, 2);
@@ -442,7 +444,7 @@ static void draw(struct bench *b, struct answer *a) {
     }
     if (a->counts.pages == 0) return;
     assert_int_equal(
-        gpu_upload_buffer(harness_device(), &b->state.pages[b->state.turn], 0, a->pages, a->counts.pages * sizeof *a->pages),
+        gpu_upload_buffer(harness_device(), &b->state.pages[b->state.last.turn], 0, a->pages, a->counts.pages * sizeof *a->pages),
         FNL_OK);
     assert_int_equal(gpu_upload_flush(harness_device()), FNL_OK);
 }
@@ -468,7 +470,8 @@ static void stand_still(struct bench *b, uint32_t frames) {
         struct list_reads reads;
         graph_begin(b->graph);
         assert_int_equal(gpu_frame_begin(device), FNL_OK);
-        const struct shadow_pages made = shadow_pages_again(b->graph, &b->state);
+        struct shadow_turn next;
+        const struct shadow_pages made = shadow_pages_again(b->graph, &b->state, &next);
         list_reads_add(b->graph, (graph_buffer[]){made.held, made.before, made.pages, made.biases, made.counts}, 5, &reads);
         assert_int_equal(graph_compile(b->graph), FNL_OK);
         static char plan[1 << 16];
@@ -476,6 +479,7 @@ static void stand_still(struct bench *b, uint32_t frames) {
         assert_null(strstr(plan, "shadow stay"));
         assert_int_equal(graph_execute_frame(b->graph, &(struct graph_execute_params){.poison = true}), FNL_OK);
         assert_int_equal(gpu_wait_idle(device), FNL_OK);
+        b->state.last = next;
         assert_true(made.row_count == b->row_count && made.page_limit == last.page_limit);
         const size_t words = b->row_count * SHADOW_ROW_WORDS * 4ull;
         assert_memory_equal(reads.buffers[0].mapped, last.held, words);

@@ -21,7 +21,7 @@ static void tell_of_mesh_lists(struct frame_state *f) {
     bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
     if (!own || list_kind(&f->lights.list) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
     f->drawn_lists = FNL_LISTS_MESH;
-    if (!renderer_tells(f->r, &f->r->lists.told_of_mesh)) return;
+    if (!FRAME_TELLS(f, mesh_lists)) return;
     const char *name = fnl_value_name(FNL_ENUM_LISTS, f->frame->lists);
     if (f->frame->msaa > 1)
         log_warning(&f->r->host, "%s lists have no MSAA: with %u samples per pixel objects are drawn with mesh lists", name,

@@ -42,8 +42,8 @@ static void begin(struct frame_state *f) {
     f->shared.light_max = params.scale.most;
 }
 
-static void note_once(fnl_renderer *r, uint32_t note, const char *text) {
-    if (renderer_tells(r, &r->shading.mobile_notes[note])) log_warning(&r->host, "mobile shading: %s", text);
+static void note_once(const struct frame_state *f, uint32_t note, const char *text) {
+    if (FRAME_TELLS(f, mobile[note])) log_warning(&f->r->host, "mobile shading: %s", text);
 }
 
 /* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */
@@ -88,7 +88,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     struct mobile_params params;
     if (!resolve(f->r->device, f->frame, &params)) return; /* checked before */
     if (params.layout <= FNL_MOBILE_SPECULAR_160 && params.float_light != (f->frame->mobile.light == FNL_MOBILE_LIGHT_FLOAT))
-        note_once(f->r, 0,
+        note_once(f, 0,
                   params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
                                      : "light adds up in fractions: the device cannot blend packed floats");
     bool by_volumes = frame_is(f->frame, SHADING_VOLUMES), has_blend = surfaces_have_blend(f);
@@ -131,7 +131,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     counters_note(f, "mobile.tonemapped-inside", result.merged && tonemapped);
     if (renderer_tests(f->r).mobile_tap) add_tap(f, &result);
     if (!result.merged && !f->frame->mobile.separate)
-        note_once(f->r, 1,
+        note_once(f, 1,
                   "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
 }
 

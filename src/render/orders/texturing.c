@@ -47,7 +47,7 @@ static void destroy_virtual(fnl_renderer *r) { virtual_destroy(r->device, &r->sh
 
 /* The first frame draws the geometry once more, to know which pages it wants; later ones have what the frame before wanted. */
 static void add_virtual(struct frame_state *f, struct shade_input *input, bool prepass) {
-    fnl_renderer *r = f->r;
+    const fnl_renderer *r = f->r;
     struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->shading.atlas, r->device_scene->materials.buffer.address);
     if (r->shading.atlas.fresh) texturing_virtual_add(f->graph, input, &pages, "texturing wanted", prepass, f->depth);
     virtual_update_add(f->graph, &pages);

@@ -185,8 +185,8 @@ static uint64_t key_of(const fnl_renderer *r, const struct renderer_probe *probe
 }
 
 static void begin(struct frame_state *shared) {
-    fnl_renderer *r = shared->r;
-    struct renderer_probes *p = &r->probes;
+    const fnl_renderer *r = shared->r;
+    const struct renderer_probes *p = &r->probes;
     const fnl_shadow_options *options = &shared->frame->shadow;
     const uint32_t count = p->list.count;
     if (count == 0) return;
@@ -216,7 +216,7 @@ static void begin(struct frame_state *shared) {
     *out = (struct probes){.count = count, .address = head.address};
     shared->lighting.shadows.bits |= GPU_LIGHTING_CUBEMAP;
     for (uint32_t i = 0; i < count; i++) {
-        struct renderer_probe *probe = &p->list.data[i];
+        const struct renderer_probe *probe = &p->list.data[i];
         ((struct gpu_probe *)list.data)[i] = probe_of(probe);
         const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
         const bool bakes = probe->key != key_of(r, probe);

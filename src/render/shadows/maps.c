@@ -95,11 +95,11 @@ static VkDeviceAddress add_updates(const struct frame_state *f) {
  */
 static bool are_settled(const struct frame_state *views, uint32_t count) {
     const struct frame_state *f = views;
-    struct renderer_shadows *s = &f->kept->shadows;
-    bool same = !s->all_changed && !s->moved && f->graph != f->r->dry.graph;
+    const struct renderer_shadows *s = &f->kept->shadows;
+    bool same = !s->all_changed && !s->moved && !frame_is_dry(f);
     for (uint32_t i = 0; i < count; i++) same = same && views[i].temporal.same;
-    if (!same) s->changed = gpu_frame_number(f->r->device);
-    return same && s->settled > s->changed && s->pages.known && !shadows_have(f->frame, SHADOWS_SPLIT) && !shadow_maps_classify(f->frame) &&
+    f->made->shadows.same = same;
+    return same && s->settled > s->changed && s->pages.last.known && !shadows_have(f->frame, SHADOWS_SPLIT) && !shadow_maps_classify(f->frame) &&
            f->frame->debug != FNL_DEBUG_SHADOW_AGE;
 }
 
@@ -129,7 +129,7 @@ static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, 
                                              .lighting = asked->lighting,
                                              .updates = add_updates(f),
                                              .split = shadows_have(f->frame, SHADOWS_SPLIT) ? &split : NULL};
-    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &input);
+    const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &input, &f->made->shadows.turn);
     const struct shadow_fill_input fill = {.shapes = pages.shapes,
                                            .scene = &f->scene->geometry,
                                            .rays = &f->rays,
@@ -142,7 +142,6 @@ static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, 
                                            .moved = f->kept->shadows.moved,
                                            .pair_capacity = asked->pairs};
     *out_filled = shadow_fill_add(f->graph, f->r->device, &fill);
-    f->kept->shadows.all_changed = f->kept->shadows.moved = false;
     shadow_least_add(f->graph, &pages, out_filled);
     return pages;
 }
@@ -182,8 +181,9 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
     if (asked.suns.id) graph_put_address(f->graph, &maps->suns, asked.suns);
     for (uint32_t i = 0; i < count; i++) views[i].lighting.shadows.maps.address = slice.address;
     const bool settled = are_settled(views, count);
+    f->made->shadows.has_pages = true;
     struct shadow_fill filled = {0};
-    const struct shadow_pages pages = settled ? shadow_pages_again(f->graph, &f->kept->shadows.pages) : add_pages(views, count, &asked, &filled);
+    const struct shadow_pages pages = settled ? shadow_pages_again(f->graph, &f->kept->shadows.pages, &f->made->shadows.turn) : add_pages(views, count, &asked, &filled);
     graph_put_address(f->graph, &maps->held, pages.held);
     graph_put_address(f->graph, &maps->before, pages.before);
     graph_put_address(f->graph, &maps->pages, pages.pages);
@@ -214,6 +214,18 @@ static void counted(fnl_renderer *r, uint32_t slot) {
     for (uint32_t i = 0; i < r->slots.views[slot]; i++) {
         const struct gpu_shadow_counts *c = &COUNTS(renderer_counts(r, slot, i), shadow_maps)->pages;
         if ((c->drawn | c->evicted | c->pairs) == 0) r->views.data[i].shadows.settled = r->slots.frames[slot];
+    }
+}
+
+static void submitted(fnl_renderer *r, const fnl_frame *frame) {
+    for (uint32_t i = 0; i < frame_camera_count(frame); i++) {
+        struct renderer_shadows *s = &r->views.data[i].shadows;
+        if (!r->last.data[i].shadows.has_pages) continue;
+        if (!r->last.data[i].shadows.same) {
+            s->changed = r->frame_number;
+            s->all_changed = s->moved = false;
+        }
+        s->pages.last = r->last.data[i].shadows.turn;
     }
 }
 
@@ -273,6 +285,7 @@ const struct shadow_method shadow_method_maps = {.traits = SHADOWS_MAPS | SHADOW
                                                  .captured_as = FNL_SHADOWS_MAPS,
                                                  .init = init,
                                                  .counted = counted,
+                                                 .submitted = submitted,
                                                  .forget = forget,
                                                  .grow = grow,
                                                  .destroy = destroy,
