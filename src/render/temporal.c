@@ -28,13 +28,11 @@ static bool collects(const struct frame_state *f) {
 /* Would the last frame, but for its jitter, have been this one? */
 static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
-    const fnl_frame *a = &s->frame, *b = f->frame;
     vec3 background = f->r->scene->background;
     return !f->scene->moved && s->uploads == f->r->device_scene->upload_count && s->light_version == f->r->scene->light_version && s->shadow_requests == f->r->scene->shadow_requests &&
-           s->decal_version == f->r->scene->decal_version && s->view.mask == view->mask &&
+           s->decal_version == f->r->scene->decal_version && s->probe_version == f->r->scene->probe_version && s->view.mask == view->mask &&
            memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
-           memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&
-           a->background == b->background && a->background_blur == b->background_blur && a->transparency == b->transparency && a->transmission_layers == b->transmission_layers && a->decals == b->decals && a->light_lod == b->light_lod;
+           memcmp(&s->background, &background, sizeof background) == 0 && options_equal(f->frame, &s->frame);
 }
 
 /* The jitter of the frame, with that of its place in the sequence of temporal antialiasing. */
@@ -61,7 +59,7 @@ void temporal_begin(struct frame_state *f) {
     t->still_frames = t->still ? s->still + 1 : 0;
     if (shadows_denoised(f->frame) || shadows_guided(f->frame)) t->sequence = t->keeps ? s->sequence + 1 : 0;
     t->jitter = choose_jitter(f);
-    t->same = t->still && t->jitter.x == s->jitter.x && t->jitter.y == s->jitter.y && !f->frame->hidden_areas && options_equal(f->frame, &s->frame);
+    t->same = t->still && t->jitter.x == s->jitter.x && t->jitter.y == s->jitter.y && !f->frame->hidden_areas;
 }
 
 /* `depth`: of opaque surfaces. */
@@ -116,6 +114,7 @@ static void finish_view(struct frame_state *f) {
                                                 .uploads = f->r->device_scene->upload_count,
                                                 .light_version = f->r->scene->light_version,
                                                 .decal_version = f->r->scene->decal_version,
+                                                .probe_version = f->r->scene->probe_version,
                                                 .shadow_requests = f->r->scene->shadow_requests,
                                                 .image_arrivals = f->r->device_scene->image_arrivals,
                                                 .background = f->r->scene->background,

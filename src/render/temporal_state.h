@@ -10,7 +10,7 @@ struct temporal_state {
     bool valid;                                     /* the last frame was rendered */
     struct gpu_view view;                           /* its view, without jitter */
     vec2 jitter;
-    uint64_t uploads, light_version, decal_version, image_arrivals; /* of the scene then */
+    uint64_t uploads, light_version, decal_version, probe_version, image_arrivals; /* of the scene then */
     uint32_t shadow_requests;
     vec3 background;
     fnl_frame frame;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Motion vectors and temporal antialiasing: against projection on the CPU, against supersampling, in motion, over cuts. */
+#include "fanal/options.h"
 #include "passes/aa/taa.h"
 #include "tests/temporal_cases.h"
 #include "render/view.h"
@@ -496,6 +497,32 @@ static void test_limits(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A view counts as still until something changes that its pixels show: any option, the scene's reflection probes. */
+static void test_changes_end_stillness(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:room?lights=3", 0);
+    fnl_probe_params probe = fnl_probe_params_default();
+    fnl_probe_id id;
+    probe.reflection = true;
+    probe.half_size = (fnl_vec3){1, 1, 1};
+    assert_int_equal(fnl_scene_add_probe(s.scene, &probe, &id), FNL_OK);
+    s.frame.aa = FNL_ANTIALIASING_TAA;
+    s.frame.shadows = FNL_SHADOWS_MAPS;
+    const char *const changes[][2] = {{"shadow.contact-length", "0.1"}, {"shadows", "rays"}, {"reflections.parallax", "off"}, {"decals", "off"}, {NULL, NULL}, {"gbuffer.layout", "siege"}};
+    for (size_t i = 0; i < COUNT_OF(changes); i++) {
+        for (int k = 0; k < 3; k++) assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
+        assert_true(s.renderer->last.data[0].temporal.still >= 2);
+        probe.intensity += 0.1f;
+        if (changes[i][0])
+            assert_int_equal(fnl_frame_set(NULL, &s.frame, changes[i][0], changes[i][1]), FNL_OK);
+        else
+            assert_int_equal(fnl_scene_set_probe(s.scene, id, &probe), FNL_OK);
+        assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
+        assert_int_equal(s.renderer->last.data[0].temporal.still, 0);
+    }
+    stage_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_jitter_fills_the_pixel_ES_21),
@@ -509,6 +536,7 @@ int main(void) {
         cmocka_unit_test(test_no_trail_within_the_spread_ES_21),
         cmocka_unit_test(test_uncovered_wall_has_no_history_ES_21),
         cmocka_unit_test(test_moving_camera_ES_21),
+        cmocka_unit_test(test_changes_end_stillness),
         cmocka_unit_test(test_limits),
     };
     int failed = _cmocka_run_group_tests("temporal", tests, COUNT_OF(tests), test_group_begin, NULL);
