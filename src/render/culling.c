@@ -57,7 +57,7 @@ void frame_cull(struct frame_state *f) {
                                      .samples = frame->msaa,
                                      .centers = true,
                                      .cluster_capacity = f->r->culling.cluster_capacity,
-                                     .pool = f->display ? f->view_index % frame->stereo.eyes : 0,
+                                     .pool = f->group.display ? f->view_index % frame->stereo.eyes : 0,
                                      .meshes = frame_draws_meshes(f->r, frame),
                                      .mesh_row = tests.mesh_row ? tests.mesh_row : 65535,
                                      .mesh_rows = tests.mesh_rows ? tests.mesh_rows : 64,

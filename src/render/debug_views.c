@@ -11,7 +11,7 @@
 /* ---- views that go with every order ---- */
 
 static void add_view(struct frame_state *f, struct debug_counts counts, graph_image metal, bool swap) {
-    debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights.list, counts, metal, f->view_address, f->color, swap);
+    debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->nearest.aov, &f->lights.list, counts, metal, f->view_address, f->color, swap);
 }
 
 void debug_views_add_counts(struct frame_state *f, struct debug_counts counts, bool swap) {
@@ -43,7 +43,7 @@ static void add_decals(struct frame_state *f, bool swap) {
 }
 
 static void add_edges(struct frame_state *f, bool swap) {
-    debug_views_add_counts(f, (struct debug_counts){f->surfaces, f->surfaces.id ? 1 : 0}, swap);
+    debug_views_add_counts(f, (struct debug_counts){f->stored.surfaces, f->stored.surfaces.id ? 1 : 0}, swap);
 }
 
 static void add_halos(struct frame_state *f, bool swap) {
@@ -58,16 +58,16 @@ static void add_shadows(struct frame_state *f, bool swap) {
     graph_push_names(f->graph, "debug view");
     const struct lighting lights = order_add_fallback_lists(f);
     graph_pop_names(f->graph);
-    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, (graph_buffer){0}, f->view_address, f->color, swap);
+    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->nearest.aov, &lights, (graph_buffer){0}, f->view_address, f->color, swap);
 }
 
 static void add_classes(struct frame_state *f, bool swap) {
-    if (!f->shadow_classes.id) { /* no lights, or more than may have maps: black */
+    if (!f->shadows.classes.id) { /* no lights, or more than may have maps: black */
         add_plain(f, swap);
         return;
     }
-    const struct lighting lights = lighting_add(f->graph, f->r->device, &f->lighting, &f->surface_lights);
-    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &lights, f->shadow_classes, f->view_address, f->color, swap);
+    const struct lighting lights = lighting_add(f->graph, f->r->device, &f->lighting, &f->shadows.surface_lights);
+    shadow_view_add(f->graph, (uint32_t)f->frame->debug, &f->nearest.aov, &lights, f->shadows.classes, f->view_address, f->color, swap);
 }
 
 static fnl_result check_shadows(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
@@ -98,11 +98,11 @@ static fnl_result check_probes(const struct call *call, const fnl_renderer *r, c
 }
 
 static void add_reflections(struct frame_state *f, bool swap) {
-    reflections_view_add(f->graph, &f->aov, &f->lighting.environment, f->view_address, f->color, swap);
+    reflections_view_add(f->graph, &f->nearest.aov, &f->lighting.environment, f->view_address, f->color, swap);
 }
 
 static void add_denoise(struct frame_state *f, bool swap) {
-    denoise_view_add(f->graph, &f->denoise, f->frame->debug == FNL_DEBUG_SHADOW_HISTORY, f->view_address, f->color, swap);
+    denoise_view_add(f->graph, &f->shadows.denoise, f->frame->debug == FNL_DEBUG_SHADOW_HISTORY, f->view_address, f->color, swap);
 }
 
 static fnl_result check_denoise(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {

@@ -122,8 +122,8 @@ graph_buffer decals_count_add(struct frame_state *f) {
     if (!f->decals.list.header) return (graph_buffer){0};
     struct decals_count_input input = {.list = &f->decals.list,
                                        .decals = f->decals.buffers.decals,
-                                       .position = f->aov.position,
-                                       .normal = f->aov.normal,
+                                       .position = f->nearest.aov.position,
+                                       .normal = f->nearest.aov.normal,
                                        .view = f->view_address,
                                        .width = f->frame->width,
                                        .height = f->frame->height};

@@ -50,7 +50,7 @@ static fnl_result begin_view(struct group_state *g, uint32_t i, const struct fra
     f->view_address = parts->cameras.address + index * sizeof(struct gpu_view);
     f->counts_offset = index * counters_size();
     f->named = frame_view_count(parts->shared.frame) > 1;
-    f->display = g->group->is_display && i < g->group->count ? &g->display : NULL;
+    f->group.display = g->group->is_display && i < g->group->count ? &g->display : NULL;
     push_view(f);
     add_camera(f);
     const fnl_result result = steps_begin_view(f);
@@ -61,7 +61,7 @@ static fnl_result begin_view(struct group_state *g, uint32_t i, const struct fra
 
 static void cull_view(struct frame_state *f) {
     push_view(f);
-    if (f->display)
+    if (f->group.display)
         stereo_cull(f);
     else
         frame_cull(f);
@@ -91,10 +91,10 @@ static fnl_result begin_far(struct group_state *g, const struct frame_parts *par
     if (!g->group->has_far) return FNL_OK;
     mono_frame(parts->shared.frame, g->group, &g->frames[count]);
     TRY(begin_view(g, count, parts, g->group->far_index));
-    f->eyes = g->views;
-    f->eye_count = count;
+    f->group.eyes = g->views;
+    f->group.eye_count = count;
     cull_view(f);
-    for (uint32_t i = 0; i < count; i++) g->views[i].mono = f;
+    for (uint32_t i = 0; i < count; i++) g->views[i].group.mono = f;
     return FNL_OK;
 }
 
@@ -172,10 +172,10 @@ static fnl_result add_group(const struct frame_parts *parts, const struct view_g
 fnl_result frame_declare(const fnl_renderer *r, const struct frame_input *input) {
     const fnl_frame *frame = input->frame;
     struct frame_common common = {0};
-    struct frame_parts parts = {
-        .shared = {.r = r, .input = input, .common = &common, .frame = frame, .graph = input->graph, .drawn_lists = frame->lists, .target = input->target}};
+    struct frame_parts parts = {.shared = {.r = r, .input = input, .common = &common, .frame = frame, .graph = input->graph}};
     struct frame_state *shared = &parts.shared;
     shared->scene = &parts.scene;
+    shared->lists.drawn = frame->lists;
     memset(input->made, 0, input->plan->camera_count * sizeof *input->made);
     graph_begin(input->graph);
     multiview_tell(shared, input->plan->path);

@@ -44,7 +44,7 @@ static fnl_result begin_view(struct frame_state *f) {
     const float lod = f->frame->light_lod;
     graph_set_role(f->graph, GRAPH_ROLE_LISTS);
     TRY(device_lights_fade(user, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
-    f->whole_lights = f->lighting.lights;
+    f->lists.whole_lights = f->lighting.lights;
     if (lod > 0) light_fade_add(f->graph, f->r->device, f->view_address, &f->lighting.lights, &user->faded_lights, &user->faded_bounds, lod);
     return FNL_OK;
 }
@@ -89,7 +89,7 @@ static struct lists_context lists_context(struct frame_state *f, struct light_in
                                   .input = input,
                                   .shared = f->input->shared_lists,
                                   .state = &f->input->lists[f->view_index],
-                                  .fallback = &f->fallback,
+                                  .fallback = &f->lists.fallback,
                                   .has_blend = surfaces_have_blend(f),
                                   .layered = f->lighting.layered,
                                   .estimates = !frame_is_dry(f),
@@ -99,7 +99,7 @@ static struct lists_context lists_context(struct frame_state *f, struct light_in
 
 /* One list for all eyes, made with the first. */
 static void add_head_lists(struct frame_state *f) {
-    struct frame_display *display = f->display;
+    struct frame_display *display = f->group.display;
     if (!display->lights.header) {
         struct light_input input = input_of(f);
         struct lists_context context = lists_context(f, &input);
@@ -128,8 +128,8 @@ static void add_lists(struct frame_state *f, graph_image depth, const struct gbu
     context.gbuffer = gbuffer;
     context.of_head = stereo_asks_list(f, f->frame->lists);
     lists_add(&context);
-    const bool one = context.blend_lights.header == context.lights.header, dark = f->surface_lights.header != 0;
-    f->lights = lighting_add(f->graph, f->r->device, &f->lighting, dark ? &f->surface_lights : &context.lights);
+    const bool one = context.blend_lights.header == context.lights.header, dark = f->shadows.surface_lights.header != 0;
+    f->lights = lighting_add(f->graph, f->r->device, &f->lighting, dark ? &f->shadows.surface_lights : &context.lights);
     f->blend_lights = (dark ? !context.has_blend : one) ? f->lights : lighting_add(f->graph, f->r->device, &f->lighting, &context.blend_lights);
 }
 

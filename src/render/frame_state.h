@@ -53,7 +53,7 @@ struct frame_common {
     struct environment_faces faces; /* of a reflection probe that the frame captures */
 };
 
-/** Of one view of a frame; what all of them share was filled in before the first. */
+/** Of one view of a frame; what all of them share was filled in before the first. Members in groups belong to one step, or to what its name says. */
 struct frame_state {
     const fnl_renderer *r; /* which declaring does not change */
     const struct frame_input *input;
@@ -69,45 +69,56 @@ struct frame_state {
     struct gpu_view view;
     VkDeviceAddress shared_address, view_address;
     uint64_t counts_offset;  /* of this view's struct frame_counts */
-    struct geometry_draws draws;
-    struct frame_display *display;          /* of which this view is an eye; or NULL */
+    struct frame_temporal temporal;
     struct hidden_area hidden;              /* of the view; in frames without hidden areas nothing */
-    const struct frame_state *layers;       /* while several views are drawn at once: they, layer_count of them; NULL: this one alone */
-    uint32_t layer_count;
-    const struct frame_state *mono;         /* of an eye: the view of what is far away (mono.c), or NULL */
-    const struct frame_state *eyes;         /* of such a view: whose it is, eye_count of them; else NULL */
-    uint32_t eye_count;
-    uint32_t first_draws;                   /* draw calls of what was drawn before lists; of several views at once the first view has them */
-    graph_image radiance, depth;
-    uint32_t opaque_draws;    /* draw calls of the opaque set without a prepass: of one draw unless the order says more */
-    uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
-    struct gbuffer gbuffer;                 /* depth id 0: none */
-    struct lighting lighting;               /* without a list: what lights the view, as far as it is known yet */
-    struct light_set whole_lights;          /* before small ones were faded */
-    graph_image shadow_depth;               /* drawn only for shadows; id 0: it is not */
-    struct rays rays;                       /* of items at least, where maps are drawn; address 0: there are none */
-    fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
-    struct lighting lights, blend_lights;   /* by the frame's lists: of opaque and of blended surfaces; the same list except for tiles with depth bounds */
-    graph_buffer shadow_classes; /* of the debug view shadow-classes: what shadow_dark_add() tells; or id 0 */
-    struct lists_fallback fallback;
-    struct light_list surface_lights; /* of what depth shows, without lights that give nothing there; header 0: there is none */
-    graph_buffer counters, exposure;
-    struct visibility visibility;       /* depth id 0: none */
-    graph_buffer surfaces;              /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
-    graph_buffer coarse_words;          /* of coarse shading (passes/shade/coarse.h) */
-    struct texturing texturing;         /* pages.address 0: not of virtual texturing */
-    struct dais dais;                   /* counts.id 0: not of this order */
     struct frame_decals decals;
     struct gpu_reflection_set *reflections; /* NULL: there are none */
-    struct aov_images aov;
-    VkDeviceAddress object_table; /* with FNL_OUTPUT_OBJECT */
-    graph_image objects;
-    struct frame_temporal temporal;
-    struct denoise denoise; /* places.id 0: nothing was denoised */
-    graph_image color;
-    const struct frame_target *target; /* or NULL: where the picture goes besides */
-    bool sky_drawn;
-    bool blended;                      /* the order has drawn blended surfaces itself */
+    struct lighting lighting;               /* without a list: what lights the view, as far as it is known yet */
+    struct lighting lights, blend_lights;   /* by the frame's lists: of opaque and of blended surfaces; the same list except for tiles with depth bounds */
+    struct geometry_draws draws;
+    graph_buffer counters, exposure;
+    graph_image radiance, depth, color;
+    struct {
+        struct frame_display *display;    /* of which this view is an eye; or NULL */
+        const struct frame_state *layers; /* while several views are drawn at once: they, layer_count of them; NULL: this one alone */
+        uint32_t layer_count;
+        const struct frame_state *mono;   /* of an eye: the view of what is far away (mono.c), or NULL */
+        const struct frame_state *eyes;   /* of such a view: whose it is, eye_count of them; else NULL */
+        uint32_t eye_count;
+    } group;
+    struct { /* by the order, before it shades; id or address 0: by another */
+        struct gbuffer gbuffer;
+        struct visibility visibility;
+        graph_buffer surfaces;       /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
+        graph_buffer coarse_words;   /* of coarse shading (passes/shade/coarse.h) */
+        struct texturing texturing;  /* of virtual texturing */
+        struct dais dais;
+    } stored;
+    struct {
+        uint32_t first;  /* draw calls of what was drawn before lists; of several views at once the first view has them */
+        uint32_t opaque; /* of the opaque set without a prepass: of one draw unless the order says more */
+    } calls;
+    uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
+    struct {
+        struct light_set whole_lights;   /* before small ones were faded */
+        fnl_light_lists drawn;           /* the frame's, or those that stand in for them */
+        struct lists_fallback fallback;
+    } lists;
+    struct {
+        graph_image depth;               /* drawn only for shadows; id 0: it is not */
+        struct rays rays;                /* of items at least, where maps are drawn; address 0: there are none */
+        struct light_list surface_lights; /* of what depth shows, without lights that give nothing there; header 0: there is none */
+        graph_buffer classes;            /* of the debug view shadow-classes: what shadow_dark_add() tells; or id 0 */
+        struct denoise denoise;          /* places.id 0: nothing was denoised */
+    } shadows;
+    struct { /* the nearest surface of each pixel */
+        struct aov_images aov;
+        graph_image objects;
+        VkDeviceAddress object_table; /* with FNL_OUTPUT_OBJECT */
+    } nearest;
+    struct {
+        bool sky, blended; /* the order has drawn them itself */
+    } done;
 };
 
 /** Whether the frame is declared only for its pipelines. */
@@ -129,8 +140,8 @@ struct picture {
 static inline struct picture frame_picture(const struct frame_state *f) {
     struct picture picture = {.format = VK_FORMAT_R8G8B8A8_UNORM,
                               .tonemap = {.tonemap = (uint32_t)f->frame->tonemap, .factor = frame_exposure(f->frame)}};
-    if (f->target) {
-        VkFormat wanted = f->target->image->params.format;
+    if (f->input->target) {
+        VkFormat wanted = f->input->target->image->params.format;
         picture.tonemap.swap = wanted == VK_FORMAT_B8G8R8A8_UNORM || wanted == VK_FORMAT_B8G8R8A8_SRGB;
         picture.tonemap.linear = wanted == VK_FORMAT_R16G16B16A16_SFLOAT || wanted == VK_FORMAT_R32G32B32A32_SFLOAT;
         if (picture.tonemap.linear) picture.format = wanted;

@@ -60,20 +60,20 @@ void mono_frame(const fnl_frame *frame, const struct view_group *group, fnl_fram
 }
 
 static struct mono_eye eye_of(const struct frame_state *f) {
-    const bool far = f->eyes;
-    return (struct mono_eye){f->view_address, far ? f->view_address : f->mono->view_address, far ? 0 : f->frame->stereo.mono_distance};
+    const bool far = f->group.eyes;
+    return (struct mono_eye){f->view_address, far ? f->view_address : f->group.mono->view_address, far ? 0 : f->frame->stereo.mono_distance};
 }
 
 void mono_begin_depth(struct frame_state *f) {
-    if (f->eyes) {
+    if (f->group.eyes) {
         graph_image depths[GROUP_MOST];
-        for (uint32_t i = 0; i < f->eye_count; i++) depths[i] = f->eyes[i].depth;
-        mono_block_add(f->graph, f->view_address, f->eyes->view_address, depths, f->eye_count, f->depth);
+        for (uint32_t i = 0; i < f->group.eye_count; i++) depths[i] = f->group.eyes[i].depth;
+        mono_block_add(f->graph, f->view_address, f->group.eyes->view_address, depths, f->group.eye_count, f->depth);
         return;
     }
     const uint32_t layers = MAX(graph_image_info(f->graph, f->depth).layers, 1u);
     for (uint32_t i = 0; i < layers; i++) {
-        const struct frame_state *view = f->layers ? &f->layers[MIN(i, f->layer_count - 1)] : f;
+        const struct frame_state *view = f->group.layers ? &f->group.layers[MIN(i, f->group.layer_count - 1)] : f;
         const struct mono_eye eye = eye_of(view);
         mono_plane_add(f->graph, graph_numbered_name(f->graph, "mono plane", i), &eye, graph_image_layer(f->graph, f->depth, i));
     }
@@ -88,13 +88,13 @@ void mono_open(struct frame_state *f) {
         COUNTERS_COPY(f, counts, 0, mono, pixels);
     }
     f->depth = mono_open_add(f->graph, &eye, f->depth, counts);
-    if (f->gbuffer.depth.id) f->gbuffer.depth = f->depth;
-    if (f->visibility.depth.id) f->visibility.depth = f->depth;
+    if (f->stored.gbuffer.depth.id) f->stored.gbuffer.depth = f->depth;
+    if (f->stored.visibility.depth.id) f->stored.visibility.depth = f->depth;
 }
 
 void mono_composite(struct frame_state *f) {
     const struct mono_eye eye = eye_of(f);
-    mono_composite_add(f->graph, &eye, f->mono->radiance, f->mono->depth, f->radiance, f->depth);
+    mono_composite_add(f->graph, &eye, f->group.mono->radiance, f->group.mono->depth, f->radiance, f->depth);
 }
 
 static const struct counter rows[] = {

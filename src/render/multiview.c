@@ -25,16 +25,16 @@ void multiview_draw(struct frame_state *views, const struct view_group *group) {
     const uint32_t count = group->count, together = group->together;
     struct frame_state all = views[0];
     struct graph *graph = all.graph;
-    all.layers = views;
-    all.layer_count = count;
+    all.group.layers = views;
+    all.group.layer_count = count;
     graph_set_role(graph, GRAPH_ROLE_GEOMETRY);
     graph_push_names(graph, graph_name(graph, "views %u-%u", all.view_index, all.view_index + together - 1));
     if (frame_culls_hidden(all.frame)) {
         const struct geometry_draws *draws[GROUP_MOST];
         for (uint32_t i = 0; i < count; i++) draws[i] = &views[i].draws;
         all.draws = cull_union_add(graph, &all.scene->geometry, draws, count, together);
-    } else if (all.display && all.display->draws.sums.id) {
-        all.draws = all.display->draws;
+    } else if (all.group.display && all.group.display->draws.sums.id) {
+        all.draws = all.group.display->draws;
         all.draws.view_mask = UINT32_MAX >> (32 - together);
     } else {
         all.draws = cull_views_add(graph, &all.scene->geometry, all.view_address, together);

@@ -22,9 +22,9 @@ static void execute_read_image(const struct graph_context *context, const void *
 
 /* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
 static void add_outputs(struct frame_state *f) {
-    graph_image images[OUTPUT_COUNT] = {f->color,      f->radiance,     f->aov.albedo,
-                                        f->aov.normal, f->aov.position, f->temporal.motion,
-                                        f->objects};
+    graph_image images[OUTPUT_COUNT] = {f->color,      f->radiance,     f->nearest.aov.albedo,
+                                        f->nearest.aov.normal, f->nearest.aov.position, f->temporal.motion,
+                                        f->nearest.objects};
     if (f->frame->msaa > 1 && (f->frame->outputs & FNL_OUTPUT_RADIANCE)) {
         images[1] = frame_create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
         resolve_add(f->graph, f->radiance, images[1]);
@@ -115,7 +115,7 @@ static void note_stats(struct frame_state *f) {
                            .clusters_total = scene->cluster_count,
                            .geometry = f->draws.mesh_draws.id ? FNL_GEOMETRY_MESH : FNL_GEOMETRY_VERTEX,
                            .occlusion = frame_culls_hidden(f->frame),
-                           .lists = f->drawn_lists,
+                           .lists = f->lists.drawn,
                            .msaa = f->frame->msaa};
     bool second = f->blend_lights.list.header != f->lights.list.header;
     s->list_bytes = f->lights.list.byte_count + (second ? f->blend_lights.list.byte_count : 0);
@@ -143,16 +143,16 @@ static fnl_result name_objects(struct frame_state *shared) {
     if (!(shared->frame->outputs & FNL_OUTPUT_OBJECT)) return FNL_OK;
     struct gpu_slice slice = gpu_frame_allocate(shared->r->device, d->item_count * sizeof(struct device_object));
     if (!slice.data) return gpu_status(shared->r->device);
-    shared->object_table = slice.address;
+    shared->nearest.object_table = slice.address;
     return device_items_name(d, slice.data);
 }
 
 static void draw_surfaces(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
     graph_set_role(f->graph, GRAPH_ROLE_REST);
-    if (frame_shows_surfaces(frame)) f->aov = aov_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
+    if (frame_shows_surfaces(frame)) f->nearest.aov = aov_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
     if (frame->outputs & FNL_OUTPUT_OBJECT)
-        f->objects = objects_add(f->graph, f->r->device, &f->scene->geometry, &f->draws, f->view_address, f->object_table, frame->width, frame->height);
+        f->nearest.objects = objects_add(f->graph, f->r->device, &f->scene->geometry, &f->draws, f->view_address, f->nearest.object_table, frame->width, frame->height);
 }
 
 /* What outputs and debug views show of the nearest surface of each pixel. */

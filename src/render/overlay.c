@@ -82,12 +82,12 @@ const struct frame_step step_overlay = {.name = "overlay", .check = check, .dest
 
 void overlay_draw(struct frame_state *f) {
     const struct picture picture = frame_picture(f);
-    const bool fitted = f->target && f->target->part.fitted;
+    const bool fitted = f->input->target && f->input->target->part.fitted;
     struct overlay_params params = {.overlay = f->frame->overlay,
                                     .linear = picture.tonemap.linear && (picture.display == DISPLAY_LINEAR || f->frame->debug == FNL_DEBUG_NONE),
                                     .swap = picture.tonemap.swap,
-                                    .x = fitted ? (int32_t)f->target->part.x : 0,
-                                    .y = fitted ? (int32_t)f->target->part.y : 0};
+                                    .x = fitted ? (int32_t)f->input->target->part.x : 0,
+                                    .y = fitted ? (int32_t)f->input->target->part.y : 0};
     for (uint32_t i = 0; i < FNL_OVERLAY_IMAGES_MAX; i++)
         params.images[i] = params.overlay->images[i].image ? f->r->overlays[i].image.sampled_index : GPU_NO_INDEX;
     overlay_add(f->r->device, f->graph, f->color, &params);

@@ -30,8 +30,8 @@ static void add_picture(struct frame_state *f) {
 
 static void finish_picture(struct frame_state *f) {
     add_picture(f);
-    if (f->target) {
-        const struct gpu_extent size = frame_target_size(f->target);
+    if (f->input->target) {
+        const struct gpu_extent size = frame_target_size(f->input->target);
         if (size.width != f->frame->width || size.height != f->frame->height) f->color = scale_add(f->r->device, f->graph, f->color, size.width, size.height);
     }
     const struct picture picture = frame_picture(f);
@@ -53,7 +53,7 @@ static void execute_copy_image(const struct graph_context *context, const void *
 
 /* Depth goes where the picture does. */
 static void add_target_depth(struct frame_state *f, const struct gpu_image_copy *part) {
-    const struct frame_target *target = f->target;
+    const struct frame_target *target = f->input->target;
     struct copy_image_data copy = {depth_picture_add(f->graph, f->depth, target->depth_forward),
                                    graph_import_image(f->graph, target->depth, target->depth_initial_layout, target->depth_final_layout), *part};
     struct graph_pass *pass = graph_add_pass(f->graph, "copy depth to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
@@ -62,9 +62,9 @@ static void add_target_depth(struct frame_state *f, const struct gpu_image_copy 
 }
 
 static void add_target(struct frame_state *f) {
-    const fnl_vulkan_part *part = &f->target->part;
+    const fnl_vulkan_part *part = &f->input->target->part;
     struct copy_image_data copy = {
-        f->color, graph_import_image(f->graph, f->target->image, f->target->initial_layout, f->target->final_layout),
+        f->color, graph_import_image(f->graph, f->input->target->image, f->input->target->initial_layout, f->input->target->final_layout),
         {.to_x = part->x, .to_y = part->y, .width = part->width, .height = part->height, .layer = f->view_index}};
     if (!part->fitted) {
         copy.copy.from_x = part->x;
@@ -74,12 +74,12 @@ static void add_target(struct frame_state *f) {
         graph_add_pass(f->graph, "copy to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
     graph_use_image(pass, copy.from, GRAPH_COPY_FROM);
     graph_use_image(pass, copy.to, GRAPH_COPY_TO);
-    if (f->target->depth) add_target_depth(f, &copy.copy);
+    if (f->input->target->depth) add_target_depth(f, &copy.copy);
 }
 
 /* ---- the steps ---- */
 
-static bool wants_color(const struct frame_state *f) { return f->target || (f->frame->outputs & FNL_OUTPUT_COLOR); }
+static bool wants_color(const struct frame_state *f) { return f->input->target || (f->frame->outputs & FNL_OUTPUT_COLOR); }
 
 static void expose(struct frame_state *views, uint32_t count) {
     graph_set_role(views->graph, GRAPH_ROLE_REST);
@@ -99,7 +99,7 @@ const struct frame_step step_exposure = {.name = "exposure", .end_light = expose
 static void finish_view(struct frame_state *f) {
     graph_set_role(f->graph, GRAPH_ROLE_REST);
     if (wants_color(f)) finish_picture(f);
-    if (f->target) add_target(f);
+    if (f->input->target) add_target(f);
 }
 
 const struct frame_step step_picture = {.name = "picture", .finish_view = finish_view};

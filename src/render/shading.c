@@ -22,7 +22,7 @@ void shading_begin(struct frame_state *f) {
 
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
     uint64_t bytes = gbuffer_bytes(surfaces_layout(f), f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
-                     (f->gbuffer.mask.id ? 1 : 0) + extra_bytes;
+                     (f->stored.gbuffer.mask.id ? 1 : 0) + extra_bytes;
     counters_note(f, "gbuffer.bytes", bytes * f->frame->width * f->frame->height * f->frame->msaa);
 }
 
@@ -99,8 +99,8 @@ fnl_background shading_background(const struct frame_state *f) {
 }
 
 void shading_add_sky(struct frame_state *f) {
-    if (f->sky_drawn || !shading_shows_sky(f)) return;
-    f->sky_drawn = true;
+    if (f->done.sky || !shading_shows_sky(f)) return;
+    f->done.sky = true;
     const fnl_background background = shading_background(f);
     const struct sky_params params = {.gradient = background == FNL_BACKGROUND_GRADIENT,
                                       .blur = background == FNL_BACKGROUND_BLUR ? f->frame->background_blur : 0};
@@ -145,20 +145,20 @@ static graph_image create_target(struct frame_state *f, const char *name, VkForm
 static void add_hidden(struct frame_state *f, const char *name, enum hidden_area_depth to, bool clears) {
     const uint32_t layers = MAX(graph_image_info(f->graph, f->depth).layers, 1u);
     for (uint32_t i = 0; i < layers; i++) {
-        const struct hidden_area *area = f->layers ? &f->layers[MIN(i, f->layer_count - 1)].hidden : &f->hidden;
+        const struct hidden_area *area = f->group.layers ? &f->group.layers[MIN(i, f->group.layer_count - 1)].hidden : &f->hidden;
         hidden_area_add(f->graph, graph_numbered_name(f->graph, name, i), area, to, clears, graph_image_layer(f->graph, f->depth, i));
     }
 }
 
 /* Whether something is in the depth before anything is drawn: what is hidden, or belongs to another view. */
-static bool begins_depth(const struct frame_state *f) { return f->frame->hidden_areas || f->mono || f->eyes; }
+static bool begins_depth(const struct frame_state *f) { return f->frame->hidden_areas || f->group.mono || f->group.eyes; }
 
 /* What is drawn next, with these draws, loses against it. */
 static struct geometry_draws begin_depth(struct frame_state *f) {
     struct geometry_draws draws = f->draws;
     draws.depth_begun = begins_depth(f);
-    if (f->mono || f->eyes) mono_begin_depth(f);
-    if (f->frame->hidden_areas) add_hidden(f, "hidden area", HIDDEN_AREA_NEAR, !f->mono);
+    if (f->group.mono || f->group.eyes) mono_begin_depth(f);
+    if (f->frame->hidden_areas) add_hidden(f, "hidden area", HIDDEN_AREA_NEAR, !f->group.mono);
     return draws;
 }
 
@@ -179,15 +179,15 @@ void shading_draw(struct frame_state *f) {
     if (prepass) drawn.first_query += geometry_query_count(&drawn);
     if (order->draw) order->draw(f, &input, prepass);
     if (hides) add_hidden(f, "hidden area empty", HIDDEN_AREA_FAR, false); /* those who look at depth find nothing there */
-    f->first_draws = passes * draws;
+    f->calls.first = passes * draws;
 }
 
 void shading_take_layer(struct frame_state *f, const struct frame_state *together, uint32_t layer) {
-    f->first_draws = layer ? 0 : together->first_draws;
+    f->calls.first = layer ? 0 : together->calls.first;
     f->radiance = graph_image_layer(f->graph, together->radiance, layer);
     f->depth = graph_image_layer(f->graph, together->depth, layer);
-    if (together->gbuffer.depth.id) f->gbuffer = gbuffer_layer(f->graph, &together->gbuffer, layer, f->view_address);
-    if (together->visibility.depth.id) f->visibility = visibility_layer(f->graph, &together->visibility, layer);
+    if (together->stored.gbuffer.depth.id) f->stored.gbuffer = gbuffer_layer(f->graph, &together->stored.gbuffer, layer, f->view_address);
+    if (together->stored.visibility.depth.id) f->stored.visibility = visibility_layer(f->graph, &together->stored.visibility, layer);
 }
 
 /* What the path stores or sums up has no room for layers, or does not know the item. */
@@ -201,7 +201,7 @@ static void add_surfaces_over(struct frame_state *f, const struct shade_input *i
     over.lighting = &lights;
     forward_add(f->graph, &over, GEOMETRY_NOT_IN(layout), true, f->radiance, f->depth);
     f->forward_layouts |= 1u << layout;
-    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(layout));
+    f->calls.opaque += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(layout));
 }
 
 static struct transmission find_glass(struct frame_state *f, const struct shade_input *input) {
@@ -212,7 +212,7 @@ static struct transmission find_glass(struct frame_state *f, const struct shade_
     COUNTERS_COPY(f, found.totals, 0, shading, transmission);
     counters_note(f, "transmission.layers", layers);
     counters_note(f, "transmission.bytes", found.byte_count);
-    f->opaque_draws += (2 * layers + 1) * geometry_draw_count(input->scene, GEOMETRY_GLASS);
+    f->calls.opaque += (2 * layers + 1) * geometry_draw_count(input->scene, GEOMETRY_GLASS);
     return found;
 }
 
@@ -228,12 +228,12 @@ static void add_behind_glass(struct frame_state *f, const struct shade_input *bl
     graph_push_names(f->graph, "behind glass");
     add_transparency(f, &behind, f->depth);
     graph_pop_names(f->graph);
-    f->opaque_draws += blend_draw_count(f);
+    f->calls.opaque += blend_draw_count(f);
 }
 
 /* What shows what is behind it, after that and before blended surfaces in front of it. */
 static void add_over(struct frame_state *f, const struct shade_input *input) {
-    const bool glass = surfaces_have_glass(f), blends = surfaces_have_blend(f) && !f->blended;
+    const bool glass = surfaces_have_glass(f), blends = surfaces_have_blend(f) && !f->done.blended;
     struct shade_input blend = *input;
     struct transmission found;
     blend.lighting = &f->blend_lights;
@@ -268,23 +268,23 @@ static void light_view(struct frame_state *f) {
     const struct shade_input input = input_of(f);
     struct shade_input opaque = input;
     uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
-    f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
+    f->calls.opaque = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
     const bool hides = f->frame->hidden_areas, prepass = frame_is(f->frame, SHADING_PREPASS);
     const struct geometry_draws drawn = hides && !prepass && !order->draw ? begin_depth(f) : f->draws;
     opaque.draws = &drawn;
     order->add(f, &opaque, prepass);
     graph_set_role(f->graph, GRAPH_ROLE_SHADING);
     if (hides) hidden_area_blacken(f->graph, &f->hidden, f->radiance, f->depth);
-    if (f->mono) mono_composite(f);
+    if (f->group.mono) mono_composite(f);
     add_surfaces_over(f, &input);
     decals_redraw(f, &input);
-    if (f->eyes) return; /* which see the sky, and what is transparent, by themselves */
+    if (f->group.eyes) return; /* which see the sky, and what is transparent, by themselves */
     shading_add_sky(f);
-    if (f->frame->light_lod > 0) sprites_add(f->graph, f->view_address, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
+    if (f->frame->light_lod > 0) sprites_add(f->graph, f->view_address, &f->lists.whole_lights, f->frame->light_lod, f->radiance, f->depth);
     add_over(f, &input);
 }
 
-uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws + f->opaque_draws + blend_draw_count(f); }
+uint32_t shading_draw_count(const struct frame_state *f) { return f->calls.first + f->calls.opaque + blend_draw_count(f); }
 
 /* ---- numbers that do not depend on the order alone ---- */
 

@@ -87,8 +87,8 @@ static fnl_result begin_frame(struct frame_state *shared) {
     if (shared->frame->shadows == FNL_SHADOWS_OFF) return FNL_OK;
     const struct device_rays_use use = rays_use_of(shared->r, shared->frame);
     graph_set_role(shared->graph, GRAPH_ROLE_SHADOWS);
-    shared->rays = device_rays_add(shared->r->device_scene, shared->graph, &shared->scene->geometry, use);
-    if (use.trees || use.query) shared->lighting.shadows.rays = shared->rays;
+    shared->shadows.rays = device_rays_add(shared->r->device_scene, shared->graph, &shared->scene->geometry, use);
+    if (use.trees || use.query) shared->lighting.shadows.rays = shared->shadows.rays;
     const struct shadow_method *method = shadow_method(shared->frame->shadows);
     if (method->begin) method->begin(shared);
     if (shared->frame->shadow.samples > 1) shared->lighting.shadows.bits |= GPU_LIGHTING_SOFT;
@@ -120,7 +120,7 @@ void shadows_settle(const fnl_renderer *r, fnl_frame *frame) {
 /* The first view has what all share. */
 static void note_structures(struct frame_state *f) {
     const struct device_structures *s = &f->r->device_scene->structures;
-    if (!f->rays.top.id) return;
+    if (!f->shadows.rays.top.id) return;
     const bool first = f->view_index == 0;
     counters_note(f, "shadows.instances", s->frame.instances);
     counters_note(f, "shadows.structures-built", first ? s->frame.built + s->frame.placed : 0);

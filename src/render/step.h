@@ -26,7 +26,7 @@ struct frame_step {
     void (*counted)(fnl_renderer *r, uint32_t slot);
     /*
      * Declare work of a frame, in this order. They change nothing that the renderer keeps, so that a frame may be declared only for its pipelines: what
-     * later frames need goes into `f->made`, and `submitted` takes it over. A view of what is far away (frame_state.eyes) begins and is lit like any other; its eyes show it,
+     * later frames need goes into `f->made`, and `submitted` takes it over. A view of what is far away (frame_state.group.eyes) begins and is lit like any other; its eyes show it,
      * so it has no exposure and is not finished.
      */
     /** Once, before any view: what all views share. `shared` is what each of them starts from. */

@@ -17,7 +17,7 @@ static VkDeviceAddress send(gpu_device *device, const struct gpu_view *view) {
 
 fnl_result stereo_begin(struct frame_state *views, uint32_t count) {
     struct gpu_view eyes[GROUP_MOST];
-    struct frame_display *display = views->display;
+    struct frame_display *display = views->group.display;
     for (uint32_t i = 0; i < count; i++) eyes[i] = views[i].view;
     if (!eyes_combine(eyes, count, views->frame->stereo.margin * (PI / 180), &display->head)) return FNL_OK;
     display->head_address = send(views->r->device, &display->head);
@@ -29,7 +29,7 @@ fnl_result stereo_begin(struct frame_state *views, uint32_t count) {
 }
 
 void stereo_cull(struct frame_state *f) {
-    struct frame_display *display = f->display;
+    struct frame_display *display = f->group.display;
     if (!display->head_address || f->frame->culling != FNL_CULLING_INSTANCES || frame_culls_hidden(f->frame)) {
         frame_cull(f);
         return;
@@ -54,7 +54,7 @@ fnl_camera stereo_head_camera(const fnl_frame *frame) {
 /* Building goes with the cells, and so with the pixels: of eyes that look apart the common frustum has more. */
 static bool one_list(const struct frame_state *f) {
     const fnl_stereo_options *options = &f->frame->stereo;
-    const uvec2 head = f->display->head.size, eye = f->view.size;
+    const uvec2 head = f->group.display->head.size, eye = f->view.size;
     if (options->lists == FNL_STEREO_LISTS_AUTO) return (uint64_t)head.x * head.y <= (uint64_t)options->eyes * eye.x * eye.y;
     return options->lists == FNL_STEREO_LISTS_HEAD;
 }
@@ -64,12 +64,12 @@ static bool has_grid(fnl_light_lists lists) {
 }
 
 bool stereo_shares_list(const struct frame_state *f, fnl_light_lists lists) {
-    return has_grid(lists) && f->display && f->display->head_address && one_list(f) && !f->surface_lights.header;
+    return has_grid(lists) && f->group.display && f->group.display->head_address && one_list(f) && !f->shadows.surface_lights.header;
 }
 
 bool stereo_asks_list(const struct frame_state *f, fnl_light_lists lists) {
     const fnl_stereo_options *options = &f->frame->stereo;
-    return has_grid(lists) && f->r->dry.together > 0 && options->eyes > 0 && options->lists != FNL_STEREO_LISTS_EYE && !f->surface_lights.header;
+    return has_grid(lists) && f->r->dry.together > 0 && options->eyes > 0 && options->lists != FNL_STEREO_LISTS_EYE && !f->shadows.surface_lights.header;
 }
 
 /* ---- numbers ---- */

@@ -41,14 +41,14 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     struct gbuffer gbuffer = coarse_gbuffer_add(f->graph, input, &params, prepass, f->radiance, f->depth);
     order_add_lists(f, f->depth, &gbuffer);
     struct coarse coarse = coarse_add(f->graph, f->r->device, input, &params, &gbuffer, f->radiance);
-    f->gbuffer = gbuffer;
+    f->stored.gbuffer = gbuffer;
     order_note_gbuffer(f, coarse_extra_bytes(&params.options));
     COUNTERS_COPY(f, coarse.counts, 0, coarse, blocks);
-    f->coarse_words = coarse.words;
+    f->stored.coarse_words = coarse.words;
 }
 
 static void add_view(struct frame_state *f, bool swap) {
-    debug_views_add_counts(f, (struct debug_counts){f->coarse_words, 1}, swap);
+    debug_views_add_counts(f, (struct debug_counts){f->stored.coarse_words, 1}, swap);
 }
 
 static const struct debug_legend_color kinds_shared[] = {{DEBUG_COARSE_SHARED(LEGEND_COLOR), "shaded once"},

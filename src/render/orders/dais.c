@@ -45,14 +45,14 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     struct dais dais = dais_add(f->graph, input, &params, f->depth);
     order_add_lists(f, f->depth, NULL);
     dais_shade_add(f->graph, input, &dais, f->radiance);
-    f->dais = dais;
+    f->stored.dais = dais;
     COUNTERS_COPY(f, dais.counts, 0, dais, words);
     counters_note(f, "dais.bytes", dais.fixed_bytes);
 }
 
 static void add_view(struct frame_state *f, bool swap) {
     const struct shade_input input = {.scene = &f->scene->geometry, .view = f->view_address};
-    dais_view_add(f->graph, &input, &f->dais, (uint32_t)(f->frame->debug - FNL_DEBUG_DAIS_ADDRESSES), f->color, swap);
+    dais_view_add(f->graph, &input, &f->stored.dais, (uint32_t)(f->frame->debug - FNL_DEBUG_DAIS_ADDRESSES), f->color, swap);
 }
 
 static const struct debug_legend_color no_room[] = {{{1, 1, 1}, "no room"}};

@@ -39,7 +39,7 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
 static void add_rest(struct frame_state *f, const struct shade_input *input, const struct gbuffer *gbuffer) {
     hybrid_add(f->graph, input, gbuffer, f->radiance);
     f->forward_layouts = 1u << input->layout;
-    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(input->layout));
+    f->calls.opaque += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(input->layout));
 }
 
 /* Lists see all samples of the depth, but no normals. */
@@ -49,14 +49,14 @@ static void add_deferred_samples(struct frame_state *f, struct shade_input *inpu
                                           .groups = f->frame->deferred.msaa_groups,
                                           .tolerance = f->frame->deferred.msaa_method == FNL_MSAA_ALL ? 0 : f->frame->deferred.msaa_tolerance};
     order_note_gbuffer(f, 0);
-    struct edges edges = deferred_msaa_add(f->graph, input, &f->gbuffer, &params, f->radiance);
-    add_rest(f, input, &f->gbuffer);
-    f->surfaces = edges.surfaces;
+    struct edges edges = deferred_msaa_add(f->graph, input, &f->stored.gbuffer, &params, f->radiance);
+    add_rest(f, input, &f->stored.gbuffer);
+    f->stored.surfaces = edges.surfaces;
     COUNTERS_COPY(f, edges.counts, 0, shading, edges);
 }
 
 static void draw(struct frame_state *f, struct shade_input *input, bool prepass) {
-    f->gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    f->stored.gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
 }
 
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -65,7 +65,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
         add_deferred_samples(f, input);
         return;
     }
-    const struct gbuffer *gbuffer = &f->gbuffer;
+    const struct gbuffer *gbuffer = &f->stored.gbuffer;
     decals_on_gbuffer_add(f, input, gbuffer);
     order_add_lists(f, f->depth, gbuffer);
     const bool sampled = f->lights.bits & GPU_LIGHTING_SAMPLED, denoised = shadows_denoised(f->frame) && sampled;
@@ -81,7 +81,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     else
         deferred_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
     if (denoised) shadow_sampled_denoise(f, &input->apart);
-    COUNTERS_COPY(f, f->denoise.counts, 0, deferred, denoise);
+    COUNTERS_COPY(f, f->shadows.denoise.counts, 0, deferred, denoise);
     add_rest(f, input, gbuffer);
     order_note_gbuffer(f, 0);
 }
@@ -98,7 +98,7 @@ static struct surface_layers add_base(struct frame_state *f, struct shade_input 
     }
     struct deferred_msaa_params params = {.method = MSAA_COMPACT, .groups = 2};
     struct edges edges = deferred_msaa_add(f->graph, input, gbuffer, &params, f->radiance);
-    f->surfaces = edges.surfaces;
+    f->stored.surfaces = edges.surfaces;
     COUNTERS_COPY(f, edges.counts, 0, shading, edges);
     layers.surfaces = edges.surfaces;
     return layers;
@@ -133,7 +133,7 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
         input->lighting = &own;
         add_rest(f, input, &gbuffer);
     }
-    f->gbuffer = gbuffer;
+    f->stored.gbuffer = gbuffer;
     order_note_gbuffer(f, 0);
     if (!has_lists) order_count_volumes(f, &volumes);
 }
@@ -165,13 +165,13 @@ static fnl_result check_material(const struct call *call, const fnl_renderer *r,
 }
 
 static void add_target(struct frame_state *f, bool swap) {
-    gbuffer_view_target_add(f->graph, &f->gbuffer, (uint32_t)(f->frame->debug - FNL_DEBUG_GBUFFER_0), f->color, swap);
+    gbuffer_view_target_add(f->graph, &f->stored.gbuffer, (uint32_t)(f->frame->debug - FNL_DEBUG_GBUFFER_0), f->color, swap);
 }
 static void add_material(struct frame_state *f, bool swap) {
-    gbuffer_view_field_add(f->graph, &f->gbuffer, GBUFFER_SEEN_MATERIAL, f->color, swap);
+    gbuffer_view_field_add(f->graph, &f->stored.gbuffer, GBUFFER_SEEN_MATERIAL, f->color, swap);
 }
 static void add_forward(struct frame_state *f, bool swap) {
-    gbuffer_view_field_add(f->graph, &f->gbuffer, GBUFFER_SEEN_FORWARD, f->color, swap);
+    gbuffer_view_field_add(f->graph, &f->stored.gbuffer, GBUFFER_SEEN_FORWARD, f->color, swap);
 }
 
 #define FIELDS "each field of the target in a quarter of the picture, as lighting reads it"

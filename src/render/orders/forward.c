@@ -20,7 +20,7 @@ static bool draws_per_light(const struct frame_state *f) {
 static void tell_of_mesh_lists(struct frame_state *f) {
     bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
     if (!own || list_kind(&f->lights.list) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
-    f->drawn_lists = FNL_LISTS_MESH;
+    f->lists.drawn = FNL_LISTS_MESH;
     if (!FRAME_TELLS(f, mesh_lists)) return;
     const char *name = fnl_value_name(FNL_ENUM_LISTS, f->frame->lists);
     if (f->frame->msaa > 1)
@@ -38,11 +38,11 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* a single pass knows no depth beforehand */
     if (draws_batches(f)) {
         batches_add(f->graph, input, f->radiance, f->depth);
-        f->opaque_draws = batches_draw_count(input->scene);
+        f->calls.opaque = batches_draw_count(input->scene);
     } else if (draws_per_light(f)) {
         multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->lists.pool_capacity, f->radiance,
                       f->depth);
-        f->opaque_draws = multipass_draw_count(input->scene, lights->local_count, lights->directional_count);
+        f->calls.opaque = multipass_draw_count(input->scene, lights->local_count, lights->directional_count);
     } else {
         forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, f->depth);
     }

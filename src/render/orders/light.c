@@ -33,7 +33,7 @@ static void note_light_bytes(struct frame_state *f, const struct light_sums *sum
 static void split_surfaces(struct frame_state *f, const struct shade_input *input, struct light_surfaces *surfaces) {
     if (surfaces->samples == 1) return;
     struct edges edges = light_surfaces_split(f->graph, input, surfaces);
-    f->surfaces = edges.surfaces;
+    f->stored.surfaces = edges.surfaces;
     COUNTERS_COPY(f, edges.counts, 0, shading, edges);
 }
 
@@ -128,7 +128,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     f->frame = &low_frame;
 
     /* What else is drawn over opaque surfaces comes before blended ones. */
-    const bool more = surfaces_have_glass(f) || surfaces_over(f) || decals_redraws(f) || frame->light_lod > 0 || f->mono || f->eyes;
+    const bool more = surfaces_have_glass(f) || surfaces_over(f) || decals_redraws(f) || frame->light_lod > 0 || f->group.mono || f->group.eyes;
     const bool blend = surfaces_have_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED && !more;
     struct shade_input low = *input;
     low.view = slice.address;
@@ -151,7 +151,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
     if (blend) shading_add_sky(f);
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
-    f->blended = blend;
+    f->done.blended = blend;
     note_light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
     if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS || frame->pixel.asked)
         f->lights = f->blend_lights; /* the view would look for pixels where there are texels */

@@ -49,7 +49,7 @@ static void note_once(const struct frame_state *f, uint32_t note, const char *te
 /* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */
 static bool tonemaps(struct frame_state *f, bool blend_inside) {
     const fnl_frame *frame = f->frame;
-    if (!f->target && !(frame->outputs & FNL_OUTPUT_COLOR)) return false;
+    if (!f->input->target && !(frame->outputs & FNL_OUTPUT_COLOR)) return false;
     if (frame->debug != FNL_DEBUG_NONE || frame->aa == FNL_ANTIALIASING_TAA) return false;
     if (frame->outputs & FNL_OUTPUT_RADIANCE) return false;
     if (frame->exposure == FNL_EXPOSURE_AUTO) return false; /* metering wants the whole frame first */
@@ -116,15 +116,15 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     params.separate |= renderer_tests(f->r).cannot_merge;
     /* What is drawn over opaque surfaces comes before blended ones. */
     bool more = shading_shows_sky(f) || surfaces_have_glass(f) || surfaces_over(f) || f->frame->light_lod > 0 || decals_redraws(f);
-    f->blended = has_blend && !more && f->frame->transparency != FNL_TRANSPARENCY_LINKED;
-    if (f->blended && blend.weighted)
+    f->done.blended = has_blend && !more && f->frame->transparency != FNL_TRANSPARENCY_LINKED;
+    if (f->done.blended && blend.weighted)
         counters_note(f, "transparency.bytes", (uint64_t)f->frame->width * f->frame->height * weighted_bytes(blend.half));
     const struct mobile_decals decals = {&f->decals.list, f->decals.buffers.decals};
     struct picture picture = frame_picture(f);
-    bool tonemapped = !more && tonemaps(f, f->blended);
+    bool tonemapped = !more && tonemaps(f, f->done.blended);
     struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
     if (!tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
-    struct mobile_result result = mobile_add(f->graph, input, f->blended ? &blend : NULL, by_volumes ? &volumes : NULL,
+    struct mobile_result result = mobile_add(f->graph, input, f->done.blended ? &blend : NULL, by_volumes ? &volumes : NULL,
                                              prepass, f->depth, &params, decals_in_gbuffer(f) ? &decals : NULL, &finish);
     if (tonemapped) f->color = result.target;
     counters_note(f, "mobile.merged", result.merged);

@@ -25,7 +25,7 @@ static void shade(struct frame_state *f, struct shade_input *input, const struct
     counters_note(f, "gbuffer.bytes", (uint64_t)texturing->bytes * f->frame->width * f->frame->height);
     order_add_lists(f, f->depth, NULL);
     struct visible_list surfaces = texturing_shade_add(f->graph, input, texturing, f->radiance);
-    f->surfaces = surfaces.words;
+    f->stored.surfaces = surfaces.words;
     COUNTERS_COPY(f, surfaces.counts, 0, shading, edges);
 }
 
@@ -57,16 +57,16 @@ static void add_virtual(struct frame_state *f, struct shade_input *input, bool p
     counters_note(f, "atlas.bytes", r->shading.atlas.bytes);
     struct texturing texturing = texturing_virtual_add(f->graph, input, &pages, "texturing", prepass, f->depth);
     texturing.shows_levels = renderer_tests(r).show_levels;
-    f->texturing = texturing;
+    f->stored.texturing = texturing;
     shade(f, input, &texturing);
     texturing_forward_add(f->graph, input, f->radiance, f->depth);
     f->forward_layouts = 1u << VIRTUAL_FORWARD;
-    f->opaque_draws = (r->shading.atlas.fresh ? 2 : 1) * f->opaque_draws + geometry_draw_count(input->scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD));
+    f->calls.opaque = (r->shading.atlas.fresh ? 2 : 1) * f->calls.opaque + geometry_draw_count(input->scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD));
 }
 
 static void add_atlas(struct frame_state *f, bool swap) {
     uint32_t mode = f->frame->debug == FNL_DEBUG_ATLAS ? VIRTUAL_VIEW_ATLAS : VIRTUAL_VIEW_PAGES;
-    virtual_view_add(f->graph, &f->texturing.pages, mode, f->texturing.targets[1], f->depth, f->view_address, f->color, swap);
+    virtual_view_add(f->graph, &f->stored.texturing.pages, mode, f->stored.texturing.targets[1], f->depth, f->view_address, f->color, swap);
 }
 
 static fnl_result check_pages(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {

@@ -41,19 +41,19 @@ static void draw(struct frame_state *f, struct shade_input *input, bool prepass)
     const fnl_visibility_options *options = &f->frame->visibility;
     uint32_t bits = renderer_tests(f->r).visibility_bits;
     if (options->grid && !decals_redraws(f)) /* which look for the very depth of pixels' centres */
-        f->visibility = visibility_grid_add(f->graph, f->r->device, input, &f->view, bits, f->depth);
+        f->stored.visibility = visibility_grid_add(f->graph, f->r->device, input, &f->view, bits, f->depth);
     else
-        f->visibility = visibility_add(f->graph, input, bits, options->barycentrics, f->depth);
+        f->stored.visibility = visibility_add(f->graph, input, bits, options->barycentrics, f->depth);
 }
 
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     order_add_lists(f, f->depth, NULL);
     enum visibility_sort sort = (enum visibility_sort)f->frame->visibility.sort;
-    struct visibility_shaded shaded = visibility_shade_add(f->graph, input, &f->visibility, sort, f->radiance);
-    f->surfaces = shaded.words;
+    struct visibility_shaded shaded = visibility_shade_add(f->graph, input, &f->stored.visibility, sort, f->radiance);
+    f->stored.surfaces = shaded.words;
     COUNTERS_COPY(f, shaded.ranges, 0, visibility, ranges);
-    COUNTERS_COPY(f, f->visibility.fragments, 0, visibility, fragments);
+    COUNTERS_COPY(f, f->stored.visibility.fragments, 0, visibility, fragments);
     COUNTERS_COPY(f, shaded.counts, 0, shading, edges);
 }
 

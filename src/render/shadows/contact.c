@@ -7,10 +7,10 @@
 
 graph_image shadows_depth(struct frame_state *f) {
     if (frame_is(f->frame, SHADING_PREPASS) || shading_order(f->frame->shading)->draw) return f->depth;
-    if (f->shadow_depth.id) return f->shadow_depth;
-    f->shadow_depth = frame_create_image(f, "shadow depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
-    geometry_depth_add(f->graph, "shadow depth", &f->scene->geometry, &f->draws, f->view_address, f->shadow_depth);
-    return f->shadow_depth;
+    if (f->shadows.depth.id) return f->shadows.depth;
+    f->shadows.depth = frame_create_image(f, "shadow depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
+    geometry_depth_add(f->graph, "shadow depth", &f->scene->geometry, &f->draws, f->view_address, f->shadows.depth);
+    return f->shadows.depth;
 }
 
 void shadow_contact_add(struct frame_state *f) {

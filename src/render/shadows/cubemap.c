@@ -221,7 +221,7 @@ static void begin(struct frame_state *shared) {
         const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
         const bool bakes = probe->key != key_of(r, probe);
         out->images[i] = graph_import_image(shared->graph, &probe->image, probe->key == 0 ? VK_IMAGE_LAYOUT_UNDEFINED : sampled, sampled);
-        if (bakes) cubemap_bake_add(shared->graph, &shared->rays, baking.address, i, out->images[i], renderer_tests(r).probe_tap);
+        if (bakes) cubemap_bake_add(shared->graph, &shared->shadows.rays, baking.address, i, out->images[i], renderer_tests(r).probe_tap);
     }
 }
 

@@ -132,7 +132,7 @@ static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, 
     const struct shadow_pages pages = shadow_pages_add(f->graph, f->r->device, &f->kept->shadows.pages, &input, &f->made->shadows.turn);
     const struct shadow_fill_input fill = {.shapes = pages.shapes,
                                            .scene = &f->scene->geometry,
-                                           .rays = &f->rays,
+                                           .rays = &f->shadows.rays,
                                            .pages = pages.pages,
                                            .counts = pages.counts,
                                            .page_limit = pages.page_limit,
@@ -151,9 +151,9 @@ static void add_dark(struct frame_state *f, uint32_t count, const struct shadow_
     if (!shadow_maps_classify(f->frame) || list_kind(&surfaces->list) != GPU_LIST_TILES) return;
     push_view(f, count);
     if (f->frame->debug == FNL_DEBUG_SHADOW_CLASSES)
-        f->shadow_classes = graph_create_buffer(f->graph, "shadow classes", DIVIDE_UP(f->frame->width, 8u) * DIVIDE_UP(f->frame->height, 8u) * 8ull);
-    shadow_dark_add(f->graph, pages, surfaces, depth, f->shadow_classes);
-    f->surface_lights = surfaces->list;
+        f->shadows.classes = graph_create_buffer(f->graph, "shadow classes", DIVIDE_UP(f->frame->width, 8u) * DIVIDE_UP(f->frame->height, 8u) * 8ull);
+    shadow_dark_add(f->graph, pages, surfaces, depth, f->shadows.classes);
+    f->shadows.surface_lights = surfaces->list;
     pop_view(f, count);
 }
 
@@ -167,7 +167,7 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_shadow_maps));
     struct gpu_shadow_maps *maps = slice.data;
     if (!maps) return; /* the frame fails */
-    if (f->display && f->display->head_address) scopes.view = f->display->head_address;
+    if (f->group.display && f->group.display->head_address) scopes.view = f->group.display->head_address;
     graph_push_names(f->graph, "shadows");
     const struct gpu_sampler_params point = {.wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                              .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
@@ -177,7 +177,7 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
                                      .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
     const struct lighting shared = lighting_add(f->graph, f->r->device, &scopes, NULL);
     asked.lighting = &shared;
-    asked.suns = shadow_suns_add(f->graph, &shared, &f->rays);
+    asked.suns = shadow_suns_add(f->graph, &shared, &f->shadows.rays);
     if (asked.suns.id) graph_put_address(f->graph, &maps->suns, asked.suns);
     for (uint32_t i = 0; i < count; i++) views[i].lighting.shadows.maps.address = slice.address;
     const bool settled = are_settled(views, count);

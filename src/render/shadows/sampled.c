@@ -30,7 +30,7 @@ void shadow_sampled_denoise(struct frame_state *f, const struct shade_apart *apa
                                         .apart = apart,
                                         .still = f->temporal.still_frames,
                                         .whole = f->temporal.still_frames >= f->temporal.sequence};
-    f->denoise = denoise_add(f->graph, f->r->device, &input, f->radiance);
+    f->shadows.denoise = denoise_add(f->graph, f->r->device, &input, f->radiance);
 }
 
 /* ---- the method ---- */
