@@ -42,7 +42,7 @@ bool bench_scene_check(const struct bench_settings *settings, const char *name, 
     fnl_host host = fnl_host_default();
     bool good = bench_scene_load(&host, settings, name, -1, &scene) && bench_scene_path(scene, settings, camera, 1, &path) &&
                 fnl_scene_query_info(scene, &info) == FNL_OK;
-    *lights = info.light_count - info.directional_count;
+    *lights = info.light_count - info.light_kind_counts[FNL_LIGHT_DIRECTIONAL];
     bench_path_destroy(&path);
     fnl_scene_destroy(&scene);
     return good;

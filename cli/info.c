@@ -78,12 +78,10 @@ static void print_counts(const fnl_scene_info *info) {
     print_count("meshes", info->mesh_count, note);
     print_count("materials", info->material_count, "");
     print_count("images", info->image_count, "");
-    const uint32_t kinds[] = {info->directional_count, info->point_count, info->spot_count,
-                              info->capsule_count,     info->wedge_count, info->box_count,  info->rectangle_count};
     int used = 0;
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
-        if (i <= FNL_LIGHT_SPOT || kinds[i])
-            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", kinds[i],
+        if (i <= FNL_LIGHT_SPOT || info->light_kind_counts[i])
+            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", info->light_kind_counts[i],
                              fnl_value_name(FNL_ENUM_LIGHT_KIND, (fnl_light_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     print_count("lights", info->light_count, info->light_count ? note : "");
@@ -163,33 +161,41 @@ static void print_images(const fnl_scene *scene, uint32_t count) {
     print_rest(count);
 }
 
+static bool light_switch(const fnl_light_params *light, const fnl_light_member *member) { return *((const char *)light + member->offset) != 0; }
+
+static const float *light_values(const fnl_light_params *light, const fnl_light_member *member) {
+    const void *values = (const char *)light + member->offset;
+    return values;
+}
+
+static void print_light_member(const fnl_light_params *light, const fnl_light_member *member) {
+    if (member->unit == FNL_LIGHT_UNIT_SWITCH) {
+        if (light_switch(light, member)) printf("  %s", member->labels[0]);
+        return;
+    }
+    for (uint32_t i = 0; i < member->count; i++) {
+        const double value = (double)light_values(light, member)[i];
+        if (member->unit == FNL_LIGHT_UNIT_RADIANS)
+            printf("  %s %.1f degrees", member->labels[i], value * 180 / 3.14159265358979);
+        else
+            printf("  %s %.4g%s", member->labels[i], value, member->unit == FNL_LIGHT_UNIT_METERS ? " m" : "");
+    }
+}
+
 static void print_lights(const fnl_scene *scene, uint32_t count) {
     if (count) puts("\nLights");
     for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
         fnl_light_params light;
         fnl_scene_query_light(scene, i, &light);
-        bool directional = light.kind == FNL_LIGHT_DIRECTIONAL, box = light.kind == FNL_LIGHT_BOX;
-        printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", fnl_value_name(FNL_ENUM_LIGHT_KIND, light.kind), (double)light.intensity,
-               directional || box ? "lx" : "cd", (double)light.color[0], (double)light.color[1], (double)light.color[2]);
-        if (!directional) {
-            printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
-            if (box)
-                printf("  size %.4g x %.4g x %.4g m", (double)light.box_size.x, (double)light.box_size.y,
-                       (double)light.box_size.z);
-            else if (isinf(light.range))
-                printf("  range derived");
-            else
-                printf("  range %.4g m", (double)light.range);
-        }
-        if (light.kind == FNL_LIGHT_SPOT)
-            printf("  cone %.1f to %.1f degrees", (double)light.inner_cone_angle * 180 / 3.14159265358979,
-                   (double)light.outer_cone_angle * 180 / 3.14159265358979);
-        if (light.kind == FNL_LIGHT_CAPSULE) printf("  length %.4g m", (double)light.length);
-        if (light.kind == FNL_LIGHT_WEDGE)
-            printf("  half angles %.1f, %.1f degrees", (double)light.wedge_angles[0] * 180 / 3.14159265358979,
-                   (double)light.wedge_angles[1] * 180 / 3.14159265358979);
-        if (light.kind == FNL_LIGHT_RECTANGLE)
-            printf("  %.4g x %.4g m%s", (double)light.rectangle_size[0], (double)light.rectangle_size[1], light.two_sided ? ", two-sided" : "");
+        const fnl_light_kind_info *kind = fnl_light_kind_find(light.kind);
+        printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", fnl_value_name(FNL_ENUM_LIGHT_KIND, light.kind), (double)light.intensity, kind->parallel ? "lx" : "cd",
+               (double)light.color[0], (double)light.color[1], (double)light.color[2]);
+        if (kind->has_position) printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
+        if (kind->has_range && isinf(light.range))
+            printf("  range derived");
+        else if (kind->has_range)
+            printf("  range %.4g m", (double)light.range);
+        for (uint32_t k = 0; k < kind->member_count; k++) print_light_member(&light, &kind->members[k]);
         if (light.mask != 255) printf("  mask 0x%02x", light.mask);
         const char *name = name_of(scene, FNL_ENTITY_LIGHT, i);
         if (*name) printf("  %s", name);
@@ -300,37 +306,35 @@ static json_t *json_counts(const fnl_scene_info *info) {
     return object;
 }
 
+static json_t *json_light_member(const fnl_light_params *light, const fnl_light_member *member) {
+    if (member->unit == FNL_LIGHT_UNIT_SWITCH) return json_boolean(light_switch(light, member));
+    const float *values = light_values(light, member);
+    if (member->count == 1) return json_real((double)*values);
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < member->count; i++) json_array_append_new(array, json_real((double)values[i]));
+    return array;
+}
+
+/* Keys keep their order from one version to the next: `up` is the first of a panel's, the second of others. */
+static void add_light_members(json_t *object, const fnl_light_params *light, const fnl_light_kind_info *kind) {
+    const uint32_t up_at = kind->area || kind->member_count == 0 ? 0 : 1;
+    for (uint32_t i = 0; i <= kind->member_count; i++) {
+        if (kind->has_up && i == up_at) json_object_set_new(object, "up", json_vec3(light->up));
+        if (i < kind->member_count) json_object_set_new(object, kind->members[i].name, json_light_member(light, &kind->members[i]));
+    }
+}
+
 static json_t *json_light(const char *name, const fnl_light_params *light) {
+    const fnl_light_kind_info *kind = fnl_light_kind_find(light->kind);
     json_t *object =
         json_pack("{s:o,s:s,s:f,s:[f,f,f]}", "name", json_text(name), "kind", fnl_value_name(FNL_ENUM_LIGHT_KIND, light->kind), "intensity", (double)light->intensity,
                   "color", (double)light->color[0], (double)light->color[1], (double)light->color[2]);
-    if (light->kind != FNL_LIGHT_DIRECTIONAL) {
-        json_object_set_new(object, "position", json_vec3(light->position));
-        if (light->kind != FNL_LIGHT_BOX)
-            json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
-    }
-    if (light->kind != FNL_LIGHT_POINT) json_object_set_new(object, "direction", json_vec3(light->direction));
-    if (light->kind == FNL_LIGHT_SPOT) {
-        json_object_set_new(object, "inner_cone_angle", json_real((double)light->inner_cone_angle));
-        json_object_set_new(object, "outer_cone_angle", json_real((double)light->outer_cone_angle));
-    }
-    if (light->kind == FNL_LIGHT_CAPSULE) json_object_set_new(object, "length", json_real((double)light->length));
-    if (light->kind == FNL_LIGHT_WEDGE)
-        json_object_set_new(object, "wedge_angles",
-                            json_pack("[f,f]", (double)light->wedge_angles[0], (double)light->wedge_angles[1]));
-    if (light->kind == FNL_LIGHT_BOX) json_object_set_new(object, "box_size", json_vec3(light->box_size));
-    if (light->kind == FNL_LIGHT_WEDGE || light->kind == FNL_LIGHT_BOX) {
-        json_object_set_new(object, "up", json_vec3(light->up));
-        json_object_set_new(object, "inner_fraction", json_real((double)light->inner_fraction));
-    }
-    if (light->kind == FNL_LIGHT_RECTANGLE) {
-        json_object_set_new(object, "up", json_vec3(light->up));
-        json_object_set_new(object, "rectangle_size", json_pack("[f,f]", (double)light->rectangle_size[0], (double)light->rectangle_size[1]));
-        json_object_set_new(object, "two_sided", json_boolean(light->two_sided));
-    }
-    const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
-    if (light->kind != FNL_LIGHT_RECTANGLE)
-        json_object_set_new(object, parallel ? "source_angle" : "source_radius", json_real((double)(parallel ? light->source_angle : light->source_radius)));
+    if (kind->has_position) json_object_set_new(object, "position", json_vec3(light->position));
+    if (kind->has_range) json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
+    if (kind->has_direction) json_object_set_new(object, "direction", json_vec3(light->direction));
+    add_light_members(object, light, kind);
+    if (kind->has_source_angle) json_object_set_new(object, "source_angle", json_real((double)light->source_angle));
+    if (kind->has_source_radius) json_object_set_new(object, "source_radius", json_real((double)light->source_radius));
     json_object_set_new(object, "mask", json_integer((json_int_t)light->mask));
     json_object_set_new(object, "casts_shadows", json_boolean(light->casts_shadows));
     json_object_set_new(object, "contact_scale", json_real((double)light->contact_scale));

@@ -38,7 +38,7 @@ static void test_text(void **state) {
         "  lights                  2  (0 directional, 1 point, 1 spot)\n",
         "  nodes                   3\n",
         "  spot                 7 cd ",
-        "range 3 m  cone 0.0 to 45.0 degrees  bulb\n",
+        "range 3 m  inner cone 0.0 degrees  cone 45.0 degrees  bulb\n",
         "range derived\n",
         "front",
         "  KHR_lights_punctual                   used      full\n",

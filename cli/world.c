@@ -251,7 +251,7 @@ static bool show_loading(void *user, uint32_t done, uint32_t total) {
     return true;
 }
 
-/* All points and spots get the profile, and keep their intensity in its brightest direction; points look down. */
+/* All lights that can have a profile get it, and keep their intensity in its brightest direction; points look down. */
 static bool give_profile(fnl_scene *scene, const char *path) {
     fnl_light_profile_id profile;
     if (fnl_scene_add_light_profile(scene, path, NULL, 0, &profile, NULL) != FNL_OK) return false;
@@ -259,8 +259,9 @@ static bool give_profile(fnl_scene *scene, const char *path) {
         fnl_entity_info entity;
         fnl_light_params light;
         if (fnl_scene_query_entity(scene, FNL_ENTITY_LIGHT, i, &entity) != FNL_OK || fnl_scene_query_light(scene, i, &light) != FNL_OK) return false;
-        if (light.kind != FNL_LIGHT_POINT && light.kind != FNL_LIGHT_SPOT) continue;
-        if (light.kind == FNL_LIGHT_POINT && !light.profile.generation) {
+        const fnl_light_kind_info *kind = fnl_light_kind_find(light.kind);
+        if (!kind->has_profile) continue;
+        if (!kind->has_direction && !light.profile.generation) {
             light.direction = (fnl_vec3){0, -1, 0};
             light.up = (fnl_vec3){0, 0, 1};
         }
@@ -372,7 +373,7 @@ bool world_load(const struct world_options *o, const fnl_host *host, uint32_t wi
 
 fnl_shadows world_usual_shadows(const fnl_scene_info *scene, const fnl_device_info *device, bool quiet) {
     enum { MOST_MAPS = 65536, MAPS_OF_SUN = 192 }; /* fanal/shadows.h */
-    const uint32_t count = scene->light_count, suns = scene->directional_count;
+    const uint32_t count = scene->light_count, suns = scene->light_kind_counts[FNL_LIGHT_DIRECTIONAL];
     if (device->clip_distances && count - suns + (uint64_t)MAPS_OF_SUN * suns <= MOST_MAPS) return FNL_SHADOWS_MAPS;
     if (!quiet && count > 0)
         fprintf(stderr, "fanal: warning: no shadows: %s; --shadows rays finds them all, slowly\n",

@@ -239,6 +239,8 @@ static fnl_loaded loaded;
       NULLED("path", fnl_image_load_within(&host, NULL, 1, &difference_image)); NULLED("out", fnl_image_load_within(&host, "x.png", 1, NULL)))  \
     X(fnl_image_save, NULLED("path", fnl_image_save(NULL, NULL, &picture));                                                 \
       NULLED("path", fnl_image_save(&host, NULL, &picture)); NULLED("image", fnl_image_save(&host, "x.png", NULL)))         \
+    X(fnl_light_outline, GIVES("params", 0, fnl_light_outline(NULL, 1, 0, NULL));                                           \
+      GIVES("points", 0, fnl_light_outline(&light, 1, 1, NULL)))                                                             \
     X(fnl_light_range, GIVES("params", 0, fnl_light_range(NULL, 1, 1)))                                                     \
     X(fnl_mobile_layout_targets, GIVES("out", 0, fnl_mobile_layout_targets(FNL_MOBILE_METALLIC_128, NULL, 1)))              \
     X(fnl_renderer_create, NULLED("device", fnl_renderer_create(NULL, w.scene, &made_renderer));                            \

@@ -51,22 +51,23 @@ static uint32_t find_id(const struct view_id *ids, uint32_t count, struct view_i
     return UINT32_MAX;
 }
 
+/* The value of a member that only some kinds have, a bool or floats. */
+static void *member_of(fnl_light_params *light, const fnl_light_member *member) { return (char *)light + member->offset; }
+
+static void copy_changed(fnl_light_params *light, const fnl_light_params *before, const fnl_light_params *after, size_t offset, size_t size) {
+    const char *new = (const char *)after + offset;
+    if (memcmp((const char *)before + offset, new, size) != 0) memcpy((char *)light + offset, new, size);
+}
+
 /* What an edit has changed of one light, for another; each has its own place. */
 static void change_likewise(fnl_light_params *light, const fnl_light_params *before, const fnl_light_params *after) {
-#define LIKEWISE(member) \
-    if (memcmp(&before->member, &after->member, sizeof after->member) != 0) memcpy(&light->member, &after->member, sizeof after->member)
+    const fnl_light_kind_info *kind = fnl_light_kind_find(after->kind);
+#define LIKEWISE(member) copy_changed(light, before, after, offsetof(fnl_light_params, member), sizeof after->member)
     LIKEWISE(kind);
     LIKEWISE(direction);
     LIKEWISE(color);
     LIKEWISE(intensity);
     LIKEWISE(range);
-    LIKEWISE(inner_cone_angle);
-    LIKEWISE(outer_cone_angle);
-    LIKEWISE(length);
-    LIKEWISE(wedge_angles);
-    LIKEWISE(box_size);
-    LIKEWISE(rectangle_size);
-    LIKEWISE(two_sided);
     LIKEWISE(source_radius);
     LIKEWISE(source_angle);
     LIKEWISE(casts_shadows);
@@ -74,6 +75,10 @@ static void change_likewise(fnl_light_params *light, const fnl_light_params *bef
     LIKEWISE(contact_scale);
     LIKEWISE(shadow_update);
 #undef LIKEWISE
+    for (uint32_t i = 0; i < kind->member_count; i++) {
+        const fnl_light_member *m = &kind->members[i];
+        copy_changed(light, before, after, m->offset, m->unit == FNL_LIGHT_UNIT_SWITCH ? sizeof(bool) : m->count * sizeof(float));
+    }
 }
 
 static void edit_light(struct view *v, uint32_t index, const fnl_light_params *before, const fnl_light_params *after) {
@@ -139,11 +144,17 @@ static bool show_number(const char *label, float *value, float low, float high, 
     return ui_number(label, value, low, high, format);
 }
 
-static bool show_degrees(const char *label, float *radians, float most) {
+static bool show_degrees(const char *label, float *radians, float low, float high) {
     float degrees = *radians * DEGREES;
-    if (!show_number(label, &degrees, 0, most, "%.1f degrees")) return false;
+    if (!show_number(label, &degrees, low * DEGREES, high * DEGREES, "%.1f degrees")) return false;
     *radians = degrees / DEGREES;
     return true;
+}
+
+static bool show_metres(const char *name, float *value, float low, float high) {
+    char label[64];
+    snprintf(label, sizeof label, "%s, m", name);
+    return show_number(label, value, low, high, "%.3g");
 }
 
 static bool show_kind(fnl_light_params *light) {
@@ -169,40 +180,41 @@ static bool show_range(fnl_light_params *light) {
     return edited | (!derived && show_number("range, m", &light->range, 1e-3f, FLT_MAX, "%.3g"));
 }
 
-/* What only some kinds have. */
-static bool show_shape(fnl_light_params *light) {
-    bool edited = false;
-    switch (light->kind) {
-    case FNL_LIGHT_SPOT:
-        edited |= show_degrees("cone", &light->outer_cone_angle, 90);
-        ui_tooltip("From the axis to the edge, where the light ends");
-        edited |= show_degrees("inner cone", &light->inner_cone_angle, light->outer_cone_angle * DEGREES);
-        ui_tooltip("Full intensity up to here");
-        light->inner_cone_angle = fminf(light->inner_cone_angle, light->outer_cone_angle);
-        break;
-    case FNL_LIGHT_CAPSULE:
-        edited |= show_number("length, m", &light->length, 0, FLT_MAX, "%.3g");
-        break;
-    case FNL_LIGHT_WEDGE:
-        edited |= show_degrees("horizontal angle", &light->wedge_angles[0], 85);
-        edited |= show_degrees("vertical angle", &light->wedge_angles[1], 85);
-        break;
-    case FNL_LIGHT_BOX:
-        edited |= view_show_vector("size, m", &light->box_size, "%.3f");
-        light->box_size = (fnl_vec3){fmaxf(light->box_size.x, 1e-3f), fmaxf(light->box_size.y, 1e-3f), fmaxf(light->box_size.z, 1e-3f)};
-        break;
-    case FNL_LIGHT_RECTANGLE:
-        edited |= show_number("width, m", &light->rectangle_size[0], 1e-3f, 1e9f, "%.3g");
-        edited |= show_number("height, m", &light->rectangle_size[1], 1e-3f, 1e9f, "%.3g");
-        edited |= ui_checkbox("two-sided", &light->two_sided);
-        break;
+static bool show_value(const fnl_light_member *m, uint32_t i, float *value, float high) {
+    const float low = fmaxf(m->low, m->useful_low);
+    switch (m->unit) {
+    case FNL_LIGHT_UNIT_RADIANS:
+        return show_degrees(m->labels[i], value, low, high);
+    case FNL_LIGHT_UNIT_METERS:
+        return show_metres(m->labels[i], value, low > 0 ? fmaxf(low, 1e-3f) : 0, high);
     default:
-        break;
+        return show_number(m->labels[i], value, low, high, "%.3g");
     }
-    const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
-    if (parallel) edited |= show_degrees("source size", &light->source_angle, 57);
-    if (!parallel && light->kind != FNL_LIGHT_RECTANGLE) edited |= show_number("source radius, m", &light->source_radius, 0, 1e4f, "%.3g");
-    ui_tooltip("Size of the light itself: larger means softer shadows, if Shadow edges are soft");
+}
+
+static bool show_member(fnl_light_params *light, const fnl_light_kind_info *kind, const fnl_light_member *m) {
+    float *values = member_of(light, m), high = m->high;
+    bool edited = false;
+    for (uint32_t i = 0; m->at_most && i < kind->member_count; i++)
+        if (strcmp(kind->members[i].name, m->at_most) == 0) high = *(float *)member_of(light, &kind->members[i]);
+    for (uint32_t i = 0; i < m->count; i++) {
+        edited |= m->unit == FNL_LIGHT_UNIT_SWITCH ? ui_checkbox(m->labels[i], member_of(light, m)) : show_value(m, i, &values[i], high);
+        if (*m->hint) ui_tooltip(m->hint);
+        if (m->at_most) values[i] = fminf(values[i], high);
+    }
+    return edited;
+}
+
+/* What only some kinds have. A member that limits others comes first: they then follow it in the same frame. */
+static bool show_shape(fnl_light_params *light) {
+    const fnl_light_kind_info *kind = fnl_light_kind_find(light->kind);
+    bool edited = false;
+    for (int limited = 0; limited < 2; limited++)
+        for (uint32_t i = 0; i < kind->member_count; i++)
+            if ((kind->members[i].at_most != NULL) == limited) edited |= show_member(light, kind, &kind->members[i]);
+    if (kind->has_source_angle) edited |= show_degrees("source size", &light->source_angle, 0, 1);
+    if (kind->has_source_radius) edited |= show_metres("source radius", &light->source_radius, 0, 1e4f);
+    if (kind->has_source_angle || kind->has_source_radius) ui_tooltip("Size of the light itself: larger means softer shadows, if Shadow edges are soft");
     return edited;
 }
 
@@ -221,7 +233,6 @@ void view_show_light(struct view *v, uint32_t index) {
         return;
     const fnl_light_params before = light;
     const struct view_id id = {entity.id.light.index, entity.id.light.generation};
-    const bool parallel = light.kind == FNL_LIGHT_DIRECTIONAL || light.kind == FNL_LIGHT_BOX;
     ui_text("light %u %s", index, entity.name ? entity.name : "");
     if (find_id(v->marked.ids, v->marked.count, id) != UINT32_MAX && v->marked.count > 1)
         ui_note(v->marked.count == 2 ? "The other selected light changes with it, but keeps its position." : "The %u other selected lights change with it, but keep their positions.", v->marked.count - 1);
@@ -232,13 +243,14 @@ void view_show_light(struct view *v, uint32_t index) {
     }
     ui_same_line();
     bool edited = show_kind(&light);
+    const fnl_light_kind_info *kind = fnl_light_kind_find(light.kind);
     ui_item_width(200);
     edited |= ui_color("color", light.color);
-    edited |= show_number(parallel ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
-    if (!parallel) edited |= show_range(&light);
+    edited |= show_number(kind->parallel ? "lux" : "candela", &light.intensity, 0, FLT_MAX, "%.4g");
+    if (kind->has_range) edited |= show_range(&light);
     edited |= show_shape(&light);
-    if (light.kind != FNL_LIGHT_DIRECTIONAL) edited |= view_show_vector("position, m", &light.position, "%.3f");
-    if (light.kind != FNL_LIGHT_POINT) edited |= view_show_vector("direction", &light.direction, "%.3f");
+    if (kind->has_position) edited |= view_show_vector("position, m", &light.position, "%.3f");
+    if (kind->has_direction) edited |= view_show_vector("direction", &light.direction, "%.3f");
     edited |= put_at_camera(v, &light);
     edited |= view_show_mask("light mask", &light.mask);
     edited |= ui_checkbox("casts shadows", &light.casts_shadows);

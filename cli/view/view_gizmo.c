@@ -24,7 +24,7 @@ static bool can_turn(const struct view *v) {
     uint32_t index;
     if (v->select.kind != VIEW_PICKED_LIGHT) return true;
     return view_select_index(v, &index) && fnl_scene_query_light(v->shown.scene, index, &light) == FNL_OK &&
-           (light.kind != FNL_LIGHT_POINT || light.profile.generation);
+           (fnl_light_kind_find(light.kind)->has_direction || light.profile.generation);
 }
 
 static bool find_handles(const struct view *v, struct handles *h) {

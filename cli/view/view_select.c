@@ -291,21 +291,9 @@ static void draw_box(const struct view *v, const struct maths_eye *eye, const fn
         }
 }
 
-/* The reach of a light: a circle that faces the eye; of a box, its walls. */
-static void draw_reach(const struct view *v, const struct maths_eye *eye, const fnl_light_params *light) {
+/* A circle of the light's range that faces the eye. */
+static void draw_range(const struct view *v, const struct maths_eye *eye, const fnl_light_params *light) {
     enum { PARTS = 64 };
-    if (light->kind == FNL_LIGHT_BOX) {
-        const fnl_vec3 half = maths_scale(light->box_size, 0.5f), x = maths_cross(light->direction, light->up);
-        const fnl_mat4 world = maths_columns(x, light->up, light->direction, light->position);
-        draw_box(v, eye, &world, maths_scale(half, -1), half);
-        return;
-    }
-    if (light->kind == FNL_LIGHT_RECTANGLE) { /* its edges too, and a ray from its middle */
-        const fnl_vec3 half = {0.5f * light->rectangle_size[0], 0.5f * light->rectangle_size[1], 0};
-        const fnl_mat4 world = maths_columns(maths_cross(light->direction, light->up), light->up, light->direction, light->position);
-        draw_box(v, eye, &world, maths_scale(half, -1), half);
-        draw_line(v, eye, light->position, maths_add(light->position, light->direction, fmaxf(half.x, half.y)), (uint32_t)PICKED_COLOR);
-    }
     const float range = isinf(light->range) ? fnl_light_range(light, 1, 0.05f) : light->range;
     fnl_vec3 beside[2], last = {0, 0, 0};
     const fnl_vec3 towards = eye->camera.orthographic ? eye->forward : maths_unit(maths_add(light->position, eye->camera.position, -1));
@@ -319,27 +307,13 @@ static void draw_reach(const struct view *v, const struct maths_eye *eye, const 
     }
 }
 
-/* The tip of a spot's cone or a wedge's pyramid, of about the same length on the screen wherever it is. */
-static void draw_cone(const struct view *v, const struct maths_eye *eye, const fnl_light_params *light) {
-    enum { SIDES = 12 };
-    const bool wedge = light->kind == FNL_LIGHT_WEDGE;
+/* Cones and pyramids have about the same length on the screen wherever they are. */
+static void draw_outline(const struct view *v, const struct maths_eye *eye, const fnl_light_params *light) {
+    enum { MOST = 256 };
     const float length = 120 * v->scale / maths_pixels(eye, fmaxf(maths_depth(eye, light->position), eye->camera.near_distance));
-    const fnl_vec3 up = light->up, side = maths_cross(light->direction, up);
-    fnl_vec3 beside[2], last = {0, 0, 0};
-    if (light->kind != FNL_LIGHT_SPOT && !wedge) return;
-    maths_beside(light->direction, beside);
-    for (int i = 0; i <= (wedge ? 4 : SIDES); i++) {
-        const float turn = 6.2831853f * (float)i / SIDES, wide = fminf(light->outer_cone_angle, 1.5f);
-        fnl_vec3 edge = maths_add(maths_add(maths_scale(light->direction, cosf(wide)), beside[0], sinf(wide) * cosf(turn)), beside[1], sinf(wide) * sinf(turn));
-        if (wedge) {
-            edge = maths_add(light->direction, side, tanf(light->wedge_angles[0]) * (i == 1 || i == 2 ? 1.0f : -1.0f));
-            edge = maths_unit(maths_add(edge, up, tanf(light->wedge_angles[1]) * (i == 2 || i == 3 ? 1.0f : -1.0f)));
-        }
-        const fnl_vec3 end = maths_add(light->position, edge, length);
-        if (i > 0) draw_line(v, eye, last, end, (uint32_t)PICKED_COLOR);
-        if (wedge || i % 3 == 0) draw_line(v, eye, light->position, end, (uint32_t)PICKED_COLOR);
-        last = end;
-    }
+    fnl_vec3 points[MOST];
+    const uint32_t count = fnl_light_outline(light, length, MOST, points);
+    for (uint32_t i = 0; i + 1 < count && i + 1 < MOST; i += 2) draw_line(v, eye, points[i], points[i + 1], (uint32_t)PICKED_COLOR);
 }
 
 static void draw_frame(const struct view *v, const struct maths_eye *eye) {
@@ -351,8 +325,8 @@ static void draw_frame(const struct view *v, const struct maths_eye *eye) {
     if (v->select.kind == VIEW_PICKED_LIGHT) {
         fnl_vec2 at;
         if (!view_select_index(v, &index) || fnl_scene_query_light(v->shown.scene, index, &light) != FNL_OK || light.kind == FNL_LIGHT_DIRECTIONAL) return;
-        draw_reach(v, eye, &light);
-        draw_cone(v, eye, &light);
+        draw_outline(v, eye, &light);
+        if (fnl_light_kind_find(light.kind)->has_range) draw_range(v, eye, &light);
         if (maths_project(eye, light.position, &at)) ui_disc(at.x, at.y, 6 * v->scale, (uint32_t)PICKED_COLOR);
         return;
     }

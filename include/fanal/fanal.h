@@ -15,6 +15,7 @@
 #include "fanal/instance.h"
 #include "fanal/legend.h"
 #include "fanal/light.h"
+#include "fanal/light_kinds.h"
 #include "fanal/lights.h"
 #include "fanal/mesh.h"
 #include "fanal/probe.h"

@@ -156,7 +156,7 @@ typedef struct fnl_scatter_params {
 } fnl_scatter_params;
 
 static inline fnl_scatter_params fnl_scatter_params_default(void) {
-    const fnl_scatter_params params = {0, 1, {0, 3, 1, 0, 0, 0, 0}, 1};
+    const fnl_scatter_params params = {0, 1, {0, 3, 1}, 1};
     return params;
 }
 /**

@@ -15,6 +15,7 @@
 #include "fanal/image.h"
 #include "fanal/instance.h"
 #include "fanal/light.h"
+#include "fanal/light_kinds.h"
 #include "fanal/mesh.h"
 #include "fanal/probe.h"
 #include "fanal/scene_ids.h"

@@ -47,7 +47,7 @@ typedef struct fnl_scene_info {
     uint32_t mesh_count, primitive_count, material_count, image_count, node_count;
     uint64_t instance_count; /**< visible instances that have a mesh */
     uint32_t light_count;    /**< of all kinds, including those of hidden nodes */
-    uint32_t directional_count, point_count, spot_count, capsule_count, wedge_count, box_count, rectangle_count;
+    uint32_t light_kind_counts[FNL_LIGHT_KIND_COUNT];
     uint32_t decal_count; /**< of all kinds */
     uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
     uint32_t probe_count;

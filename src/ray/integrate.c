@@ -66,7 +66,7 @@ static dvec3 background(const struct context *c, dvec3 direction) {
 /* Where a shadow ray goes to: the light, or a random point of its source. */
 static dvec3 source_point(const struct context *c, const struct ray_light *light, dvec3 position, dvec3 to_light,
                           double distance) {
-    const bool parallel = light_is_parallel(light->kind);
+    const bool parallel = fnl_light_kind_find(light->kind)->parallel;
     const double given = (double)(parallel ? c->params->sun_angle : c->params->light_radius), size = isinf(given) ? light->source : given;
     dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
     if (!(size > 0) || light->kind == FNL_LIGHT_RECTANGLE) return point; /* that is one of its points */

@@ -18,7 +18,7 @@ struct ray_light ray_light_make(const fnl_light_params *params, double range, co
                           .hull = params->kind == FNL_LIGHT_DIRECTIONAL ? NULL : hull,
                           .casts_shadows = params->casts_shadows,
                           .mask = params->mask,
-                          .source = (double)(light_is_parallel(params->kind) ? params->source_angle : params->source_radius)};
+                          .source = (double)(fnl_light_kind_find(params->kind)->parallel ? params->source_angle : params->source_radius)};
     l.color = dvec3_scale(dvec3_make((double)params->color[0], (double)params->color[1], (double)params->color[2]),
                           (double)params->intensity);
     if (l.kind == FNL_LIGHT_POINT && !params->profile.generation) return l;

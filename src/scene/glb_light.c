@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights of a file that is saved: KHR_lights_punctual, with Fanal's shapes and shadows in the extras. */
 #include "scene/glb.h"
+#include "scene/light_kinds.h"
 
 #define PUNCTUAL "KHR_lights_punctual"
 
@@ -33,22 +34,25 @@ mat4 glb_pose(vec3 position, vec3 direction, vec3 up) {
 
 /* ---- one light ---- */
 
-static const char *type_of(fnl_light_kind kind) {
-    static const char *const types[] = {[FNL_LIGHT_DIRECTIONAL] = "directional", [FNL_LIGHT_POINT] = "point",     [FNL_LIGHT_SPOT] = "spot",
-                                        [FNL_LIGHT_CAPSULE] = "point",           [FNL_LIGHT_WEDGE] = "spot", [FNL_LIGHT_BOX] = "directional",
-                                        [FNL_LIGHT_RECTANGLE] = "point"};
-    return types[kind];
+static void write_member(struct glb *g, json_t *shape, const fnl_light_params *p, const fnl_light_member *member) {
+    char key[LIGHT_KEY];
+    const float *values = light_value_of(p, member);
+    light_member_key(member, key);
+    if (member->unit == FNL_LIGHT_UNIT_SWITCH) {
+        const bool on = *(const bool *)light_value_of(p, member);
+        if (on != (member->defaults[0] > 0)) glb_set(g, shape, key, json_boolean(on));
+    } else {
+        glb_set(g, shape, key, member->count == 1 ? glb_float(*values) : glb_floats(values, member->count));
+    }
 }
 
 static void write_shape(struct glb *g, json_t *object, const fnl_light_params *p) {
+    const struct light_kind *kind = &light_kinds[p->kind];
     json_t *shape = json_object();
-    if (p->kind > FNL_LIGHT_SPOT) glb_set(g, shape, "shape", json_string(fnl_value_name(FNL_ENUM_LIGHT_KIND, p->kind)));
-    if (p->kind == FNL_LIGHT_CAPSULE) glb_set(g, shape, "length", glb_float(p->length));
-    if (p->kind == FNL_LIGHT_WEDGE) glb_set(g, shape, "wedgeAngles", glb_floats(p->wedge_angles, 2));
-    if (p->kind == FNL_LIGHT_BOX) glb_set(g, shape, "boxSize", glb_floats(&p->box_size.x, 3));
-    if (p->kind == FNL_LIGHT_WEDGE || p->kind == FNL_LIGHT_BOX) glb_set(g, shape, "innerFraction", glb_float(p->inner_fraction));
-    if (p->kind == FNL_LIGHT_RECTANGLE) glb_set(g, shape, "rectangleSize", glb_floats(p->rectangle_size, 2));
-    if (p->kind == FNL_LIGHT_RECTANGLE && p->two_sided) glb_set(g, shape, "twoSided", json_true());
+    if (!kind->punctual) {
+        glb_set(g, shape, "shape", json_string(fnl_value_name(FNL_ENUM_LIGHT_KIND, p->kind)));
+        for (uint32_t i = 0; i < kind->info.member_count; i++) write_member(g, shape, p, &kind->info.members[i]);
+    }
     glb_set_extra(g, object, "FNL_light_shapes", shape);
 }
 
@@ -57,8 +61,8 @@ static void write_shadows(struct glb *g, json_t *object, const fnl_light_params 
     if (!p->casts_shadows) glb_set(g, shadows, "castsShadows", json_false());
     if (p->contact_scale != 1) glb_set(g, shadows, "contactScale", glb_float(p->contact_scale));
     if (p->shadow_update != FNL_SHADOW_UPDATE_ALWAYS) glb_set(g, shadows, "update", json_string(fnl_value_name(FNL_ENUM_SHADOW_UPDATE, p->shadow_update)));
-    if (light_is_parallel(p->kind) && p->source_angle != 0) glb_set(g, shadows, "sourceAngle", glb_float(p->source_angle));
-    if (!light_is_parallel(p->kind) && p->source_radius != 0) glb_set(g, shadows, "sourceRadius", glb_float(p->source_radius));
+    if (light_kinds[p->kind].info.parallel && p->source_angle != 0) glb_set(g, shadows, "sourceAngle", glb_float(p->source_angle));
+    if (!light_kinds[p->kind].info.parallel && p->source_radius != 0) glb_set(g, shadows, "sourceRadius", glb_float(p->source_radius));
     glb_set_extra(g, object, "FNL_light_shadows", shadows);
 }
 
@@ -68,11 +72,11 @@ static bool differ(const float *a, const float *b, uint32_t count) { return memc
 static void write_light(struct glb *g, json_t *object, const fnl_light_params *p, const fnl_light_params *base, uint32_t light) {
 #define OTHER(member, count)                                                                                                                         \
     (differ((const float *)&p->member, (const float *)&base->member, count) && !glb_animates(g, SCENE_PROPERTY_LIGHT, light, offsetof(fnl_light_params, member)))
-    const char *type = type_of(p->kind), *before = json_string_value(json_object_get(object, "type"));
+    const char *type = light_kinds[p->kind].type, *before = json_string_value(json_object_get(object, "type"));
     if (!before || strcmp(before, type) != 0) glb_set(g, object, "type", json_string(type));
     if (OTHER(color, 3)) glb_set(g, object, "color", glb_floats(p->color, 3));
     if (OTHER(intensity, 1)) glb_set(g, object, "intensity", glb_float(p->intensity));
-    if (!isfinite(p->range) || light_is_parallel(p->kind))
+    if (!isfinite(p->range) || light_kinds[p->kind].info.parallel)
         json_object_del(object, "range");
     else if (OTHER(range, 1))
         glb_set(g, object, "range", glb_float(p->range));
@@ -91,15 +95,19 @@ static void write_light(struct glb *g, json_t *object, const fnl_light_params *p
 
 /* ---- lights of the document ---- */
 
+static bool same_members(const fnl_light_params *a, const fnl_light_params *b) {
+    const fnl_light_kind_info *kind = &light_kinds[a->kind].info;
+    for (uint32_t i = 0; i < kind->member_count; i++)
+        if (memcmp(light_value_of(a, &kind->members[i]), light_value_of(b, &kind->members[i]), light_member_size(&kind->members[i])) != 0) return false;
+    return true;
+}
+
 /* Whether two say the same, but for the pose. */
 static bool same_light(const fnl_light_params *a, const fnl_light_params *b) {
-    fnl_light_params x = *a, y = *b;
-    x.position = y.position = x.direction = y.direction = x.up = y.up = (vec3){0, 0, 0};
-    return x.kind == y.kind && !differ(x.color, y.color, 3) && x.intensity == y.intensity && x.range == y.range && x.inner_cone_angle == y.inner_cone_angle &&
-           x.outer_cone_angle == y.outer_cone_angle && x.length == y.length && !differ(x.wedge_angles, y.wedge_angles, 2) &&
-           !differ(&x.box_size.x, &y.box_size.x, 3) && x.inner_fraction == y.inner_fraction && x.source_radius == y.source_radius &&
-           !differ(x.rectangle_size, y.rectangle_size, 2) && x.two_sided == y.two_sided && x.source_angle == y.source_angle && x.casts_shadows == y.casts_shadows && x.shadow_update == y.shadow_update && x.mask == y.mask && x.contact_scale == y.contact_scale && x.profile.index == y.profile.index &&
-           x.profile.generation == y.profile.generation;
+    return a->kind == b->kind && same_members(a, b) && !differ(a->color, b->color, 3) && a->intensity == b->intensity && a->range == b->range &&
+           a->source_radius == b->source_radius && a->source_angle == b->source_angle && a->casts_shadows == b->casts_shadows &&
+           a->shadow_update == b->shadow_update && a->mask == b->mask && a->contact_scale == b->contact_scale && a->profile.index == b->profile.index &&
+           a->profile.generation == b->profile.generation;
 }
 
 static json_t *node_of(const struct glb *g, uint32_t node) { return json_array_get(json_object_get(g->root, "nodes"), node); }
@@ -144,8 +152,11 @@ static json_t *own_light(struct glb *g, uint32_t node, uint32_t *index) {
 static void add_light_node(struct glb *g, const fnl_light_params *p, const char *name, uint32_t index) {
     json_t *node = json_object();
     mat4 pose = mat4_identity();
-    if (p->kind != FNL_LIGHT_POINT) pose = glb_pose(p->kind == FNL_LIGHT_DIRECTIONAL ? (vec3){0, 0, 0} : p->position, p->direction, p->up);
-    if (p->kind == FNL_LIGHT_POINT) glb_set(g, node, "translation", glb_floats(&p->position.x, 3));
+    const fnl_light_kind_info *kind = &light_kinds[p->kind].info;
+    if (kind->has_direction)
+        pose = glb_pose(kind->has_position ? p->position : (vec3){0, 0, 0}, p->direction, p->up);
+    else
+        glb_set(g, node, "translation", glb_floats(&p->position.x, 3));
     if (name && *name) glb_set(g, node, "name", glb_text(g, name));
     glb_set(g, glb_extension(g, node, PUNCTUAL), "light", json_integer((json_int_t)index));
     glb_add_root(g, node, &pose);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Cameras (glTF 2.0, 3.10) and KHR_lights_punctual: what they are, and then where they stand. */
 #include "scene/gltf.h"
+#include "scene/light_kinds.h"
 
 /* ---- cameras ---- */
 
@@ -73,6 +74,28 @@ static void load_spot(struct gltf *g, json_t *object, const struct at *at, fnl_l
     }
 }
 
+static void load_member(struct gltf *g, json_t *object, const struct at *at, fnl_light_params *light, const fnl_light_member *member) {
+    char key[LIGHT_KEY];
+    void *value = light_value(light, member);
+    const float low = fmaxf(member->low, member->useful_low);
+    light_member_key(member, key);
+    if (member->unit == FNL_LIGHT_UNIT_SWITCH)
+        *(bool *)value = gltf_bool(g, object, at, key, member->defaults[0] > 0);
+    else if (member->count == 1)
+        gltf_float(g, object, at, key, false, low, member->high, value);
+    else
+        gltf_floats(g, object, at, key, member->count, low, member->high, value);
+}
+
+static void warn_of_shape(struct gltf *g, const struct at *at) {
+    char names[256] = "";
+    for (fnl_light_kind kind = 0; kind < FNL_LIGHT_KIND_COUNT; kind++) {
+        const size_t used = strlen(names);
+        if (!light_kinds[kind].punctual) snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", fnl_value_name(FNL_ENUM_LIGHT_KIND, kind));
+    }
+    gltf_warn(g, at, "is none of %s; it is ignored", names);
+}
+
 /** The extras of a light may give it a shape that the extension lacks (docs/techniques/light-shapes.md); other programs see its type. */
 static void load_shape(struct gltf *g, json_t *light_object, const struct at *light_at, fnl_light_params *light) {
     json_t *extras = json_object_get(light_object, "extras");
@@ -81,19 +104,14 @@ static void load_shape(struct gltf *g, json_t *light_object, const struct at *li
     json_t *object = gltf_object(g, extras, extras_at, "FNL_light_shapes", false);
     const char *shape = object ? gltf_string(g, object, at, "shape", true) : NULL;
     if (!shape) return;
-    fnl_light_kind kind = FNL_LIGHT_CAPSULE;
-    while (kind < FNL_LIGHT_KIND_COUNT && strcmp(shape, fnl_value_name(FNL_ENUM_LIGHT_KIND, kind)) != 0) kind++;
+    fnl_light_kind kind = 0;
+    while (kind < FNL_LIGHT_KIND_COUNT && (light_kinds[kind].punctual || strcmp(shape, fnl_value_name(FNL_ENUM_LIGHT_KIND, kind)) != 0)) kind++;
     if (kind == FNL_LIGHT_KIND_COUNT) {
-        gltf_warn(g, AT_KEY(at, "shape"), "is none of capsule, wedge, box, rectangle; it is ignored");
+        warn_of_shape(g, AT_KEY(at, "shape"));
         return;
     }
     light->kind = kind;
-    gltf_float(g, object, at, "length", false, 0, FLT_MAX, &light->length);
-    gltf_floats(g, object, at, "wedgeAngles", 2, 1e-3f, 1.5f, light->wedge_angles);
-    gltf_floats(g, object, at, "boxSize", 3, 1e-6f, 1e18f, &light->box_size.x);
-    gltf_floats(g, object, at, "rectangleSize", 2, 1e-9f, 1e9f, light->rectangle_size);
-    light->two_sided = gltf_bool(g, object, at, "twoSided", false);
-    gltf_float(g, object, at, "innerFraction", false, 0, 1, &light->inner_fraction);
+    for (uint32_t i = 0; i < light_kinds[kind].info.member_count; i++) load_member(g, object, at, light, &light_kinds[kind].info.members[i]);
 }
 
 /** And what no extension says of shadows (docs/techniques/shadows.md). */
@@ -128,19 +146,15 @@ static void load_light(struct gltf *g, json_t *object, const struct at *at, stru
     out->extras = gltf_extras(g, object);
     const char *type = gltf_string(g, object, at, "type", true);
     if (!type) return;
-    if (strcmp(type, "directional") == 0)
-        light->kind = FNL_LIGHT_DIRECTIONAL;
-    else if (strcmp(type, "point") == 0)
-        light->kind = FNL_LIGHT_POINT;
-    else if (strcmp(type, "spot") == 0)
-        light->kind = FNL_LIGHT_SPOT;
-    else {
+    light->kind = 0;
+    while (light->kind < FNL_LIGHT_KIND_COUNT && (!light_kinds[light->kind].punctual || strcmp(type, light_kinds[light->kind].type) != 0)) light->kind++;
+    if (light->kind == FNL_LIGHT_KIND_COUNT) {
         gltf_warn(g, AT_KEY(at, "type"), "is unknown; the light is left out");
         return;
     }
     gltf_floats(g, object, at, "color", 3, 0, FLT_MAX, light->color);
     gltf_float(g, object, at, "intensity", false, 0, FLT_MAX, &light->intensity);
-    if (light->kind != FNL_LIGHT_DIRECTIONAL && gltf_float(g, object, at, "range", false, 0, FLT_MAX, &light->range) &&
+    if (light_kinds[light->kind].info.has_range && gltf_float(g, object, at, "range", false, 0, FLT_MAX, &light->range) &&
         light->range <= 0) {
         gltf_warn(g, AT_KEY(at, "range"), "is not greater than 0; it is derived from the intensity");
         light->range = INFINITY;

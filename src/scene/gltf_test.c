@@ -441,7 +441,8 @@ static void check_lights(bool made) {
     fnl_scene *scene = load_sample("Lights.glb", made);
     fnl_scene_info info;
     assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
-    assert_true(info.light_count == 4 && info.directional_count == 1 && info.point_count == 1 && info.spot_count == 2);
+    assert_true(info.light_count == 4 && info.light_kind_counts[FNL_LIGHT_DIRECTIONAL] == 1 && info.light_kind_counts[FNL_LIGHT_POINT] == 1 &&
+                info.light_kind_counts[FNL_LIGHT_SPOT] == 2);
     fnl_light_params point, spot, sun;
     assert_int_equal(fnl_scene_query_light(scene, 0, &point), FNL_OK);
     assert_true(point.kind == FNL_LIGHT_POINT && point.intensity == 5 && point.color[0] == 1 && point.color[1] == 0 &&
@@ -475,8 +476,7 @@ static void test_light_shapes_in_extras(void **state) {
     fnl_scene *scene = load_example("examples/light_shapes.gltf");
     fnl_scene_info info;
     assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
-    assert_true(info.point_count == 1 && info.spot_count == 1 && info.capsule_count == 1 && info.wedge_count == 1 &&
-                info.box_count == 1);
+    for (int kind = FNL_LIGHT_POINT; kind <= FNL_LIGHT_BOX; kind++) assert_int_equal(info.light_kind_counts[kind], 1);
     fnl_light_params capsule, wedge, box;
     assert_int_equal(fnl_scene_query_light(scene, 2, &capsule), FNL_OK);
     assert_int_equal(fnl_scene_query_light(scene, 3, &wedge), FNL_OK);

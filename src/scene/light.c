@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The public calls of fanal/light.h, and what the parameters of a light say about its volume. */
 #include "base/check.h"
+#include "scene/light_kinds.h"
 #include "scene/scene.h"
 
 float fnl_light_range(const fnl_light_params *light, float min_roughness, float threshold) {
     if (check_handle(__func__, "params", light) != FNL_OK) return 0;
-    if (light->kind == FNL_LIGHT_DIRECTIONAL) return INFINITY;
-    if (light->kind == FNL_LIGHT_BOX) return 0.5f * vec3_length(light->box_size);
+    if (fnl_light_kind_find(light->kind) && light_kinds[light->kind].range) return light_kinds[light->kind].range(light);
     if (isfinite(light->range)) return light->range;
     float alpha = fmaxf(min_roughness * min_roughness, 0.001f), gain = fmaxf(1, 0.25f / (alpha * alpha));
     float brightest = fmaxf(light->color[0], fmaxf(light->color[1], light->color[2]));
@@ -26,85 +26,87 @@ vec3 light_up(vec3 direction, vec3 up) {
 
 /* ---- adding, changing, removing ---- */
 
+static void set_defaults(fnl_light_params *light, const fnl_light_member *member) {
+    void *value = light_value(light, member);
+    if (member->unit == FNL_LIGHT_UNIT_SWITCH)
+        *(bool *)value = member->defaults[0] > 0;
+    else
+        memcpy(value, member->defaults, light_member_size(member));
+}
+
 fnl_light_params fnl_light_params_default(void) {
-    return (fnl_light_params){
+    fnl_light_params light = {
         .kind = FNL_LIGHT_POINT,
         .direction = {0, 0, -1},
         .color = {1, 1, 1},
         .intensity = 1,
         .range = INFINITY,
-        .inner_cone_angle = 0,
-        .outer_cone_angle = PI / 4,
         .up = {0, 1, 0},
-        .length = 1,
-        .wedge_angles = {PI / 4, PI / 6},
-        .box_size = {1, 1, 1},
-        .rectangle_size = {1, 1},
-        .inner_fraction = 0.7f,
         .casts_shadows = true,
         .contact_scale = 1,
         .mask = 255,
     };
-}
-
-bool light_is_parallel(fnl_light_kind kind) { return kind == FNL_LIGHT_DIRECTIONAL || kind == FNL_LIGHT_BOX; }
-
-/* Kinds that the profile of a light belongs to, and is looked up for. */
-static bool is_profiled(const fnl_light_params *light) {
-    return light->profile.generation && (light->kind == FNL_LIGHT_POINT || light->kind == FNL_LIGHT_SPOT);
+    for (int k = 0; k < FNL_LIGHT_KIND_COUNT; k++)
+        for (uint32_t i = 0; i < light_kinds[k].info.member_count; i++) set_defaults(&light, &light_kinds[k].info.members[i]);
+    return light;
 }
 
 static fnl_result check_profile(const struct call *call, const fnl_scene *scene, const fnl_light_params *params) {
     const fnl_light_profile_id id = params->profile;
     if (!id.generation) return FNL_OK;
-    if (!is_profiled(params)) return misuse(call, "profile is set, but only points and spots can have one");
+    if (!light_is_profiled(params)) return misuse(call, "profile is set, but only points and spots can have one");
     const bool alive = id.index < scene->profiles.count && scene->profiles.data[id.index].generation == id.generation;
     TRY(check_id(call, "profile", alive, id.index, id.generation, "a light profile"));
     return check_finite(call, "up", params->up);
 }
 
+/* "length", "wedge_angles[0]", "box_size.x" */
+static void name_value(const fnl_light_member *member, uint32_t i, char name[64]) {
+    if (member->count == 1)
+        snprintf(name, 64, "%s", member->name);
+    else if (member->count == 2)
+        snprintf(name, 64, "%s[%u]", member->name, i);
+    else
+        snprintf(name, 64, "%s.%c", member->name, "xyz"[i]);
+}
+
+static fnl_result check_member(const struct call *call, const fnl_light_params *params, const fnl_light_member *member) {
+    static const char *const units[FNL_LIGHT_UNIT_COUNT] = {" metres", " radians", ""};
+    char unit[64], name[64];
+    double high = (double)member->high;
+    if (member->unit == FNL_LIGHT_UNIT_SWITCH) return FNL_OK;
+    snprintf(unit, sizeof unit, "%s", units[member->unit]);
+    if (member->at_most) {
+        const float *most = light_value_of(params, light_member_find(&light_kinds[params->kind].info, member->at_most));
+        high = (double)*most;
+        snprintf(unit, sizeof unit, "%s (%s)", units[member->unit], member->at_most);
+    }
+    for (uint32_t i = 0; i < member->count; i++) {
+        const float *values = light_value_of(params, member);
+        name_value(member, i, name);
+        TRY((member->above_low ? check_above : check_range)(call, name, (double)values[i], (double)member->low, high, unit));
+    }
+    return FNL_OK;
+}
+
 static fnl_result check_light(const struct call *call, const fnl_scene *scene, const fnl_light_params *params) {
     const double infinite = (double)FLT_MAX;
-    fnl_light_kind kind = params->kind;
-    TRY(check_enum(call, "kind", (int)kind, FNL_LIGHT_KIND_COUNT, "fnl_light_kind"));
+    TRY(check_enum(call, "kind", (int)params->kind, FNL_LIGHT_KIND_COUNT, "fnl_light_kind"));
+    const fnl_light_kind_info *kind = &light_kinds[params->kind].info;
     TRY(check_enum(call, "shadow_update", (int)params->shadow_update, FNL_SHADOW_UPDATE_COUNT, "fnl_shadow_update"));
     TRY(check_finite(call, "position", params->position));
     TRY(check_finite(call, "direction", params->direction));
     TRY(check_profile(call, scene, params));
-    if ((kind != FNL_LIGHT_POINT || is_profiled(params)) && !(vec3_length(params->direction) > 0))
-        return misuse(call, "direction is 0, 0, 0, must have a length");
+    if (light_has_direction(params) && !(vec3_length(params->direction) > 0)) return misuse(call, "direction is 0, 0, 0, must have a length");
     TRY(check_count(call, "mask", params->mask, 0, 255));
     TRY(check_range(call, "contact_scale", (double)params->contact_scale, 0, 1000, ""));
     TRY(check_floats(call, "color", params->color, 3, 0, infinite, ""));
-    TRY(check_range(call, "intensity", (double)params->intensity, 0, infinite,
-                    kind == FNL_LIGHT_DIRECTIONAL || kind == FNL_LIGHT_BOX ? " lux" : " candela"));
-    if (kind != FNL_LIGHT_DIRECTIONAL && kind != FNL_LIGHT_BOX)
-        TRY(check_above(call, "range", (double)params->range, 0, (double)INFINITY, " metres"));
-    if (kind == FNL_LIGHT_SPOT) {
-        TRY(check_above(call, "outer_cone_angle", (double)params->outer_cone_angle, 0, (double)(PI / 2 + 1e-6f), " radians"));
-        TRY(check_range(call, "inner_cone_angle", (double)params->inner_cone_angle, 0, (double)params->outer_cone_angle,
-                        " radians (outer_cone_angle)"));
-    }
-    if (light_is_parallel(kind))
-        TRY(check_range(call, "source_angle", (double)params->source_angle, 0, 1, " radians"));
-    else if (kind != FNL_LIGHT_RECTANGLE)
-        TRY(check_range(call, "source_radius", (double)params->source_radius, 0, infinite, " metres"));
-    if (kind == FNL_LIGHT_CAPSULE) TRY(check_range(call, "length", (double)params->length, 0, infinite, " metres"));
-    if (kind == FNL_LIGHT_WEDGE) {
-        TRY(check_above(call, "wedge_angles[0]", (double)params->wedge_angles[0], 0, 1.5, " radians"));
-        TRY(check_above(call, "wedge_angles[1]", (double)params->wedge_angles[1], 0, 1.5, " radians"));
-    }
-    if (kind == FNL_LIGHT_BOX) /* the square of the diagonal stays finite */
-        TRY(check_vector(call, "box_size", params->box_size, (double)FLT_MIN, 1e18, " metres"));
-    if (kind == FNL_LIGHT_RECTANGLE) { /* its area is a float above 0, too */
-        TRY(check_range(call, "rectangle_size[0]", (double)params->rectangle_size[0], 1e-9, 1e9, " metres"));
-        TRY(check_range(call, "rectangle_size[1]", (double)params->rectangle_size[1], 1e-9, 1e9, " metres"));
-        TRY(check_finite(call, "up", params->up));
-    }
-    if (kind == FNL_LIGHT_WEDGE || kind == FNL_LIGHT_BOX) {
-        TRY(check_finite(call, "up", params->up));
-        TRY(check_range(call, "inner_fraction", (double)params->inner_fraction, 0, 1, ""));
-    }
+    TRY(check_range(call, "intensity", (double)params->intensity, 0, infinite, kind->parallel ? " lux" : " candela"));
+    if (kind->has_range) TRY(check_above(call, "range", (double)params->range, 0, (double)INFINITY, " metres"));
+    if (kind->has_source_angle) TRY(check_range(call, "source_angle", (double)params->source_angle, 0, 1, " radians"));
+    if (kind->has_source_radius) TRY(check_range(call, "source_radius", (double)params->source_radius, 0, infinite, " metres"));
+    if (kind->has_up) TRY(check_finite(call, "up", params->up));
+    for (uint32_t i = kind->member_count; i-- > 0;) TRY(check_member(call, params, &kind->members[i])); /* a limit before what it limits */
     return FNL_OK;
 }
 
@@ -137,10 +139,9 @@ static fnl_result check_light_id(const struct call *call, const fnl_scene *scene
 
 /* Compares only the parts of a pose that a light of this kind has. */
 static bool poses_differ(const fnl_light_params *a, const fnl_light_params *b) {
-    bool position = a->kind != FNL_LIGHT_DIRECTIONAL && memcmp(&a->position, &b->position, sizeof a->position) != 0;
-    bool profiled = is_profiled(a) || is_profiled(b);
-    bool direction = (a->kind != FNL_LIGHT_POINT || profiled) && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;
-    bool up = (a->kind >= FNL_LIGHT_WEDGE || profiled) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
+    bool position = light_kinds[a->kind].info.has_position && memcmp(&a->position, &b->position, sizeof a->position) != 0;
+    bool direction = (light_has_direction(a) || light_is_profiled(b)) && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;
+    bool up = (light_has_up(a) || light_is_profiled(b)) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
     return position || direction || up;
 }
 

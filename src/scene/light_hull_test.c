@@ -154,7 +154,7 @@ static void test_shapes_are_checked(void **state) {
     }
     fnl_scene_info info;
     assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
-    assert_int_equal(info.box_count, COUNT_OF(directions));
+    assert_int_equal(info.light_kind_counts[FNL_LIGHT_BOX], COUNT_OF(directions));
     fnl_scene_destroy(&scene);
 }
 

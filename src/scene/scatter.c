@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+#include "scene/light_kinds.h"
 #include "scene/scene.h"
 
 /** Lights of the scatter that hold a point of the bounds, on average. */
 #define SCATTER_OVERLAP 8.0
-/** Illuminance in lux that a scattered light would give at its range without the window. */
-#define SCATTER_ILLUMINANCE 4.0f
 
 /**
  * The chance that two random points of a box are nearer than `radius`: the integral over the ball of the box's
@@ -70,39 +69,6 @@ static fnl_light_kind next_kind(const float *shares, uint32_t *given) {
     return next;
 }
 
-/** Gives a light that has a place, a range and an intensity its shape: about as large as a point's ball. */
-static void shape_light(struct random_state *random, fnl_light_params *light, vec3 direction) {
-    light->direction = direction;
-    light->up = random_direction(random);
-    float range = light->range, a = random_float(random), b = random_float(random), c = random_float(random);
-    switch (light->kind) {
-    case FNL_LIGHT_CAPSULE:
-        light->range = range * (0.5f + 0.3f * a);
-        light->length = 2 * range * (0.4f + 0.6f * b);
-        light->intensity *= 0.5f;
-        break;
-    case FNL_LIGHT_WEDGE:
-        light->range = 1.5f * range;
-        light->wedge_angles[0] = 0.4f + 0.4f * a;
-        light->wedge_angles[1] = light->wedge_angles[0] * (0.25f + 0.75f * b);
-        light->intensity *= 3;
-        break;
-    case FNL_LIGHT_BOX:
-        light->range = INFINITY;
-        light->box_size = vec3_make(range * (0.6f + a), range * (0.6f + b), range * (0.8f + 1.2f * c));
-        light->intensity = 2 * SCATTER_ILLUMINANCE; /* lux */
-        break;
-    case FNL_LIGHT_RECTANGLE: /* flux of a point's, to one side */
-        light->rectangle_size[0] = range * (0.1f + 0.4f * a);
-        light->rectangle_size[1] = range * (0.1f + 0.4f * b);
-        light->two_sided = c < 0.25f;
-        light->intensity *= 2;
-        break;
-    default:
-        break;
-    }
-}
-
 fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params) {
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
@@ -111,9 +77,10 @@ fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_pa
     double shares = 0;
     for (int k = 0; k < FNL_LIGHT_KIND_COUNT; k++) shares += (double)params->shares[k];
     if (!(shares > 0)) return misuse(call, "shares are all 0, one must be above");
-    if (params->shares[FNL_LIGHT_DIRECTIONAL] != 0)
-        return misuse(call, "shares[%d] is %g, must be 0: directional lights cannot be scattered", FNL_LIGHT_DIRECTIONAL,
-                      (double)params->shares[FNL_LIGHT_DIRECTIONAL]);
+    for (int k = 0; k < FNL_LIGHT_KIND_COUNT; k++)
+        if (params->shares[k] != 0 && !light_kinds[k].scatter)
+            return misuse(call, "shares[%d] is %g, must be 0: %s lights cannot be scattered", k, (double)params->shares[k],
+                          fnl_value_name(FNL_ENUM_LIGHT_KIND, (uint32_t)k));
     TRY(check_above(call, "radius_scale", (double)params->radius_scale, 0, (double)FLT_MAX, ""));
     uint32_t count = params->count, given[FNL_LIGHT_KIND_COUNT] = {0};
     if (count == 0) return FNL_OK;
@@ -134,18 +101,16 @@ fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_pa
         light.range = radius * random_range(&random, 0.8f, 1.2f);
         light.intensity = SCATTER_ILLUMINANCE * light.range * light.range;
         random_tint(&random, light.color);
-        vec3 direction = random_direction(&random);
-        float outer = random_range(&random, 0.4f, 0.8f);
+        const vec3 direction = random_direction(&random);
+        struct scatter_numbers numbers = {.cone = random_range(&random, 0.4f, 0.8f)};
         light.kind = next_kind(params->shares, given);
-        if (light.kind == FNL_LIGHT_SPOT) {
-            light.direction = direction;
-            light.outer_cone_angle = outer;
-            light.inner_cone_angle = 0.6f * outer;
-            light.intensity *= 3; /* much the same luminous flux as a point light's */
-        } else if (light.kind != FNL_LIGHT_POINT) {
-            shape_light(&random, &light, direction);
-            light.up = light_up(light.direction, light.up);
+        const struct light_kind *kind = &light_kinds[light.kind];
+        if (kind->info.has_direction) light.direction = direction;
+        if (!kind->punctual) {
+            light.up = light_up(light.direction, random_direction(&random));
+            for (int k = 0; k < 3; k++) numbers.parts[k] = random_float(&random);
         }
+        kind->scatter(&light, &numbers);
         scene_add_light(scene, &light, SCENE_NONE);
     }
     return FNL_OK;

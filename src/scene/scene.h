@@ -437,7 +437,7 @@ struct fnl_scene {
     ARRAY(struct scene_light_slot) light_slots;
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
-    bool has_rectangles;              /* some light was a rectangle at some time */
+    bool has_area_lights;             /* some light was an area light at some time */
     bool has_light_masks;             /* at some time a light or probe had a mask other than 255, a light a contact_scale other than 1, or an instance the light mask 0 */
     bool has_requested;               /* some light's shadow maps were drawn on request at some time */
     uint32_t shadow_requests;         /* numbers of requests that were given */
@@ -582,8 +582,6 @@ struct box scene_bounds(const fnl_scene *scene);
 /* Of a scene that says nothing else (fnl_scene_set_light_cutoff). */
 #define LIGHT_CUTOFF_ROUGHNESS 1.0f
 #define LIGHT_CUTOFF_ILLUMINANCE 0.05f /* lux */
-/** Directional lights and boxes: all their light comes from one direction. */
-bool light_is_parallel(fnl_light_kind kind);
 /** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range), with the default cutoff. */
 float light_effective_range(const fnl_light_params *light);
 /** `up` at right angles to a unit direction, unit; where it is parallel, another axis. */

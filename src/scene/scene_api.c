@@ -395,34 +395,8 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
     }
     for (uint32_t i = 0; i < scene->decals.count; i++)
         if (!scene->decals.data[i].removed) out->decal_kind_counts[scene->decals.data[i].params.kind]++;
-    for (uint32_t i = 0; i < scene->lights.count; i++) {
-        if (scene->lights.data[i].removed) continue;
-        switch (scene->lights.data[i].params.kind) {
-        case FNL_LIGHT_DIRECTIONAL:
-            out->directional_count++;
-            break;
-        case FNL_LIGHT_POINT:
-            out->point_count++;
-            break;
-        case FNL_LIGHT_SPOT:
-            out->spot_count++;
-            break;
-        case FNL_LIGHT_CAPSULE:
-            out->capsule_count++;
-            break;
-        case FNL_LIGHT_WEDGE:
-            out->wedge_count++;
-            break;
-        case FNL_LIGHT_BOX:
-            out->box_count++;
-            break;
-        case FNL_LIGHT_RECTANGLE:
-            out->rectangle_count++;
-            break;
-        case FNL_LIGHT_KIND_COUNT:
-            break;
-        }
-    }
+    for (uint32_t i = 0; i < scene->lights.count; i++)
+        if (!scene->lights.data[i].removed) out->light_kind_counts[scene->lights.data[i].params.kind]++;
     return FNL_OK;
 }
 

@@ -2,6 +2,7 @@
 #include "scene/scene_environment.h"
 
 #include "image/image.h"
+#include "scene/light_kinds.h"
 #include "scene/query.h"
 #include "scene/scene.h"
 
@@ -122,7 +123,7 @@ static double light_of_scene(const fnl_scene *scene, const struct box *bounds) {
         const struct scene_light *light = &scene->lights.data[i];
         if (light->removed || is_of_environment(&scene->environment, scene, i)) continue;
         const double strength = (double)strength_of(&light->params);
-        if (light_is_parallel(light->params.kind)) {
+        if (light_kinds[light->params.kind].info.parallel) {
             sum += strength / 4;
         } else if (area > 0) {
             const double angle = light->params.kind == FNL_LIGHT_SPOT ? 2 * (double)PI * (1 - cos((double)light->params.outer_cone_angle)) : 4 * (double)PI;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights that come, change and go, and the places that they keep meanwhile. */
+#include "scene/light_kinds.h"
 #include "scene/scene.h"
 
 /** glTF lights sit at their node's origin and shine along its -Z axis; the node's scale does not matter. */
@@ -88,7 +89,7 @@ static void list_sun(fnl_scene *scene, uint32_t light, bool is_sun) {
 static void place_light(fnl_scene *scene, uint32_t index) {
     struct scene_light *light = &scene->lights.data[index];
     bool directional = light->params.kind == FNL_LIGHT_DIRECTIONAL;
-    scene->has_rectangles |= light->params.kind == FNL_LIGHT_RECTANGLE;
+    scene->has_area_lights |= light_kinds[light->params.kind].info.area;
     scene_use_light_masks(scene, light->params.mask != 255 || light->params.contact_scale != 1);
     scene->has_requested |= light->params.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     list_sun(scene, index, directional && scene_light_shines(light));
@@ -205,6 +206,5 @@ void scene_place_profile(fnl_scene *scene, struct light_profile *profile) {
 }
 
 const struct light_profile *scene_light_profile(const fnl_scene *scene, const fnl_light_params *light) {
-    const bool has = light->profile.generation && (light->kind == FNL_LIGHT_POINT || light->kind == FNL_LIGHT_SPOT);
-    return has ? &scene->profiles.data[light->profile.index] : NULL;
+    return light_is_profiled(light) ? &scene->profiles.data[light->profile.index] : NULL;
 }

@@ -53,7 +53,7 @@ static void set_cone(struct gpu_shape *s, const fnl_light_params *light, struct 
 
 static float source_of(const fnl_light_params *light) {
     if (!light->casts_shadows) return GPU_LIGHT_UNSHADOWED;
-    return light_is_parallel(light->kind) ? tanf(light->source_angle) : light->source_radius;
+    return fnl_light_kind_find(light->kind)->parallel ? tanf(light->source_angle) : light->source_radius;
 }
 
 /* Where the shape of a slot's light lies: at its beginning. */
@@ -261,9 +261,9 @@ static fnl_result send_profiles(struct device_scene *d) {
     return result;
 }
 
-/* Once a scene has a rectangle. */
+/* Once a scene has an area light. */
 static fnl_result send_lobes(struct device_scene *d) {
-    if (d->lobes.buffer.size || !d->scene->has_rectangles) return FNL_OK;
+    if (d->lobes.buffer.size || !d->scene->has_area_lights) return FNL_OK;
     return device_array_set(d, GPU_USE_LIGHTS, "light lobes", &d->lobes, light_lobes, COUNT_OF(light_lobes), sizeof *light_lobes);
 }
 
