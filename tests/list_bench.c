@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/list_bench.h"
 
+#include "render/device/light_shapes.h"
+
 /* ---- reading back ---- */
 
 struct read_data {

@@ -63,23 +63,6 @@ static dvec3 background(const struct context *c, dvec3 direction) {
 
 /* ---- direct light ---- */
 
-/* Where a shadow ray goes to: the light, or a random point of its source. */
-static dvec3 source_point(const struct context *c, const struct ray_light *light, dvec3 position, dvec3 to_light,
-                          double distance) {
-    const bool parallel = fnl_light_kind_find(light->kind)->parallel;
-    const double given = (double)(parallel ? c->params->sun_angle : c->params->light_radius), size = isinf(given) ? light->source : given;
-    dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
-    if (!(size > 0) || light->kind == FNL_LIGHT_RECTANGLE) return point; /* that is one of its points */
-    double random[2];
-    ray_samples_draw(c->samples, 2, random);
-    double radius = sqrt(random[0]), angle = 2 * DPI * random[1];
-    radius *= parallel ? distance * tan(size) : size;
-    if (light->kind == FNL_LIGHT_CAPSULE)
-        point = dvec3_add_scaled(light->position, light->along, (2 * chance(c) - 1) * light->half_length);
-    dvec3_basis(to_light, &side, &up);
-    return dvec3_combine(side, up, point, dvec3_make(radius * cos(angle), radius * sin(angle), 1));
-}
-
 static double light_visibility(const struct context *c, const struct ray_surface *lit, const struct ray_light *light,
                                dvec3 to_light, double distance) {
     enum { FAR = 1 }; /* metres: directional lights are aimed at over this */
@@ -87,7 +70,8 @@ static double light_visibility(const struct context *c, const struct ray_surface
     const struct ray_surface *s = &turned;
     if (ray_lets_through(lit) && dvec3_dot(lit->normal, to_light) < 0) turned.geometric = dvec3_scale(lit->geometric, -1);
     const bool infinite = isinf(distance);
-    dvec3 to = source_point(c, light, s->position, to_light, infinite ? FAR : distance);
+    const double given = (double)(light->parallel ? c->params->sun_angle : c->params->light_radius), size = isinf(given) ? light->source : given;
+    dvec3 to = ray_light_source(light, c->samples, size, s->position, to_light, infinite ? FAR : distance);
     if (!(dvec3_dot(s->geometric, dvec3_sub(to, s->position)) > 0))
         return 0; /* from behind the triangle, whatever its normals say */
     dvec3 origin = dvec3_add_scaled(s->position, s->geometric, s->offset), ray = dvec3_sub(to, infinite ? s->position : origin);
@@ -104,15 +88,9 @@ static dvec3 direct_light(const struct context *c, const struct ray_surface *s, 
     for (uint32_t i = 0; i < c->walk->lights.count; i++) {
         const struct ray_light *l = ray_scene_light(c->scene, c->walk->lights.data[i]);
         dvec3 to_light;
-        double distance, strength;
+        double distance;
         if (!(l->mask & s->light_mask)) continue;
-        if (l->kind == FNL_LIGHT_RECTANGLE) {
-            double random[2];
-            ray_samples_draw(c->samples, 2, random);
-            strength = ray_light_sample(l, s->position, random[0], random[1], &to_light, &distance);
-        } else {
-            strength = ray_light_strength(l, s->position, &to_light, &distance);
-        }
+        const double strength = ray_light_draw(l, c->samples, s->position, &to_light, &distance);
         if (!(strength > 0)) continue;
         dvec3 light = dvec3_scale(dvec3_mul(ray_brdf_cos(s, to_view, to_light), l->color), strength);
         if (!(dvec3_max(light) > 0)) continue;

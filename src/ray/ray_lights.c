@@ -7,10 +7,7 @@ enum { FEW = 32 }; /* lights that are asked one by one */
 static void bound_light(const struct RTCBoundsFunctionArguments *arguments) {
     const struct ray_scene *s = arguments->geometryUserPtr;
     const struct ray_light *l = &s->lights.data[s->sun_count + arguments->primID];
-    double radius = l->kind == FNL_LIGHT_BOX ? dvec3_length(l->half_size)
-                                             : l->range + (l->kind == FNL_LIGHT_CAPSULE     ? l->half_length
-                                                         : l->kind == FNL_LIGHT_RECTANGLE ? hypot(l->half_width, l->half_height)
-                                                                                          : 0);
+    double radius = ray_light_radius(l);
     radius += 1e-5 * (radius + dvec3_reach(l->position)); /* floats round */
     *arguments->bounds_o = (struct RTCBounds){.lower_x = (float)fmax(l->position.x - radius, -1e18),
                                               .lower_y = (float)fmax(l->position.y - radius, -1e18),

@@ -5,19 +5,20 @@
 #include "render/shadows/maps.h"
 #include "render/shadows/method.h"
 #include "render/step.h"
+#include "scene/light_kinds.h"
 
 /* ---- what finds them ---- */
 
-/* Whether lights cast shadows that have no maps: capsules and rectangles. */
+/* Whether lights cast shadows that have no maps. */
 static bool find_mapless(const fnl_scene *scene) {
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         const fnl_light_params *light = &scene->lights.data[i].params;
-        if (light->casts_shadows && (light->kind == FNL_LIGHT_CAPSULE || light->kind == FNL_LIGHT_RECTANGLE)) return true;
+        if (light->casts_shadows && !light_kinds[light->kind].has_maps) return true;
     }
     return false;
 }
 
-/* Whether rays find some shadows: those of capsules and rectangles, and of any light where the atlas may not hold the coarsest pages of all; or are compared
+/* Whether rays find some shadows: those of lights without maps, and of any light where the atlas may not hold the coarsest pages of all; or are compared
    with maps. */
 static bool has_traced(const fnl_renderer *r, const fnl_frame *frame) {
     if (shadows_have(frame, SHADOWS_RAYS) || !shadow_maps_possible(r, frame) || frame->debug == FNL_DEBUG_SHADOW_ERRORS) return true;

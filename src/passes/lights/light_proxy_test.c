@@ -2,6 +2,7 @@
 /** The volumes of lights: what shading and lists are told about points, bounding spheres and proxies, against double precision. */
 #include "passes/lights/light_proxy.h"
 #include "passes/lights/light_proxy_test_shared.h"
+#include "render/device/light_shapes.h"
 #include "shaders.h"
 #include "tests/light_reference.h"
 #include "tests/render_harness.h"

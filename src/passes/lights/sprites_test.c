@@ -2,6 +2,7 @@
 /** Level of detail for lights: what fades, what it costs, and what is drawn instead. */
 #include "passes/lights/sprites.h"
 #include "passes/lights/sprites_shared.h"
+#include "render/device/light_shapes.h"
 #include "render/shading.h"
 #include "tests/render_harness.h"
 

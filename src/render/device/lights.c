@@ -3,98 +3,13 @@
 
 #include "passes/lights/sprites.h"
 #include "render/device/light_lobes.h"
-
-/* The smallest sphere round a cone and its spherical end: through apex and rim, or round the rim of a wide cone. */
-static void bound_cone(struct gpu_entity_bounds *bounds, const struct gpu_shape *s, float cosine, float sine) {
-    float along = cosine > 0.70710678f ? s->range / (2 * cosine) : s->range * cosine;
-    bounds->radius = cosine > 0.70710678f ? along : s->range * sine;
-    bounds->center = vec3_add_scaled(s->position, s->direction, along);
-}
-
-/* Wedges and boxes fade between their inner part and the edge; a hard edge is a thousandth wide. */
-static float edge_scale(const fnl_light_params *light) { return 1 / fmaxf(0.001f, 1 - light->inner_fraction); }
-
-/* `range` is the first test of any light: a hair larger than these shapes, which have exact ones of their own. */
-#define SHAPE_SLACK (1 + 1e-5f)
-
-static void set_capsule(struct gpu_shape *s, const fnl_light_params *light) {
-    s->size = (vec3){0.5f * light->length, s->range, 0};
-    s->range = (s->range + s->size.x) * SHAPE_SLACK;
-}
-
-static void set_wedge(struct gpu_shape *s, const fnl_light_params *light, struct gpu_entity_bounds *bounds) {
-    s->size = (vec3){tanf(light->wedge_angles[0]), tanf(light->wedge_angles[1]), 0};
-    s->spot_scale = edge_scale(light);
-    /* Its corners lie on a round cone; seen from the axis nothing is farther. */
-    float tangent = hypotf(s->size.x, s->size.y), cosine = 1 / hypotf(1, tangent);
-    bound_cone(bounds, s, cosine, tangent * cosine);
-}
-
-static void set_box(struct gpu_shape *s, const fnl_light_params *light) {
-    s->size = vec3_scale(light->box_size, 0.5f);
-    s->spot_scale = edge_scale(light);
-    s->range = vec3_length(s->size) * SHAPE_SLACK;
-}
-
-/* The box that lists see holds all within its range of the rectangle. */
-static void set_rectangle(struct gpu_shape *s, const fnl_light_params *light) {
-    s->spot_scale = 0.5f * light->rectangle_size[0];
-    s->spot_offset = light->two_sided ? -0.5f * light->rectangle_size[1] : 0.5f * light->rectangle_size[1];
-    s->size = (vec3){s->spot_scale + s->range, fabsf(s->spot_offset) + s->range, s->range};
-    s->range = (s->range + hypotf(s->spot_scale, s->spot_offset)) * SHAPE_SLACK;
-}
-
-static void set_cone(struct gpu_shape *s, const fnl_light_params *light, struct gpu_entity_bounds *bounds) {
-    float outer = cosf(light->outer_cone_angle), inner = cosf(light->inner_cone_angle);
-    s->spot_scale = 1 / fmaxf(0.001f, inner - outer);
-    s->spot_offset = -outer * s->spot_scale;
-    bound_cone(bounds, s, outer, sinf(light->outer_cone_angle));
-}
-
-static float source_of(const fnl_light_params *light) {
-    if (!light->casts_shadows) return GPU_LIGHT_UNSHADOWED;
-    return fnl_light_kind_find(light->kind)->parallel ? tanf(light->source_angle) : light->source_radius;
-}
-
-/* Where the shape of a slot's light lies: at its beginning. */
-static uint32_t shape_offset(uint32_t slot) { return slot * (uint32_t)sizeof(struct gpu_light); }
-_Static_assert(offsetof(struct gpu_light, shape) == 0, "the shape begins the light");
-_Static_assert((uint64_t)SCENE_LOCAL_LIGHTS_MAX * sizeof(struct gpu_light) <= GPU_NO_SHAPE, "offsets of shapes have 32 bits");
-
-void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light *out, struct gpu_entity_bounds *out_bounds) {
-    struct gpu_light g = {.shape = {.position = light->position, .kind = (uint32_t)light->kind, .direction = light->direction},
-                          .color = {light->color[0] * light->intensity, light->color[1] * light->intensity,
-                                    light->color[2] * light->intensity},
-                          .source = source_of(light)};
-    struct gpu_entity_bounds bounds = {
-        .center = light->position, .shape = GPU_NO_SHAPE, .kind = GPU_ENTITY_LIGHT, .user = slot};
-    struct gpu_shape *s = &g.shape;
-    if (light->kind != FNL_LIGHT_DIRECTIONAL) {
-        s->range = light_effective_range(light);
-        if (!(s->range > 0)) s->range = 1e-6f;
-        if (light->kind != FNL_LIGHT_POINT) {
-            s->side = vec3_normalize(vec3_cross(light->direction, light_up(light->direction, light->up)));
-            bounds.shape = shape_offset(slot);
-        }
-        if (light->kind == FNL_LIGHT_CAPSULE) set_capsule(s, light);
-        if (light->kind == FNL_LIGHT_BOX) set_box(s, light);
-        if (light->kind == FNL_LIGHT_RECTANGLE) set_rectangle(s, light);
-        bounds.radius = s->range;
-        if (light->kind == FNL_LIGHT_SPOT) set_cone(s, light, &bounds);
-        if (light->kind == FNL_LIGHT_WEDGE) set_wedge(s, light, &bounds);
-        if (!(fmaxf(g.color.x, fmaxf(g.color.y, g.color.z)) > 0)) { /* dark */
-            bounds.center = light->position;
-            bounds.radius = 0;
-        }
-    }
-    *out = g;
-    *out_bounds = bounds;
-}
+#include "render/device/light_shapes.h"
+#include "scene/light_kinds.h"
 
 /* Writes the planes of a hull, seen from the light: so they stay exact far from the world's origin. */
 static void set_hull(struct gpu_shape *s, struct gpu_entity_bounds *bounds, const struct light_hull *hull, vec4 *planes) {
     s->hull_count = hull->plane_count;
-    bounds->shape = shape_offset(bounds->user);
+    bounds->shape = device_light_shape(bounds->user);
     const double at[3] = {s->position.x, s->position.y, s->position.z};
     for (uint32_t i = 0; i < hull->plane_count; i++) {
         const double *n = hull->planes[i];
@@ -141,7 +56,7 @@ static bool is_place_profiled(const struct gpu_light *place) {
     return is_place_lit(place) && place->shape.kind <= GPU_SHAPE_CONE && place->shape.size.x > 0;
 }
 
-static bool is_place_area(const struct gpu_light *place) { return is_place_lit(place) && place->shape.kind == GPU_SHAPE_RECTANGLE; }
+static bool is_place_area(const struct gpu_light *place) { return is_place_lit(place) && light_kinds[place->shape.kind].info.area; }
 
 static bool must_gather(const struct device_scene *d) {
     return d->sent.lights == UINT64_MAX || d->sent.lights < d->scene->light_set_version;

@@ -231,7 +231,7 @@ struct device_scene {
     uint32_t plane_room;                /* in the buffer */
     uint32_t lit_count, shaped_count;   /* of light_data; those of other shapes than sphere and cone, and with hulls */
     uint32_t profiled_count;            /* lights in places that have a profile */
-    uint32_t area_count;                /* rectangles in places */
+    uint32_t area_count;                /* area lights in places */
     uint32_t profile_floats;            /* of `profiles`, as sent */
     uint64_t light_bytes_sent;          /* with the last frame, of whichever user */
     ARRAY(float) bound_radii;       /* of light_bounds before they were faded; empty: they are not */
@@ -356,8 +356,6 @@ struct light_set device_lights_set(const struct device_scene *d, graph_buffer li
 fnl_result device_lights_gather(struct device_scene *d);
 /** Local lights that the next frame lights with: of the scene as it is now, before they are gathered. Costs a look at what changed. */
 uint32_t device_lights_count(const struct device_scene *d);
-/** The light of a slot and its bounds; of a directional light those are empty. `light->range` is finite. */
-void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light *out, struct gpu_entity_bounds *out_bounds);
 /**
  * For frames with a light_lod (0: none): lists that the CPU builds see faded lights too (passes/lights/sprites.h). Costs a walk over the
  * lights where `walk` says that the frame has such lists, or to undo it.
