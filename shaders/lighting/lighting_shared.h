@@ -41,7 +41,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lob
 #define GPU_LIGHTING_SIMPLE 0x200u     /* every light is a sphere or a cone without a hull */
 #define GPU_LIGHTING_PROFILES 0x100000u /* some spheres and cones have a profile (lights/profile.glsl) */
 #define GPU_LIGHTING_MASKS 0x2000000u  /* some lights affect only surfaces whose light mask shares a bit with theirs */
-#define GPU_LIGHTING_RECTANGLES 0x800000u /* some lights are rectangles (lights/area.glsl) */
+#define GPU_LIGHTING_AREA_LIGHTS 0x800000u /* some lights are area lights (lights/area.glsl) */
 #define GPU_LIGHTING_LAYERS 0x80000u   /* some surfaces have layers (shaders/layers.glsl) */
 #define GPU_LIGHTING_ENVIRONMENT 0x40000u  /* ambient light comes from the environment (shaders/environment.glsl) */
 #define GPU_LIGHTING_REFLECTIONS 0x200000u /* in the boxes of reflection probes it comes from these (shaders/reflections.glsl) */
@@ -71,7 +71,7 @@ struct gpu_light_set {
     ADDRESS(plane_array) planes;    /* of hulls */
     ADDRESS(const_uint_array) masks; /* of lights: the mask in the low 8 bits, the contact shadow scale as a half in the high 16; with GPU_LIGHTING_MASKS */
     ADDRESS(profile_array) profiles; /* with GPU_LIGHTING_PROFILES */
-    ADDRESS(lobe_array) lobes;      /* with GPU_LIGHTING_RECTANGLES */
+    ADDRESS(lobe_array) lobes;      /* with GPU_LIGHTING_AREA_LIGHTS */
 };
 
 /* What finds shadows. Scope: a group of views. */

@@ -51,7 +51,7 @@ shadowed_point shadowed_point_of(lighting_block l, vec3 position, vec3 normal) {
 
 // Whether some of a light comes from before the surface, as far as the direction to its middle tells.
 bool light_may_face(light_set_block l, uint light, vec3 normal, vec3 to_light) {
-    return dot(normal, to_light) > 0.0 || LIGHTING_RECTANGLES && l.set.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE;
+    return dot(normal, to_light) > 0.0 || LIGHTING_AREA_LIGHTS && shape_is_area(l.set.lights.at[light].shape.kind);
 }
 
 // The unshadowed fraction of a light, 0 .. 1; also 0 for light from behind the surface, which reflects none of it. `light` and `to_light` are those of

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Light from a whole rectangle (GPU_LIGHTING_RECTANGLES): the BRDF's lobes, integrated over the part of it that lies above the surface's horizon. The diffuse
+// Light from a whole area light (GPU_LIGHTING_AREA_LIGHTS): the BRDF's lobes, integrated over the part of it that lies above the surface's horizon. The diffuse
 // one by Lambert's formula; the specular one as a cosine that is stretched and sheared (Heitz, Dupuy, Hill and Neubelt 2016, "Real-Time Polygonal-Light
-// Shading with Linearly Transformed Cosines"), by the table of tools/area_lobes.c. Where the rectangle takes little of the lobe, the lobe itself
-// corrects the fit: at the direction that most light comes from. So a small or distant rectangle gives what a point does.
+// Shading with Linearly Transformed Cosines"), by the table of tools/area_lobes.c. Where the light takes little of the lobe, the lobe itself
+// corrects the fit: at the direction that most light comes from. So a small or distant area light gives what a point does.
 #ifndef LIGHTS_AREA_GLSL
 #define LIGHTS_AREA_GLSL
 
 #include "brdf.glsl"
 #include "lighting/reach.glsl"
-
-// A rectangle, or what is left of it after one plane, seen from the surface. Edges are kept beside the corners: of small ones their differences would round.
-struct area_polygon {
-    vec3 corners[6];
-    vec3 edges[6]; // to the next corner
-    uint count;
-};
 
 // Angle over sine, of an angle with this cosine: Abramowitz and Stegun, 4.4.46.
 float area_angle(float cosine) {
@@ -70,26 +63,6 @@ vec3 area_flux(area_polygon p) {
     }
     precise vec3 upward = sum.z < 0.0 ? -sum : sum;
     return upward;
-}
-
-// The rectangle of a light, seen from a point by three axes.
-area_polygon area_rectangle(light_set_block l, uint light, vec3 position, mat3 to_frame) {
-    precise vec3 ray = l.set.lights.at[light].shape.position - position;
-    vec3 direction = l.set.lights.at[light].shape.direction, side = l.set.lights.at[light].shape.side;
-    precise vec3 up = cross(side, direction);
-    precise vec3 x = side * l.set.lights.at[light].shape.spot_scale, y = up * abs(l.set.lights.at[light].shape.spot_offset);
-    precise vec3 middle = to_frame * ray, right = to_frame * x, above = to_frame * y;
-    area_polygon p;
-    p.count = 4u;
-    p.corners[0] = middle - right - above;
-    p.corners[1] = middle + right - above;
-    p.corners[2] = middle + right + above;
-    p.corners[3] = middle - right + above;
-    p.edges[0] = right * 2.0;
-    p.edges[1] = above * 2.0;
-    p.edges[2] = right * -2.0;
-    p.edges[3] = above * -2.0;
-    return p;
 }
 
 // World to where the normal is z and the viewer lies in the plane of x and z.
@@ -150,7 +123,7 @@ void area_to_cosine(area_lobe m, inout area_polygon p) {
 }
 
 void area_mirror(inout area_polygon p) {
-    for (uint i = 0u; i < 4u; i++) {
+    for (uint i = 0u; i < p.count; i++) {
         p.corners[i].z = -p.corners[i].z;
         p.edges[i].z = -p.edges[i].z;
     }
@@ -162,7 +135,7 @@ vec3 area_from_cosine(area_lobe m, vec3 q) {
     return p;
 }
 
-// The lobes of all of a rectangle: n_l and n_l times specular are their integrals over what is light_reach()'s share (light_rectangle_share()), so that they
+// The lobes of all of an area light: n_l and n_l times specular are their integrals over what is light_reach()'s share (area_share()), so that they
 // take the place of a point's. `mirrored`: of its mirror image behind the surface. `toward`: unit, where most of the diffuse light comes from.
 bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, brdf_view b, bool mirrored, out brdf_lobes lobes, out vec3 toward) {
     mat3 to_frame = area_frame(normal, b.to_view);
@@ -170,7 +143,7 @@ bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, br
     area_lobe m = area_look_up(l, b.alpha2, n_v);
     lobes = brdf_lobes(0.0, 0.0, 0.0, 0.0);
     toward = normal;
-    area_polygon p = area_rectangle(l, light, position, to_frame);
+    area_polygon p = area_polygon_of(l, light, position, to_frame);
     if (mirrored) area_mirror(p);
     vec3 flux[2] = vec3[2](vec3(0.0), vec3(0.0)), middle[2]; // of the diffuse lobe, and of the specular one
     brdf_lobes at[2];
@@ -189,7 +162,7 @@ bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, br
     }
     if (!(flux[0].z > 0.0)) return false;
     toward = middle[0];
-    precise float n_l = flux[0].z * PI / light_rectangle_share(l, light, position);
+    precise float n_l = flux[0].z * PI / area_share(l, light, position);
     lobes.n_l = n_l;
     lobes.m5_below = lobes.m5 = at[0].m5;
     if (!(flux[1].z > 0.0)) return true;
@@ -207,11 +180,11 @@ bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, br
     return true;
 }
 
-// Whether a light is a rectangle that looks like one: what is but a thousandth of a radian wide is a point.
+// Whether a light is an area light that looks like one: what is but a thousandth of a radian wide is a point.
 bool light_is_area(light_set_block l, uint light, vec3 position) {
-    if (!LIGHTING_RECTANGLES || l.set.lights.at[light].shape.kind != GPU_SHAPE_RECTANGLE) return false;
+    if (!LIGHTING_AREA_LIGHTS || !shape_is_area(l.set.lights.at[light].shape.kind)) return false;
     precise vec3 ray = l.set.lights.at[light].shape.position - position;
-    return light_rectangle_area(l, light) > 1e-6 * dot(ray, ray);
+    return area_of(l, light) > 1e-6 * dot(ray, ray);
 }
 
 // brdf_lobes_of() for any light; `to_light` as light_reach() has it.

@@ -9,13 +9,21 @@
 
 #include "shared.h"
 
-#define GPU_SHAPE_NONE 0u   /* of directional lights. These are the values of fnl_light_kind */
+/*
+ * These are the values of fnl_light_kind. Lists bound each kind from GPU_SHAPE_BOX on by a box, so compare with `>=`. Kinds from GPU_SHAPE_RECTANGLE on are
+ * area lights: flat, with the sign of spot_offset for the side that shines, their box larger by the range than the light on all sides.
+ */
+#define GPU_SHAPE_NONE 0u   /* of directional lights */
 #define GPU_SHAPE_SPHERE 1u /* of point lights */
 #define GPU_SHAPE_CONE 2u   /* a sector of a sphere, of spots */
 #define GPU_SHAPE_CAPSULE 3u
 #define GPU_SHAPE_WEDGE 4u  /* a pyramid with a spherical end */
 #define GPU_SHAPE_BOX 5u
-#define GPU_SHAPE_RECTANGLE 6u /* for lists a box */
+#define GPU_SHAPE_RECTANGLE 6u
+
+#ifdef GL_core_profile
+bool shape_is_area(uint kind) { return kind >= GPU_SHAPE_RECTANGLE; }
+#endif
 
 /* A convex volume in world space. It is the first member of a light, which contributes exactly zero outside it. */
 struct gpu_shape {
@@ -28,7 +36,7 @@ struct gpu_shape {
     float spot_offset;   /* rectangle: half its height, negative if both sides shine; spot_scale is half its width */
     vec3 side;           /* unit, at right angles to the direction: across a wedge or box; of spheres only those with a profile */
     vec3 size;           /* capsule: half length, radius; wedge: tangents of the half angles across and up;
-                            box, rectangle: half sizes across, up and along; of lights that are spheres or cones x is the place of their profile, or 0 */
+                            box, area light: half sizes across, up and along; of lights that are spheres or cones x is the place of their profile, or 0 */
     uint hull_first;     /* of its first plane in gpu_light_set.planes */
 };
 

@@ -27,7 +27,7 @@ float shadow_across(gpu_shape shape, float along, float pixel) {
     return 2.0 * (shape.kind == GPU_SHAPE_BOX ? max(shape.size.x, shape.size.y) : along) / pixel;
 }
 
-bool shadow_has_map(gpu_shape shape) { return shape.kind != GPU_SHAPE_CAPSULE && !(LIGHTING_RECTANGLES && shape.kind == GPU_SHAPE_RECTANGLE); }
+bool shadow_has_map(gpu_shape shape) { return shape.kind != GPU_SHAPE_CAPSULE && !(LIGHTING_AREA_LIGHTS && shape_is_area(shape.kind)); }
 
 // Where in the atlas a page lies, if it is there and drawn.
 bool shadow_find(gpu_shadow_maps maps, uint row, uint bit, out uint place) {

@@ -3,6 +3,7 @@
 #ifndef SHADOWS_SOFT_RAYS_GLSL
 #define SHADOWS_SOFT_RAYS_GLSL
 
+#include "lights/kinds.glsl"
 #include "shadows/sources.glsl"
 #include "shadows/ray_query.glsl"
 
@@ -19,7 +20,7 @@ float point_number(lighting_block l, float turn) {
 
 // The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
 // `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer
-// to the source than `margin` hides nothing. Of a rectangle the rays go to points of it. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
+// to the source than `margin` hides nothing. Of an area light the rays go to points of it. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
 // `scope`: which items hide it, with LIGHTING_CUBEMAP.
 float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
     uint kind = l.scope.lights.lights.at[light].shape.kind;
@@ -36,21 +37,19 @@ float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 positi
             source_axes(to_light, side, up);
         }
     }
-    // A rectangle's points count by what they give a matt surface. One ray alone goes to its middle, or to the corner that is highest where that is below
+    // The points of an area light count by what they give a matt surface. One ray alone goes to its middle, or to the point that is highest where that is below
     // the horizon.
-    bool area = LIGHTING_RECTANGLES && kind == GPU_SHAPE_RECTANGLE;
+    bool area = LIGHTING_AREA_LIGHTS && shape_is_area(kind);
     gpu_shape shape;
     if (area) {
         shape = l.scope.lights.lights.at[light].shape;
-        side = shape.side * shape.spot_scale;
-        up = cross(shape.side, shape.direction) * abs(shape.spot_offset);
         count = LIGHTING_SOFT ? l.scope.view.view.frame.frame.shadow_samples : 1u;
         turn = LIGHTING_SOFT ? source_turn(l, light, position) : 0.0;
     }
     bool one = LIGHTING_SOFT && LIGHTING_SAMPLED && one_point && !endless && count > 1u;
     uint first = 0u, end = count;
     float number = 0.0;
-    vec4 chosen = vec4(0.0); // of a rectangle: direction and distance
+    vec4 chosen = vec4(0.0); // of an area light: direction and distance
     if (one) {
         number = point_number(l, turn);
         point_chosen = true;
@@ -67,11 +66,9 @@ float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 positi
             direction = chosen.xyz;
             high = chosen.w;
         } else if (area) {
-            vec2 at = vec2(0.0);
-            if (LIGHTING_SOFT) at = 2.0 * rectangle_point(k, count, turn) - 1.0;
             vec3 ray = shape.position - position;
-            if (!LIGHTING_SOFT && !(dot(normal, ray) > 0.0)) at = vec2(dot(normal, side) > 0.0 ? 0.999 : -0.999, dot(normal, up) > 0.0 ? 0.999 : -0.999);
-            ray += side * at.x + up * at.y;
+            if (LIGHTING_SOFT) ray += area_point(shape, square_point(k, count, turn));
+            else if (!(dot(normal, ray) > 0.0)) ray += area_highest(shape, normal);
             high = length(ray);
             direction = ray / high;
             weight = dot(normal, direction) * abs(dot(shape.direction, direction)) / (high * high);
@@ -89,8 +86,7 @@ float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 positi
             vec3 ray = to_light * away;
             if (!LIGHTING_SIMPLE && kind == GPU_SHAPE_CAPSULE) { // R1, the golden ratio's sequence of another dimension
                 float along = 2.0 * fract(turn + 0.7548777 * float(k)) - 1.0;
-                gpu_shape segment = l.scope.lights.lights.at[light].shape;
-                ray = segment.position + segment.direction * (along * segment.size.x) - position;
+                ray = capsule_point(l.scope.lights.lights.at[light].shape, along) - position;
             }
             ray += side * at.x + up * at.y;
             high = length(ray);

@@ -32,7 +32,7 @@ vec2 source_point(uint k, uint count, float turn) {
 }
 
 // Point k of `count` in the unit square: a column for each, and rows by the golden ratio.
-vec2 rectangle_point(uint k, uint count, float turn) {
+vec2 square_point(uint k, uint count, float turn) {
     return vec2((float(k) + fract(97.0 * turn)) / float(count), fract(turn + 0.618033989 * float(k)));
 }
 

@@ -89,7 +89,7 @@ void inspect_add(struct graph *graph, gpu_device *device, const struct inspect_i
     graph_add_row(pass, graph_row_if(input->counters.id, graph_reads(&push.counters, input->counters)));
     lighting_use(pass, input->whole, GRAPH_READ_COMPUTE);
     if (!input->own) return;
-    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_SCATTERED | GPU_LIGHTING_SIMPLE | GPU_LIGHTING_PROFILES | GPU_LIGHTING_RECTANGLES;
+    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIST_SCATTERED | GPU_LIGHTING_SIMPLE | GPU_LIGHTING_PROFILES | GPU_LIGHTING_AREA_LIGHTS;
     push.lighting = input->own->address;
     pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "inspect list",
                                                           .pipeline = {&shader_inspect_list_comp, 1, {input->own->bits & heeded}},

@@ -17,7 +17,7 @@ void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images
                      VkDeviceAddress view, graph_image target, bool swap) {
     const struct graph_image_params image = graph_image_info(graph, target);
     struct gpu_shadow_view_push push = {.view = view, .lighting = lighting->address, .swap = swap, .mode = mode};
-    uint32_t heeded = GPU_LIST_KINDS | GPU_LIGHTING_MAPS | GPU_LIGHTING_CUBEMAP | GPU_LIGHTING_RECTANGLES;
+    uint32_t heeded = GPU_LIST_KINDS | GPU_LIGHTING_MAPS | GPU_LIGHTING_CUBEMAP | GPU_LIGHTING_AREA_LIGHTS;
     if (mode == GPU_DEBUG_SHADOW_ERRORS || mode == GPU_DEBUG_SHADOW_RAYS) heeded |= GPU_LIGHTING_RAYS | GPU_LIGHTING_RAY_QUERY;
     if (mode == GPU_DEBUG_SHADOW_RAYS) heeded |= GPU_LIGHTING_SOFT;
     struct graph_pass *pass =

@@ -17,7 +17,7 @@ static uint32_t bits_of(const struct lighting *l) {
     if (l->lights.simple || l->lights.local_count == 0) bits |= GPU_LIGHTING_SIMPLE;
     if (l->lights.masks) bits |= GPU_LIGHTING_MASKS;
     if (l->lights.profiles) bits |= GPU_LIGHTING_PROFILES;
-    if (l->lights.lobes) bits |= GPU_LIGHTING_RECTANGLES;
+    if (l->lights.lobes) bits |= GPU_LIGHTING_AREA_LIGHTS;
     if (l->layered) bits |= GPU_LIGHTING_LAYERS;
     return bits;
 }

@@ -39,7 +39,7 @@ light_source light_source_of(light_list_block l, uint place) {
     uint light = l.list.directional_count + l.list.lights.set.entities.at[place].user;
     s.first = s.last = l.list.lights.set.lights.at[light].shape.position;
     uint kind = l.list.lights.set.lights.at[light].shape.kind;
-    if (kind == GPU_SHAPE_RECTANGLE) s.shines = false; // it stays in all lists
+    if (shape_is_area(kind)) s.shines = false; // it stays in all lists
     s.parallel = kind == GPU_SHAPE_BOX;
     if (s.parallel) s.first = s.last = -l.list.lights.set.lights.at[light].shape.direction;
     if (kind == GPU_SHAPE_CAPSULE) {

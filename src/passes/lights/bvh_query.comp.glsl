@@ -22,7 +22,7 @@ bool cell_faces(uint cell, uint i) {
             if (!(-dot(push.facings.at[cell].planes[k].xyz, r.axis) < -CELL_SLACK)) return true;
         return false;
     }
-    if (kind == GPU_SHAPE_RECTANGLE) return true;
+    if (shape_is_area(kind)) return true;
     float slack = r.slack + 3.0 * CELL_SLACK * push.list.list.lights.set.lights.at[light].shape.range;
     if (kind == GPU_SHAPE_CAPSULE) slack += push.list.list.lights.set.lights.at[light].shape.size.x; // the nearest point of its segment shines
     for (int k = 0; k < 4; k++) {

@@ -21,7 +21,7 @@ struct light_set {
     VkDeviceAddress shapes;   /* where gpu_entity_bounds.shape counts from; 0: none has a shape */
     VkDeviceAddress planes;   /* of hulls; 0: none has one */
     VkDeviceAddress lights;   /* struct gpu_light[directional_count + local_count], for shading; 0: no light is among the bounds */
-    VkDeviceAddress lobes;    /* for rectangles (shaders/lights/area.glsl): shaders get GPU_LIGHTING_RECTANGLES; 0: there are none */
+    VkDeviceAddress lobes;    /* for area lights (shaders/lights/area.glsl): shaders get GPU_LIGHTING_AREA_LIGHTS; 0: there are none */
     VkDeviceAddress masks;    /* uint[directional_count + local_count], 8 bits each: shaders get GPU_LIGHTING_MASKS; 0: all lights affect all surfaces */
     VkDeviceAddress profiles; /* of lights that have one (shaders/lights/profile.glsl): shaders get GPU_LIGHTING_PROFILES; 0: none has */
     uint32_t directional_count, local_count; /* local_count: bounds */

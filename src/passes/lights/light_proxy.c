@@ -33,11 +33,11 @@ static struct extent extent_of(const struct gpu_shape *shape) {
         spread(r, shape->size.y, e.y);
         e.z[0] = 0;
         break;
-    case GPU_SHAPE_BOX:
-    case GPU_SHAPE_RECTANGLE:
-        e = (struct extent){{shape->size.x, shape->size.x}, {shape->size.y, shape->size.y}, {-shape->size.z, shape->size.z}};
+    case GPU_SHAPE_NONE:
+    case GPU_SHAPE_SPHERE:
         break;
-    default:
+    default: /* boxes */
+        e = (struct extent){{shape->size.x, shape->size.x}, {shape->size.y, shape->size.y}, {-shape->size.z, shape->size.z}};
         break;
     }
     return e;

@@ -62,7 +62,7 @@ struct ask_data {
 
 static void execute_ask(const struct graph_context *context, const void *data) {
     const struct ask_data *d = data;
-    struct gpu_compute_params params = {&shader_light_proxy_test_comp, 1, {GPU_LIGHTING_RECTANGLES}};
+    struct gpu_compute_params params = {&shader_light_proxy_test_comp, 1, {GPU_LIGHTING_AREA_LIGHTS}};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &d->push, sizeof d->push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(POINT_COUNT, 64));

@@ -26,7 +26,7 @@ float reflected_intensity(gpu_light light) {
     } else if (light.shape.kind == GPU_SHAPE_BOX) {
         vec2 side = 2.0 * light.shape.size.xy * edge_part(light.shape.spot_scale);
         part = side.x * side.y / (2.0 * PI);
-    } else if (light.shape.kind == GPU_SHAPE_RECTANGLE) {
+    } else if (shape_is_area(light.shape.kind)) {
         part = 0.5; // both sides of one that has two send as much, of which half is caught
     }
     return SPRITE_ALBEDO * part;

@@ -45,6 +45,6 @@ void main() {
     if (LIGHTING_SHADOWED) color *= light_visibility(push.head.lighting, light, shadowed_point_of(push.head.lighting, position, to_light), to_light, false);
     count_rays(v, push.head.counters);
     out_ray = vec4(to_light, strength);
-    out_color = vec4(color, LIGHTING_RECTANGLES && push.head.lighting.scope.lights.lights.at[light].shape.kind == GPU_SHAPE_RECTANGLE ? float(in_light + 1u) : 0.0);
+    out_color = vec4(color, LIGHTING_AREA_LIGHTS && shape_is_area(push.head.lighting.scope.lights.lights.at[light].shape.kind) ? float(in_light + 1u) : 0.0);
     gl_FragDepth = place;
 }
