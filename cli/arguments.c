@@ -109,21 +109,29 @@ bool argument_name(const char *option, const char *text, const char *(*name_of)(
     return argument_bad(option, text, wanted);
 }
 
+static bool bad_light_shapes(const char *option, const char *text) {
+    char wanted[256] = "a list such as point=3,spot=1 of";
+    for (uint32_t kind = FNL_LIGHT_POINT; kind < FNL_LIGHT_KIND_COUNT; kind++) {
+        const size_t used = strlen(wanted);
+        snprintf(wanted + used, sizeof wanted - used, "%s %s", kind > FNL_LIGHT_POINT ? "," : "", fnl_value_name(FNL_ENUM_LIGHT_KIND, kind));
+    }
+    return argument_bad(option, text, wanted);
+}
+
 bool argument_light_shapes(const char *option, const char *text, fnl_scatter_params *out) {
     char copy[256], *rest = copy;
-    static const char wanted[] = "a list such as point,spot,capsule,wedge,box,rectangle or point=3,spot=1";
-    if (strlen(text) >= sizeof copy) return argument_bad(option, text, wanted);
+    if (strlen(text) >= sizeof copy) return bad_light_shapes(option, text);
     strcpy(copy, text);
     memset(out->shares, 0, sizeof out->shares);
     for (char *part; (part = strsep(&rest, ","));) {
         char *equals = strchr(part, '=');
         const char *at = equals ? equals + 1 : NULL;
         double share = 1;
-        if (equals && (!argument_take_number(&at, &share) || *at || !(share > 0 && share <= 1e6))) return argument_bad(option, text, wanted);
+        if (equals && (!argument_take_number(&at, &share) || *at || !(share > 0 && share <= 1e6))) return bad_light_shapes(option, text);
         if (equals) *equals = 0;
         fnl_light_kind kind = FNL_LIGHT_POINT;
         while (kind < FNL_LIGHT_KIND_COUNT && strcmp(part, fnl_value_name(FNL_ENUM_LIGHT_KIND, kind)) != 0) kind++;
-        if (kind == FNL_LIGHT_KIND_COUNT) return argument_bad(option, text, wanted);
+        if (kind == FNL_LIGHT_KIND_COUNT) return bad_light_shapes(option, text);
         out->shares[kind] = (float)share;
     }
     return true;
