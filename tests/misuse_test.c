@@ -214,6 +214,8 @@ static fnl_loaded loaded;
       NULLED("frame", fnl_frame_set(NULL, NULL, "msaa", "1")); NULLED("key", fnl_frame_set(NULL, &frame, NULL, "1"));       \
       NULLED("value", fnl_frame_set(NULL, &frame, "msaa", NULL)))                                                           \
     X(fnl_debug_legend_query, GIVES("out", false, fnl_debug_legend_query(FNL_DEBUG_LIGHTS, NULL)))                          \
+    X(fnl_layer_number_query, GIVES("out", false, fnl_layer_number_query(0, NULL)))                                         \
+    X(fnl_layer_texture_query, GIVES("out", false, fnl_layer_texture_query(0, NULL)))                                       \
     X(fnl_option_query, GIVES("out", false, fnl_option_query(0, NULL)))                                                     \
     X(fnl_value_find, GIVES("name", false, fnl_value_find(FNL_ENUM_LISTS, NULL, &number));                                  \
       SILENT(fnl_value_find(FNL_ENUM_LISTS, "tiled", NULL)))                                                                \

@@ -154,26 +154,16 @@ static bool show_core(fnl_material_params *m) {
 }
 
 static bool show_layers(fnl_material_params *m) {
-    bool edited = show_factor("clearcoat", &m->clearcoat.strength, 0, 1);
-    edited |= show_factor("coat roughness", &m->clearcoat.roughness, 0, 1);
-    edited |= show_color("sheen", m->sheen.color);
-    edited |= show_factor("sheen roughness", &m->sheen.roughness, 0, 1);
-    edited |= show_factor("iridescence", &m->iridescence.strength, 0, 1);
-    if (m->iridescence.strength > 0) {
-        edited |= show_factor("film, nm at least", &m->iridescence.thickness_minimum, 0, 1200);
-        edited |= show_factor("film, nm at most", &m->iridescence.thickness_maximum, 0, 1200);
+    fnl_layer_number number;
+    bool edited = false;
+    for (uint32_t i = 0; fnl_layer_number_query(i, &number); i++) {
+        float *value = (float *)(void *)((char *)m + number.offset);
+        const float *under = (const float *)(const void *)((const char *)m + number.under);
+        if (!*number.label || (number.under && !(*under > 0))) continue;
+        edited |= number.count == 3 ? show_color(number.label, value) : show_factor(number.label, value, number.least, number.most);
+        if (*number.help) ui_tooltip(number.help);
     }
-    edited |= show_factor("anisotropy", &m->anisotropy.strength, 0, 1);
-    edited |= show_factor("its direction", &m->anisotropy.rotation, -3.1416f, 3.1416f);
-    ui_tooltip("Radians from the tangent");
-    edited |= show_factor("transmission", &m->transmission.strength, 0, 1);
-    edited |= show_factor("thickness", &m->volume.thickness, 0, 10);
-    edited |= show_factor("attenuation, m", &m->volume.attenuation_distance, 0, 100);
-    ui_tooltip("Distance in meters at which white light takes on the color below; 0: no attenuation");
-    edited |= show_color("attenuation", m->volume.attenuation_color);
-    edited |= show_factor("dispersion", &m->dispersion, 0, 10);
-    edited |= show_factor("diffuse transmission", &m->diffuse_transmission.strength, 0, 1);
-    return edited | show_color("diffuse transmission color", m->diffuse_transmission.color);
+    return edited;
 }
 
 static void show_texture(const struct view *v, const char *what, fnl_image_id id) {
@@ -188,18 +178,9 @@ static void show_textures(const struct view *v, const fnl_material_params *m) {
     show_texture(v, "normals", m->normal_image);
     show_texture(v, "occlusion", m->occlusion_image);
     show_texture(v, "emission", m->emissive_image);
-    show_texture(v, "clearcoat", m->clearcoat.image);
-    show_texture(v, "coat roughness", m->clearcoat.roughness_image);
-    show_texture(v, "coat normals", m->clearcoat.normal_image);
-    show_texture(v, "sheen", m->sheen.color_image);
-    show_texture(v, "sheen roughness", m->sheen.roughness_image);
-    show_texture(v, "iridescence", m->iridescence.image);
-    show_texture(v, "film", m->iridescence.thickness_image);
-    show_texture(v, "anisotropy", m->anisotropy.image);
-    show_texture(v, "transmission", m->transmission.image);
-    show_texture(v, "thickness", m->volume.image);
-    show_texture(v, "diffuse transmission", m->diffuse_transmission.image);
-    show_texture(v, "diffuse transmission color", m->diffuse_transmission.color_image);
+    fnl_layer_texture texture;
+    for (uint32_t i = 0; fnl_layer_texture_query(i, &texture); i++)
+        show_texture(v, texture.label, *(const fnl_image_id *)(const void *)((const char *)m + texture.offset));
 }
 
 static void show_material(struct view *v) {

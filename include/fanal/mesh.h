@@ -136,6 +136,28 @@ FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_p
  */
 FNL_API fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id material, const fnl_material_params *params);
 
+/** A number of a material's layers, for user interfaces that show all of them. Strings live as long as the program. */
+typedef struct fnl_layer_number {
+    const char *name;  /**< the member of fnl_material_params, such as "clearcoat.strength" */
+    const char *label; /**< "": better not shown */
+    const char *help;  /**< one line, or "" */
+    size_t offset;     /**< in fnl_material_params, bytes */
+    uint32_t count;    /**< floats: 1, or 3 of a linear color */
+    float least, most; /**< range of a slider; a call may allow more */
+    size_t under;      /**< offset of the number that must be above 0 for this one to have an effect worth showing; 0: none */
+} fnl_layer_number;
+
+/** A texture of a material's layers. */
+typedef struct fnl_layer_texture {
+    const char *name;  /**< the member of fnl_material_params, such as "clearcoat.image" */
+    const char *label;
+    size_t offset;     /**< of the fnl_image_id in fnl_material_params, bytes */
+} fnl_layer_texture;
+
+/** The number or texture `index`, 0 and up, in the order of fnl_material_params; false beyond the last. */
+FNL_API bool fnl_layer_number_query(uint32_t index, fnl_layer_number *out);
+FNL_API bool fnl_layer_texture_query(uint32_t index, fnl_layer_texture *out);
+
 /**
  * Grows the metallic areas of metallic-roughness textures by `texels` (0 .. 64). At the border of a metal the mask is
  * blurred over a texel; there a bright base colour is shaded as half a dielectric, which shows as a bright halo. Growing the

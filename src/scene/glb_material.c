@@ -172,7 +172,7 @@ struct extensions {
     struct {
         char name[64];
         bool there, differs;
-    } rows[16];
+    } rows[32];
 };
 
 static void find_extensions(const struct writing *w, struct extensions *out) {

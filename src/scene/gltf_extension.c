@@ -22,6 +22,9 @@ struct known_extension {
 #define MATERIAL_FALLBACK "ignored: the material is shown with its core properties"
 
 static const struct known_extension known_extensions[] = {
+#define LAYER(member, type, extension) {extension, FULL, true, {"/materials/#"}},
+    MATERIAL_LAYERS(LAYER)
+#undef LAYER
     {"KHR_lights_punctual", FULL, true, {"", "/nodes/#"}},
     {"KHR_texture_transform", FULL, true, {TEXTURE_PLACE}},
     {"KHR_materials_unlit", FULL, true, {"/materials/#"}},
@@ -44,15 +47,7 @@ static const struct known_extension known_extensions[] = {
     {"MSFT_texture_dds", FULL, true, {"/textures/#"}},
     {"FNL_decal", FULL, true, {"/nodes/#"}},
     {"FNL_surroundings", FULL, true, {"/scenes/#"}},
-    {"KHR_materials_anisotropy", FULL, true, {"/materials/#"}},
-    {"KHR_materials_clearcoat", FULL, true, {"/materials/#"}},
-    {"KHR_materials_diffuse_transmission", FULL, true, {"/materials/#"}},
-    {"KHR_materials_dispersion", FULL, true, {"/materials/#"}},
-    {"KHR_materials_iridescence", FULL, true, {"/materials/#"}},
     {"KHR_materials_pbrSpecularGlossiness", MATERIAL_FALLBACK, true, {"/materials/#"}},
-    {"KHR_materials_sheen", FULL, true, {"/materials/#"}},
-    {"KHR_materials_transmission", FULL, true, {"/materials/#"}},
-    {"KHR_materials_volume", FULL, true, {"/materials/#"}},
     {"KHR_animation_pointer", FULL, true, {"/animations/#/channels/#/target"}},
 };
 

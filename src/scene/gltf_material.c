@@ -2,6 +2,7 @@
 /* Materials and their texture references (glTF 2.0, 3.9, and the KHR_materials_* extensions that are shown in full). */
 #include "image/texture.h"
 #include "scene/gltf.h"
+#include "scene/layer_rows.h"
 
 /** The image for colour or for data: one that is used for both gets a twin that shares its bytes. */
 static uint32_t image_for(struct gltf *g, const struct at *at, uint32_t index, bool color) {
@@ -66,8 +67,7 @@ static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at,
     texture->uv_set = (uint32_t)uv_set;
     texture->sampler = g->textures[index].sampler;
     texture->image = image_for(g, here, g->textures[index].image, scene_texture_is_color(slot));
-    if (texture->image != SCENE_NONE && (slot == SCENE_TEXTURE_NORMAL || slot == SCENE_TEXTURE_CLEARCOAT_NORMAL))
-        g->scene->images.data[texture->image].normals = true;
+    if (texture->image != SCENE_NONE && scene_texture_is_normals(slot)) g->scene->images.data[texture->image].normals = true;
     return reference;
 }
 
@@ -97,82 +97,42 @@ static void load_alpha(struct gltf *g, json_t *object, const struct at *at, stru
     gltf_float(g, object, at, "alphaCutoff", false, 0, FLT_MAX, &material->alpha_cutoff);
 }
 
-static void load_clearcoat(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    fnl_clearcoat_params *coat = &material->clearcoat;
-    gltf_float(g, object, at, "clearcoatFactor", false, 0, 1, &coat->strength);
-    gltf_float(g, object, at, "clearcoatRoughnessFactor", false, 0, 1, &coat->roughness);
-    load_texture(g, object, at, "clearcoatTexture", SCENE_TEXTURE_CLEARCOAT, material);
-    load_texture(g, object, at, "clearcoatRoughnessTexture", SCENE_TEXTURE_CLEARCOAT_ROUGHNESS, material);
-    json_t *normal = load_texture(g, object, at, "clearcoatNormalTexture", SCENE_TEXTURE_CLEARCOAT_NORMAL, material);
-    if (normal) gltf_float(g, normal, AT_KEY(at, "clearcoatNormalTexture"), "scale", false, -FLT_MAX, FLT_MAX, &coat->normal_scale);
+static void load_layer_number(struct gltf *g, json_t *object, const struct at *at, const char *key, const struct layer_number *number,
+                              struct scene_material *material) {
+    float *value = layer_value(material, number);
+    if (number->count == 1)
+        gltf_float(g, object, at, key, false, number->low, number->high, value);
+    else
+        gltf_floats(g, object, at, key, number->count, number->low, number->high, value);
 }
 
-static void load_sheen(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    gltf_floats(g, object, at, "sheenColorFactor", 3, 0, 1, material->sheen.color);
-    gltf_float(g, object, at, "sheenRoughnessFactor", false, 0, 1, &material->sheen.roughness);
-    load_texture(g, object, at, "sheenColorTexture", SCENE_TEXTURE_SHEEN_COLOR, material);
-    load_texture(g, object, at, "sheenRoughnessTexture", SCENE_TEXTURE_SHEEN_ROUGHNESS, material);
+/** A texture of a layer, with the numbers that stand in its object. */
+static void load_layer_texture(struct gltf *g, json_t *extension, const struct at *at, const struct layer_texture *texture, struct scene_material *material) {
+    json_t *object = load_texture(g, extension, at, texture->key, texture->slot, material);
+    const size_t length = strlen(texture->key);
+    for (uint32_t i = 0; object && i < LAYER_NUMBER_COUNT; i++) {
+        const struct layer_number *number = &layer_numbers[i];
+        if (strcmp(number->extension, texture->extension) == 0 && strncmp(number->key, texture->key, length) == 0 && number->key[length] == '/')
+            load_layer_number(g, object, AT_KEY(at, texture->key), number->key + length + 1, number, material);
+    }
 }
 
-static void load_iridescence(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    fnl_iridescence_params *film = &material->iridescence;
-    gltf_float(g, object, at, "iridescenceFactor", false, 0, 1, &film->strength);
-    gltf_float(g, object, at, "iridescenceIor", false, 1, FLT_MAX, &film->ior);
-    gltf_float(g, object, at, "iridescenceThicknessMinimum", false, 0, FLT_MAX, &film->thickness_minimum);
-    gltf_float(g, object, at, "iridescenceThicknessMaximum", false, 0, FLT_MAX, &film->thickness_maximum);
-    load_texture(g, object, at, "iridescenceTexture", SCENE_TEXTURE_IRIDESCENCE, material);
-    load_texture(g, object, at, "iridescenceThicknessTexture", SCENE_TEXTURE_IRIDESCENCE_THICKNESS, material);
-}
-
-static void load_anisotropy(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    gltf_float(g, object, at, "anisotropyStrength", false, 0, 1, &material->anisotropy.strength);
-    gltf_float(g, object, at, "anisotropyRotation", false, -FLT_MAX, FLT_MAX, &material->anisotropy.rotation);
-    load_texture(g, object, at, "anisotropyTexture", SCENE_TEXTURE_ANISOTROPY, material);
-}
-
-static void load_transmission(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    gltf_float(g, object, at, "transmissionFactor", false, 0, 1, &material->transmission.strength);
-    load_texture(g, object, at, "transmissionTexture", SCENE_TEXTURE_TRANSMISSION, material);
-}
-
-static void load_volume(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    fnl_volume_params *volume = &material->volume;
-    for (int i = 0; i < 3; i++) volume->attenuation_color[i] = 1;
-    gltf_float(g, object, at, "thicknessFactor", false, 0, FLT_MAX, &volume->thickness);
-    gltf_float(g, object, at, "attenuationDistance", false, 1e-30, FLT_MAX, &volume->attenuation_distance);
-    gltf_floats(g, object, at, "attenuationColor", 3, 0, 1, volume->attenuation_color);
-    load_texture(g, object, at, "thicknessTexture", SCENE_TEXTURE_THICKNESS, material);
-}
-
-static void load_dispersion(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    gltf_float(g, object, at, "dispersion", false, 0, FLT_MAX, &material->dispersion);
-}
-
-static void load_diffuse_transmission(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    fnl_diffuse_transmission_params *through = &material->diffuse_transmission;
-    for (int i = 0; i < 3; i++) through->color[i] = 1;
-    gltf_float(g, object, at, "diffuseTransmissionFactor", false, 0, 1, &through->strength);
-    gltf_floats(g, object, at, "diffuseTransmissionColorFactor", 3, 0, 1, through->color);
-    load_texture(g, object, at, "diffuseTransmissionTexture", SCENE_TEXTURE_DIFFUSE_TRANSMISSION, material);
-    load_texture(g, object, at, "diffuseTransmissionColorTexture", SCENE_TEXTURE_DIFFUSE_TRANSMISSION_COLOR, material);
+static void load_layer(struct gltf *g, json_t *extension, const struct at *at, const char *name, struct scene_material *material) {
+    for (uint32_t i = 0; i < LAYER_NUMBER_COUNT; i++) {
+        const struct layer_number *number = &layer_numbers[i];
+        if (strcmp(number->extension, name) != 0) continue;
+        for (uint32_t k = 0; k < number->count && number->unsaid > 0; k++) layer_value(material, number)[k] = number->unsaid;
+        if (!strchr(number->key, '/')) load_layer_number(g, extension, at, number->key, number, material);
+    }
+    for (uint32_t i = 0; i < LAYER_TEXTURE_COUNT; i++)
+        if (strcmp(layer_textures[i].extension, name) == 0) load_layer_texture(g, extension, at, &layer_textures[i], material);
 }
 
 static void load_layers(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
-    static const struct {
-        const char *name;
-        void (*load)(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material);
-    } layers[] = {{"KHR_materials_clearcoat", load_clearcoat},
-                  {"KHR_materials_sheen", load_sheen},
-                  {"KHR_materials_iridescence", load_iridescence},
-                  {"KHR_materials_anisotropy", load_anisotropy},
-                  {"KHR_materials_transmission", load_transmission},
-                  {"KHR_materials_volume", load_volume},
-                  {"KHR_materials_dispersion", load_dispersion},
-                  {"KHR_materials_diffuse_transmission", load_diffuse_transmission}};
     struct gltf_extension_place place;
-    for (uint32_t i = 0; i < COUNT_OF(layers); i++) {
-        json_t *extension = gltf_extension(object, at, layers[i].name, &place);
-        if (extension) layers[i].load(g, extension, &place.extension, material);
+    for (uint32_t i = 0; i < LAYER_COUNT; i++) {
+        json_t *extension = gltf_extension(object, at, layer_extensions[i], &place);
+        if (extension) load_layer(g, extension, &place.extension, layer_extensions[i], material);
     }
 }
 

@@ -14,6 +14,7 @@
 #include "fanal/scene.h"
 #include "fanal/stage.h"
 #include "scene/ies.h"
+#include "scene/material_layers.h"
 #include "scene/scene_environment.h"
 
 #include <stdatomic.h>
@@ -55,26 +56,17 @@ enum scene_texture_slot {
     SCENE_TEXTURE_SPECULAR,
     SCENE_TEXTURE_SPECULAR_COLOR,
     SCENE_TEXTURE_CORE_COUNT, /* those before belong to all materials, those from here on to layers */
-    SCENE_TEXTURE_CLEARCOAT = SCENE_TEXTURE_CORE_COUNT,
-    SCENE_TEXTURE_CLEARCOAT_ROUGHNESS,
-    SCENE_TEXTURE_CLEARCOAT_NORMAL,
-    SCENE_TEXTURE_SHEEN_COLOR,
-    SCENE_TEXTURE_SHEEN_ROUGHNESS,
-    SCENE_TEXTURE_IRIDESCENCE,
-    SCENE_TEXTURE_IRIDESCENCE_THICKNESS,
-    SCENE_TEXTURE_ANISOTROPY,
-    SCENE_TEXTURE_TRANSMISSION,
-    SCENE_TEXTURE_THICKNESS,
-    SCENE_TEXTURE_DIFFUSE_TRANSMISSION,
-    SCENE_TEXTURE_DIFFUSE_TRANSMISSION_COLOR,
+    SCENE_TEXTURE_BEFORE_LAYERS = SCENE_TEXTURE_CORE_COUNT - 1,
+#define TEXTURE(slot, ...) SCENE_TEXTURE_##slot,
+    MATERIAL_LAYER_TEXTURES(TEXTURE)
+#undef TEXTURE
     SCENE_TEXTURE_SLOT_COUNT,
 };
 
 /** Whether a texture holds colours, not numbers: it is stored by the transfer function of sRGB. */
-static inline bool scene_texture_is_color(enum scene_texture_slot slot) {
-    return slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR ||
-           slot == SCENE_TEXTURE_SHEEN_COLOR || slot == SCENE_TEXTURE_DIFFUSE_TRANSMISSION_COLOR;
-}
+bool scene_texture_is_color(enum scene_texture_slot slot);
+/** Whether it is a normal map. */
+bool scene_texture_is_normals(enum scene_texture_slot slot);
 
 /** uv' = (u, v, 1) through the 2x3 matrix of KHR_texture_transform. */
 struct scene_texture {
@@ -103,15 +95,10 @@ struct scene_material {
     fnl_alpha_mode alpha_mode;
     float alpha_cutoff;
     bool double_sided, unlit, casts_shadows;
-    /* Layers: off where their strength, or the sheen's colour, is 0. Images of the public structs are in `textures`. */
-    fnl_clearcoat_params clearcoat;
-    fnl_sheen_params sheen;
-    fnl_iridescence_params iridescence;
-    fnl_anisotropy_params anisotropy;
-    fnl_transmission_params transmission;
-    fnl_volume_params volume; /* attenuation_distance: infinite where light is not attenuated */
-    float dispersion;
-    fnl_diffuse_transmission_params diffuse_transmission;
+    /* Layers, by their numbers; their images are in `textures`. volume.attenuation_distance is infinite where light is not attenuated. */
+#define LAYER(member, type, extension) type member;
+    MATERIAL_LAYERS(LAYER)
+#undef LAYER
     struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
     float tangent_frame[4]; /* rows of the 2x2 matrix by which tangents saw texture coordinates; all 0: as the mesh has them */
     struct scene_material_parts parts; /* as the file or an animation said last: calls change only what they make */

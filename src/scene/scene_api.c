@@ -3,7 +3,7 @@
    and time (animation.c). */
 #include "base/check.h"
 #include "image/image.h"
-#include "scene/scene.h"
+#include "scene/layer_rows.h"
 
 fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out) {
     fnl_host resolved = host_resolve(host);
@@ -62,32 +62,8 @@ static struct scene_material material_of(const fnl_material_params *p) {
     material.double_sided = p->double_sided;
     material.unlit = p->unlit;
     material.casts_shadows = p->casts_shadows;
-    material.clearcoat = p->clearcoat;
-    material.sheen = p->sheen;
-    material.iridescence = p->iridescence;
-    material.anisotropy = p->anisotropy;
-    material.transmission = p->transmission;
-    material.volume = p->volume;
-    material.dispersion = p->dispersion;
-    material.diffuse_transmission = p->diffuse_transmission;
-    if (material.volume.attenuation_distance == 0) material.volume.attenuation_distance = INFINITY;
-    if (material.clearcoat.normal_scale == 0) material.clearcoat.normal_scale = 1;
-    if (material.iridescence.ior == 0) material.iridescence.ior = 1.3f;
-    if (material.iridescence.thickness_minimum == 0 && material.iridescence.thickness_maximum == 0) {
-        material.iridescence.thickness_minimum = 100;
-        material.iridescence.thickness_maximum = 400;
-    }
+    layers_from_params(&material, p);
     return material;
-}
-
-bool scene_material_layered_besides(const struct scene_material *m) {
-    const float *sheen = m->sheen.color;
-    return !m->unlit && (sheen[0] > 0 || sheen[1] > 0 || sheen[2] > 0 || m->iridescence.strength > 0 || m->transmission.strength > 0 ||
-                         m->diffuse_transmission.strength > 0);
-}
-
-bool scene_material_layered(const struct scene_material *m) {
-    return !m->unlit && (m->clearcoat.strength > 0 || m->anisotropy.strength > 0 || scene_material_layered_besides(m));
 }
 
 bool scene_material_transmissive(const struct scene_material *m) { return !m->unlit && m->transmission.strength > 0; }
@@ -108,29 +84,6 @@ static fnl_result check_image(const struct call *call, const fnl_scene *scene, c
                     id.generation, "an image");
 }
 
-static fnl_result check_layers(const struct call *call, const fnl_material_params *p) {
-    const double infinite = (double)FLT_MAX;
-    TRY(check_range(call, "clearcoat.strength", (double)p->clearcoat.strength, 0, 1, ""));
-    TRY(check_range(call, "clearcoat.roughness", (double)p->clearcoat.roughness, 0, 1, ""));
-    TRY(check_range(call, "clearcoat.normal_scale", (double)p->clearcoat.normal_scale, -infinite, infinite, ""));
-    TRY(check_floats(call, "sheen.color", p->sheen.color, 3, 0, 1, ""));
-    TRY(check_range(call, "sheen.roughness", (double)p->sheen.roughness, 0, 1, ""));
-    TRY(check_range(call, "iridescence.strength", (double)p->iridescence.strength, 0, 1, ""));
-    if (p->iridescence.ior != 0) TRY(check_range(call, "iridescence.ior", (double)p->iridescence.ior, 1, infinite, ""));
-    TRY(check_range(call, "iridescence.thickness_minimum", (double)p->iridescence.thickness_minimum, 0, infinite, " nm"));
-    TRY(check_range(call, "iridescence.thickness_maximum", (double)p->iridescence.thickness_maximum, 0, infinite, " nm"));
-    TRY(check_range(call, "anisotropy.strength", (double)p->anisotropy.strength, 0, 1, ""));
-    TRY(check_range(call, "anisotropy.rotation", (double)p->anisotropy.rotation, -infinite, infinite, " radians"));
-    TRY(check_range(call, "transmission.strength", (double)p->transmission.strength, 0, 1, ""));
-    TRY(check_range(call, "volume.thickness", (double)p->volume.thickness, 0, infinite, " m"));
-    if (!(p->volume.attenuation_distance == INFINITY))
-        TRY(check_range(call, "volume.attenuation_distance", (double)p->volume.attenuation_distance, 0, infinite, " m"));
-    TRY(check_floats(call, "volume.attenuation_color", p->volume.attenuation_color, 3, 0, 1, ""));
-    TRY(check_range(call, "dispersion", (double)p->dispersion, 0, infinite, ""));
-    TRY(check_range(call, "diffuse_transmission.strength", (double)p->diffuse_transmission.strength, 0, 1, ""));
-    return check_floats(call, "diffuse_transmission.color", p->diffuse_transmission.color, 3, 0, 1, "");
-}
-
 /* The images of a material, by their slots. */
 static const struct image_row {
     enum scene_texture_slot slot;
@@ -143,18 +96,9 @@ static const struct image_row {
     ROW(NORMAL, normal_image),
     ROW(OCCLUSION, occlusion_image),
     ROW(EMISSIVE, emissive_image),
-    ROW(CLEARCOAT, clearcoat.image),
-    ROW(CLEARCOAT_ROUGHNESS, clearcoat.roughness_image),
-    ROW(CLEARCOAT_NORMAL, clearcoat.normal_image),
-    ROW(SHEEN_COLOR, sheen.color_image),
-    ROW(SHEEN_ROUGHNESS, sheen.roughness_image),
-    ROW(IRIDESCENCE, iridescence.image),
-    ROW(IRIDESCENCE_THICKNESS, iridescence.thickness_image),
-    ROW(ANISOTROPY, anisotropy.image),
-    ROW(TRANSMISSION, transmission.image),
-    ROW(THICKNESS, volume.image),
-    ROW(DIFFUSE_TRANSMISSION, diffuse_transmission.image),
-    ROW(DIFFUSE_TRANSMISSION_COLOR, diffuse_transmission.color_image),
+#define LAYER_ROW(slot, member, ...) ROW(slot, member),
+    MATERIAL_LAYER_TEXTURES(LAYER_ROW)
+#undef LAYER_ROW
 #undef ROW
 };
 
@@ -177,7 +121,7 @@ static fnl_result check_material(const struct call *call, const fnl_scene *scene
     TRY(check_enum(call, "alpha_mode", (int)p->alpha_mode, FNL_ALPHA_BLEND + 1, "fnl_alpha_mode"));
     TRY(check_range(call, "alpha_cutoff", (double)p->alpha_cutoff, 0, infinite, ""));
     for (size_t i = 0; i < COUNT_OF(image_rows); i++) TRY(check_image(call, scene, image_rows[i].name, image_of_row(p, &image_rows[i])));
-    return check_layers(call, p);
+    return layers_check(call, p);
 }
 
 /* The texture of another image starts anew; of the same one its coordinates and filters stay. */
@@ -269,16 +213,8 @@ fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_
                                  .alpha_cutoff = m->alpha_cutoff,
                                  .double_sided = m->double_sided,
                                  .unlit = m->unlit,
-                                 .casts_shadows = m->casts_shadows,
-                                 .clearcoat = m->clearcoat,
-                                 .sheen = m->sheen,
-                                 .iridescence = m->iridescence,
-                                 .anisotropy = m->anisotropy,
-                                 .transmission = m->transmission,
-                                 .volume = m->volume,
-                                 .dispersion = m->dispersion,
-                                 .diffuse_transmission = m->diffuse_transmission};
-    if (m->volume.attenuation_distance == INFINITY) out->volume.attenuation_distance = 0;
+                                 .casts_shadows = m->casts_shadows};
+    layers_to_params(m, out);
     for (size_t i = 0; i < COUNT_OF(image_rows); i++)
         *(fnl_image_id *)(void *)((char *)out + image_rows[i].offset) = image_of(m, image_rows[i].slot);
     return FNL_OK;
