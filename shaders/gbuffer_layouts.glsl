@@ -189,24 +189,12 @@ vec3 gbuffer_unpack_tangent(float stored, vec3 normal) {
 
 // Nothing of what the layout has no room for.
 surface_layers gbuffer_unpack_layers(vec4 coat, vec2 anisotropy, vec3 normal) {
-    surface_layers l;
+    surface_layers l = no_layers();
     l.clearcoat_normal = octahedral_decode(coat.xy * 2.0 - 1.0);
     l.clearcoat_roughness = coat.z;
     l.clearcoat = coat.w;
-    l.sheen_color = vec3(0.0);
-    l.sheen_roughness = 0.0;
-    l.film = 0.0;
-    l.film_ior = 1.0;
-    l.film_thickness = 0.0;
     l.anisotropy = anisotropy.x;
     l.tangent = gbuffer_unpack_tangent(anisotropy.y, normal);
-    l.diffuse_transmission = 0.0;
-    l.diffuse_transmission_color = vec3(0.0);
-#ifdef TRANSMISSION
-    l.transmission = l.thickness = l.dispersion = 0.0;
-    l.absorption = vec3(0.0);
-    l.ior = 1.5;
-#endif
     return l;
 }
 

@@ -40,19 +40,6 @@ const uint HAS_TEXTURES = 1u, HAS_NORMAL_MAP = 1u;
 #define TEXTURE_EMISSIVE 4
 #define TEXTURE_SPECULAR 5
 #define TEXTURE_SPECULAR_COLOR 6
-// Of gpu_layers.
-#define TEXTURE_CLEARCOAT 0
-#define TEXTURE_CLEARCOAT_ROUGHNESS 1
-#define TEXTURE_CLEARCOAT_NORMAL 2
-#define TEXTURE_SHEEN_COLOR 3
-#define TEXTURE_SHEEN_ROUGHNESS 4
-#define TEXTURE_IRIDESCENCE 5
-#define TEXTURE_IRIDESCENCE_THICKNESS 6
-#define TEXTURE_ANISOTROPY 7
-#define TEXTURE_TRANSMISSION 8
-#define TEXTURE_THICKNESS 9
-#define TEXTURE_DIFFUSE_TRANSMISSION 10
-#define TEXTURE_DIFFUSE_TRANSMISSION_COLOR 11
 
 // Shaders that shade layers include lights/iterate.glsl first, and say LIGHTING_LAYERS.
 #ifndef MATERIAL_LAYERS
@@ -144,30 +131,33 @@ bool material_clear(material_array materials, uint material) {
     if ((materials.at[material].flags & GPU_MATERIAL_TRANSMISSIVE) == 0u) return false;
     layers_block from = materials.at[material].layers;
     float metallic = clamp(materials.at[material].metallic * sample_slot(materials, material, TEXTURE_METALLIC_ROUGHNESS).b, 0.0, 1.0);
-    return from.layers.transmission * sample_layer(from, TEXTURE_TRANSMISSION).r * (1.0 - metallic) >= 0.5;
+    return from.layers.transmission * sample_layer(from, GPU_TEXTURE_TRANSMISSION).r * (1.0 - metallic) >= 0.5;
 }
 
 // `smooth_normal`: without any normal map, on the viewer's side as `normal` is, the material's.
 surface_layers material_layers(layers_block from, vec3 smooth_normal, vec3 normal, bool turned) {
     surface_layers l;
-    l.clearcoat = from.layers.clearcoat * sample_layer(from, TEXTURE_CLEARCOAT).r;
-    l.clearcoat_roughness = from.layers.clearcoat_roughness * sample_layer(from, TEXTURE_CLEARCOAT_ROUGHNESS).g;
+#define PLAIN(member) l.member = from.layers.member;
+#define TEXTURED(member, texture, channels) l.member = from.layers.member * sample_layer(from, texture).channels;
+    LAYERS_PLAIN(PLAIN)
+    LAYERS_TEXTURED(TEXTURED)
+#ifdef TRANSMISSION
+    LAYERS_TEXTURED_THROUGH(TEXTURED)
+#endif
+#undef PLAIN
+#undef TEXTURED
     l.clearcoat_normal = smooth_normal;
-    if (from.layers.textures[TEXTURE_CLEARCOAT_NORMAL].image != GPU_TEXTURE_NONE) {
-        vec3 bent = bent_normal(sample_layer(from, TEXTURE_CLEARCOAT_NORMAL).xyz * 2.0 - 1.0, from.layers.clearcoat_normal_turn,
+    if (from.layers.textures[GPU_TEXTURE_CLEARCOAT_NORMAL].image != GPU_TEXTURE_NONE) {
+        vec3 bent = bent_normal(sample_layer(from, GPU_TEXTURE_CLEARCOAT_NORMAL).xyz * 2.0 - 1.0, from.layers.clearcoat_normal_turn,
                                 turned ? -smooth_normal : smooth_normal);
         l.clearcoat_normal = turned ? -bent : bent;
     }
-    l.sheen_color = from.layers.sheen_color * sample_layer(from, TEXTURE_SHEEN_COLOR).rgb;
-    l.sheen_roughness = from.layers.sheen_roughness * sample_layer(from, TEXTURE_SHEEN_ROUGHNESS).a;
-    l.film = from.layers.film * sample_layer(from, TEXTURE_IRIDESCENCE).r;
-    l.film_ior = from.layers.film_ior;
-    l.film_thickness = mix(from.layers.film_thinnest, from.layers.film_thickest, sample_layer(from, TEXTURE_IRIDESCENCE_THICKNESS).g);
+    l.film_thickness = mix(from.layers.film_thinnest, from.layers.film_thickest, sample_layer(from, GPU_TEXTURE_IRIDESCENCE_THICKNESS).g);
     l.anisotropy = from.layers.anisotropy;
     vec4 turn = from.layers.anisotropy_turn;
     vec2 along = vec2(1.0, 0.0);
-    if (from.layers.textures[TEXTURE_ANISOTROPY].image != GPU_TEXTURE_NONE) {
-        vec3 texel = sample_layer(from, TEXTURE_ANISOTROPY).xyz;
+    if (from.layers.textures[GPU_TEXTURE_ANISOTROPY].image != GPU_TEXTURE_NONE) {
+        vec3 texel = sample_layer(from, GPU_TEXTURE_ANISOTROPY).xyz;
         along = texel.xy * 2.0 - 1.0;
         l.anisotropy *= texel.z;
     }
@@ -177,11 +167,7 @@ surface_layers material_layers(layers_block from, vec3 smooth_normal, vec3 norma
     float length2 = dot(tangent, tangent);
     if (length2 > 1e-20 && length2 < 1e30) l.tangent = tangent * inversesqrt(length2);
     else l.anisotropy = 0.0, l.tangent = vec3(0.0);
-    l.diffuse_transmission = from.layers.diffuse_transmission * sample_layer(from, TEXTURE_DIFFUSE_TRANSMISSION).a;
-    l.diffuse_transmission_color = from.layers.diffuse_transmission_color * sample_layer(from, TEXTURE_DIFFUSE_TRANSMISSION_COLOR).rgb;
 #ifdef TRANSMISSION
-    l.transmission = from.layers.transmission * sample_layer(from, TEXTURE_TRANSMISSION).r;
-    l.thickness = from.layers.thickness * sample_layer(from, TEXTURE_THICKNESS).g;
     l.absorption = from.layers.absorption;
     l.ior = from.layers.ior;
     l.dispersion = from.layers.dispersion;

@@ -3,13 +3,10 @@
 #ifndef FNL_SHADERS_SCENE_SHARED_H
 #define FNL_SHADERS_SCENE_SHARED_H
 
-#include "shared.h"
+#include "layers_shared.h"
+#include "texture_shared.h"
 
-#define GPU_TEXTURE_NONE 0xffffffffu
-#define GPU_TEXTURE_UV1 1u     /* flags: the second texture coordinates */
-#define GPU_TEXTURE_ROUND 2u   /* its sampler has no anisotropy */
-#define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot, of which the rest are these */
-#define GPU_LAYER_TEXTURE_COUNT 12
+#define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot, of which the rest are those of layers */
 
 #define GPU_MATERIAL_UNLIT 1u
 #define GPU_MATERIAL_MASK 2u
@@ -44,31 +41,6 @@ struct gpu_attributes {
     vec2 uv0;
     vec2 uv1;
     uvec2 color;    /* 4 x 16-bit unsigned normalised, linear */
-};
-
-struct gpu_texture {
-    uint image;     /* index into the bindless textures, or GPU_TEXTURE_NONE */
-    uint sampler_index;
-    uint flags;     /* GPU_TEXTURE_… */
-    float transform[6];
-};
-
-/* What KHR_materials_clearcoat, _sheen, _iridescence, _anisotropy, _transmission, _volume, _dispersion and _diffuse_transmission add to a material. */
-struct gpu_layers {
-    vec3 sheen_color;
-    float sheen_roughness;
-    float clearcoat, clearcoat_roughness;
-    vec4 clearcoat_normal_turn; /* as gpu_material.normal_turn */
-    float film, film_ior, film_thinnest, film_thickest; /* nanometres */
-    float anisotropy;
-    vec4 anisotropy_turn; /* rows of a 2x2 matrix: from the texture, or (1, 0), to tangent and bitangent */
-    float transmission;
-    float thickness;      /* metres of the mesh; 0: a sheet */
-    vec3 absorption;      /* per metre */
-    float ior, dispersion;
-    float diffuse_transmission;
-    vec3 diffuse_transmission_color;
-    STRUCT(gpu_texture) textures[GPU_LAYER_TEXTURE_COUNT];
 };
 
 struct gpu_material {

@@ -3,24 +3,7 @@
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 
-// What lies over the material, or changes how it mirrors; read only by shaders of lists with GPU_LIGHTING_LAYERS (layers.glsl).
-struct surface_layers {
-    vec3 clearcoat_normal;
-    float clearcoat, clearcoat_roughness;
-    vec3 sheen_color;
-    float sheen_roughness;
-    float film, film_ior, film_thickness; // nanometres
-    vec3 tangent;                         // unit, at right angles to the normal: along it highlights are stretched
-    float anisotropy;
-    float diffuse_transmission; // the part of the diffuse lobe that lies behind the surface
-    vec3 diffuse_transmission_color;
-#ifdef TRANSMISSION // of shaders that draw what is behind shows through; else there is none
-    float transmission;
-    float thickness; // metres of the world; 0: a sheet
-    vec3 absorption; // per metre
-    float ior, dispersion;
-#endif
-};
+#include "layers_shared.h"
 
 struct surface {
     vec3 position;        // world space

@@ -94,7 +94,7 @@ vec4 ray_color(rays_block b, uint material, uvec3 corners, vec3 weights) {
 float ray_transmission(rays_block b, uint material, uvec3 corners, vec3 weights) {
     material_array materials = b.rays.scene.scene.materials;
     float through = materials.at[material].layers.layers.transmission, metallic = materials.at[material].metallic;
-    gpu_texture strength = materials.at[material].layers.layers.textures[8], metal = materials.at[material].textures[1];
+    gpu_texture strength = materials.at[material].layers.layers.textures[GPU_TEXTURE_TRANSMISSION], metal = materials.at[material].textures[1];
     if (strength.image != GPU_TEXTURE_NONE || metal.image != GPU_TEXTURE_NONE) {
         vec4 uvs = ray_uvs(b, corners, weights);
         through *= ray_texel(strength, uvs).r;

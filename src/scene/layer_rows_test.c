@@ -141,6 +141,11 @@ static void test_textures_survive_calls_and_files(void **state) {
         assert_int_equal(scene->materials.data[0].textures[slot].image, image.index);
         told = query(scene);
         assert_memory_equal((char *)&told + row.offset, &image, sizeof image);
+        for (uint32_t other = 0; other < LAYER_TEXTURE_COUNT; other++) { /* and no other */
+            fnl_image_id id_of_other;
+            memcpy(&id_of_other, (char *)&told + layer_textures[other].params_offset, sizeof id_of_other);
+            assert_int_equal(id_of_other.generation != 0, other == count);
+        }
         fnl_scene *again = saved_and_loaded(scene);
         const uint32_t loaded = again->materials.data[0].textures[slot].image;
         if (loaded == SCENE_NONE) fail_msg("%s was not saved", row.name);

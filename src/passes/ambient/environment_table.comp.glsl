@@ -5,7 +5,7 @@
 // (Karis 2013, "Real Shading in Unreal Engine 4"); which mip of the environment it is aimed at; and what white fibres (sheen.glsl) reflect.
 #include "passes/ambient/environment_texels.glsl"
 #include "brdf.glsl"
-#include "sheen.glsl"
+#include "layers/sheen_lobe.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_environment_table_push push; };

@@ -41,7 +41,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
 
 static void add_surface(struct graph *graph, const struct inspect_input *input, VkDeviceAddress view, bool layers, graph_image *targets) {
     const VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
-    const uint32_t count = layers ? INSPECT_LAYER_TARGETS : INSPECT_TARGETS;
+    const uint32_t count = layers ? SURFACE_LAYERS_VECTORS : INSPECT_TARGETS;
     const char *name = layers ? "inspect layers" : "inspect surface";
     static const float zero[4];
     struct draw_data data = {.scene = input->scene, .draws = *input->draws, .view = view};
@@ -68,7 +68,7 @@ static void add_surface(struct graph *graph, const struct inspect_input *input, 
 /* ---- its lights ---- */
 
 void inspect_add(struct graph *graph, gpu_device *device, const struct inspect_input *input) {
-    graph_image targets[INSPECT_TARGETS], layers[INSPECT_LAYER_TARGETS];
+    graph_image targets[INSPECT_TARGETS], layers[SURFACE_LAYERS_VECTORS];
     const struct gpu_slice block = gpu_frame_allocate(device, sizeof(struct gpu_view));
     if (!block.data) return; /* the error sticks to the device */
     *(struct gpu_view *)block.data = view_of_block(input->view, input->x, input->y);
@@ -85,7 +85,7 @@ void inspect_add(struct graph *graph, gpu_device *device, const struct inspect_i
                                                                              GRAPH_PUSH(push),
                                                                              GRAPH_ROWS(graph_writes(&push.out_pixel, input->out))});
     for (uint32_t i = 0; i < INSPECT_TARGETS; i++) graph_add_row(pass, graph_samples(&push.targets[i], targets[i]));
-    for (uint32_t i = 0; i < INSPECT_LAYER_TARGETS && input->layered; i++) graph_add_row(pass, graph_samples(&push.layers[i], layers[i]));
+    for (uint32_t i = 0; i < SURFACE_LAYERS_VECTORS && input->layered; i++) graph_add_row(pass, graph_samples(&push.layers[i], layers[i]));
     graph_add_row(pass, graph_row_if(input->counters.id, graph_reads(&push.counters, input->counters)));
     lighting_use(pass, input->whole, GRAPH_READ_COMPUTE);
     if (!input->own) return;

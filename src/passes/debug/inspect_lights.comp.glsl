@@ -35,18 +35,9 @@ surface read_surface(uint flags) {
     s.light_mask = uint(target(5u).z);
     s.layered = LIGHTING_LAYERS && (flags & INSPECT_LAYERED) != 0u;
     if (s.layered) {
-        s.layers.clearcoat_normal = layer(0u).xyz;
-        s.layers.clearcoat = layer(0u).w;
-        s.layers.sheen_color = layer(1u).rgb;
-        s.layers.sheen_roughness = layer(1u).a;
-        s.layers.tangent = layer(2u).xyz;
-        s.layers.anisotropy = layer(2u).w;
-        s.layers.film = layer(3u).x;
-        s.layers.film_ior = layer(3u).y;
-        s.layers.film_thickness = layer(3u).z;
-        s.layers.clearcoat_roughness = layer(3u).w;
-        s.layers.diffuse_transmission_color = layer(4u).rgb;
-        s.layers.diffuse_transmission = layer(4u).a;
+        vec4 vectors[SURFACE_LAYERS_VECTORS];
+        for (uint i = 0u; i < SURFACE_LAYERS_VECTORS; i++) vectors[i] = layer(i);
+        s.layers = layers_unpack(vectors);
     }
     return s;
 }

@@ -2,7 +2,7 @@
 #ifndef FNL_PASSES_INSPECT_SHARED_H
 #define FNL_PASSES_INSPECT_SHARED_H
 
-#include "shared.h"
+#include "layers_shared.h"
 #include "lighting/lighting_shared.h"
 
 #define INSPECT_LIGHTS 256u /* FNL_PIXEL_LIGHTS */
@@ -11,7 +11,6 @@
 
 /* Texels of what the surface is drawn into: see inspect_surface.frag.glsl. */
 #define INSPECT_TARGETS 6u
-#define INSPECT_LAYER_TARGETS 5u
 
 /* gpu_inspected.flags */
 #define INSPECT_HIT 1u
@@ -71,7 +70,7 @@ struct gpu_inspect_push {
     uint counter_stride;
     uint skips_layered; /* 1: layered surfaces were shaded by another list */
     uint targets[6];    /* sampled: INSPECT_TARGETS */
-    uint layers[5];     /* INSPECT_LAYER_TARGETS */
+    uint layers[SURFACE_LAYERS_VECTORS];
 };
 
 #endif

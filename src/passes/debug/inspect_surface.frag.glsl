@@ -16,11 +16,7 @@
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 #ifdef INSPECT_LAYERS
-layout(location = 0) out vec4 out_coat;         // normal, strength
-layout(location = 1) out vec4 out_sheen;        // colour, roughness
-layout(location = 2) out vec4 out_tangent;      // and anisotropy
-layout(location = 3) out vec4 out_film;         // strength, index of refraction, thickness; roughness of the coat
-layout(location = 4) out vec4 out_transmission; // of diffuse light: colour, part
+layout(location = 0) out vec4 out_layers[SURFACE_LAYERS_VECTORS];
 #else
 layout(location = 0) out vec4 out_position;   // item + 1
 layout(location = 1) out vec4 out_normal;     // view depth
@@ -38,14 +34,8 @@ void main() {
     if (hole) discard;
     uint flags = materials.at[in_ids.x].flags;
 #ifdef INSPECT_LAYERS
-    out_coat = out_sheen = out_tangent = out_film = out_transmission = vec4(0.0);
-    if (s.layered) {
-        out_coat = vec4(s.layers.clearcoat_normal, s.layers.clearcoat);
-        out_sheen = vec4(s.layers.sheen_color, s.layers.sheen_roughness);
-        out_tangent = vec4(s.layers.tangent, s.layers.anisotropy);
-        out_film = vec4(s.layers.film, s.layers.film_ior, s.layers.film_thickness, s.layers.clearcoat_roughness);
-        out_transmission = vec4(s.layers.diffuse_transmission_color, s.layers.diffuse_transmission);
-    }
+    for (int i = 0; i < SURFACE_LAYERS_VECTORS; i++) out_layers[i] = vec4(0.0);
+    if (s.layered) out_layers = layers_pack(s.layers);
 #else
     out_position = vec4(s.position, float(in_ids.y + 1u));
     out_normal = vec4(s.normal, view_depth_of(push.view, gl_FragCoord.z));

@@ -112,32 +112,25 @@ static vec4 anisotropy_turn(const struct scene_material *m) {
 }
 
 static struct gpu_layers device_layers(struct device_scene *d, const struct scene_material *m) {
-    struct gpu_layers g = {.sheen_color = vec3_make(m->sheen.color[0], m->sheen.color[1], m->sheen.color[2]),
-                           .sheen_roughness = m->sheen.roughness,
-                           .clearcoat = m->clearcoat.strength,
-                           .clearcoat_roughness = m->clearcoat.roughness,
-                           .clearcoat_normal_turn = turn_of(m, SCENE_TEXTURE_CLEARCOAT_NORMAL, m->clearcoat.normal_scale),
-                           .film = m->iridescence.strength,
-                           .film_ior = m->iridescence.ior,
-                           .film_thinnest = m->iridescence.thickness_minimum,
-                           .film_thickest = m->iridescence.thickness_maximum,
-                           .anisotropy = m->anisotropy.strength,
+    struct gpu_layers g = {.clearcoat_normal_turn = turn_of(m, SCENE_TEXTURE_CLEARCOAT_NORMAL, m->clearcoat.normal_scale),
                            .anisotropy_turn = anisotropy_turn(m),
-                           .transmission = m->transmission.strength,
-                           .thickness = m->volume.thickness,
                            .absorption = absorption_of(&m->volume),
-                           .ior = m->ior > 0 ? m->ior : 1.5f,
-                           .dispersion = m->dispersion,
-                           .diffuse_transmission = m->diffuse_transmission.strength,
-                           .diffuse_transmission_color = vec3_make(m->diffuse_transmission.color[0], m->diffuse_transmission.color[1],
-                                                                   m->diffuse_transmission.color[2])};
+                           .ior = m->ior > 0 ? m->ior : 1.5f};
+#define NUMBER(id, member, ...)                                                            \
+    _Static_assert(sizeof g.id == sizeof m->member, #id " is another type on the device"); \
+    memcpy(&g.id, &m->member, sizeof g.id);
+    MATERIAL_LAYER_NUMBERS(NUMBER, NUMBER)
+#undef NUMBER
     for (int i = 0; i < GPU_LAYER_TEXTURE_COUNT; i++) g.textures[i] = device_texture(d, m, (enum scene_texture_slot)(SCENE_TEXTURE_CORE_COUNT + i));
     return g;
 }
 
 _Static_assert((int)SCENE_TEXTURE_CORE_COUNT == GPU_TEXTURE_COUNT &&
                    (int)SCENE_TEXTURE_SLOT_COUNT == GPU_TEXTURE_COUNT + GPU_LAYER_TEXTURE_COUNT,
-               "scene_shared.h has the slots of scene.h");
+               "the device has the slots of scene.h");
+#define TEXTURE(slot, ...) _Static_assert((int)SCENE_TEXTURE_##slot == GPU_TEXTURE_COUNT + GPU_TEXTURE_##slot, #slot " has another slot on the device");
+MATERIAL_LAYER_TEXTURES(TEXTURE)
+#undef TEXTURE
 
 static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m, uint32_t id) {
     struct gpu_material g = {.base_color = m->base_color,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The lobe of fibres that stand out of cloth (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF").
-#ifndef SHEEN_GLSL
-#define SHEEN_GLSL
+#ifndef LAYERS_SHEEN_LOBE_GLSL
+#define LAYERS_SHEEN_LOBE_GLSL
 
 float sheen_fit(float x, float alpha) {
     float rest = (1.0 - alpha) * (1.0 - alpha);
