@@ -155,16 +155,9 @@ void ray_environment_again(const struct ray_environment *e, struct ray_surface *
     double albedo[2];
     ray_specular_albedo(e->albedos, s->roughness, dvec3_dot(s->normal, to_view), albedo);
     dvec3 f0 = s->f0, f90 = {s->f90, s->f90, s->f90}, metal_f0 = s->base_color, metal_f90 = {1, 1, 1};
-    double below = 1;
-    if (s->layered) {
-        f0 = dvec3_lerp(f0, s->layers.film_dielectric, s->layers.film);
-        f90 = dvec3_lerp(f90, s->layers.film_dielectric, s->layers.film);
-        metal_f0 = dvec3_lerp(metal_f0, s->layers.film_metal, s->layers.film);
-        metal_f90 = dvec3_lerp(metal_f90, s->layers.film_metal, s->layers.film);
-        below = s->layers.below_coat * s->layers.below_sheen;
-    }
+    ray_film_over(s, &f0, &metal_f0);
+    ray_film_over(s, &f90, &metal_f90);
     const dvec3 metal = again_of(metal_f0, metal_f90, albedo), coat = again_of(f0, f90, albedo);
-    const double own = s->layered ? (1 - s->layers.transmission) * (1 - s->layers.diffuse_transmission) : 1;
-    const dvec3 dielectric = dvec3_add_scaled(coat, s->base_color, -dvec3_max(coat) * own); /* does not get below */
-    s->again = dvec3_scale(dvec3_lerp(dielectric, metal, s->metallic), below);
+    const dvec3 dielectric = dvec3_add_scaled(coat, s->base_color, -dvec3_max(coat) * ray_opaque_part(s)); /* does not get below */
+    s->again = dvec3_scale(dvec3_lerp(dielectric, metal, s->metallic), ray_below_layers(s));
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a ray finds where it meets a triangle. */
+#include "layers_shared.h"
 #include "ray/ray_internal.h"
 
 static void interpolate_uv(const struct ray_part *part, uint32_t triangle, double u, double v, double out[2][2]) {
@@ -177,43 +178,31 @@ static void find_layers(const struct ray_scene *s, const struct scene_material *
                         double sign, struct ray_surface *out) {
     struct ray_layers *l = &out->layers;
     double texel[4];
+    ray_layers_numbers(m, l);
 #define SAMPLE(slot) ray_texture_sample(s->scene, s->images, m, SCENE_TEXTURE_##slot, uv, texel)
-    SAMPLE(CLEARCOAT);
-    l->clearcoat = (double)m->clearcoat.strength * texel[0];
-    SAMPLE(CLEARCOAT_ROUGHNESS);
-    l->clearcoat_roughness = (double)m->clearcoat.roughness * texel[1];
+#define TIMES_r(number) number *= texel[0]
+#define TIMES_g(number) number *= texel[1]
+#define TIMES_a(number) number *= texel[3]
+#define TIMES_rgb(number) number = dvec3_mul(number, rgb(texel))
+#define TEXTURED(member, texture, channels)                                                                                          \
+    ray_texture_sample(s->scene, s->images, m, (enum scene_texture_slot)(SCENE_TEXTURE_CORE_COUNT + (texture)), uv, texel); \
+    TIMES_##channels(l->member);
+    LAYERS_TEXTURED(TEXTURED)
+    LAYERS_TEXTURED_THROUGH(TEXTURED)
+#undef TEXTURED
     l->clearcoat_normal = dvec3_scale(dvec3_normalize(normal), sign);
     if (ray_texture_exists(s->images, m, SCENE_TEXTURE_CLEARCOAT_NORMAL)) {
         SAMPLE(CLEARCOAT_NORMAL);
-        dvec3 bent = bend_normal(tangent, hand, normal, m, SCENE_TEXTURE_CLEARCOAT_NORMAL, (double)m->clearcoat.normal_scale, texel);
+        dvec3 bent = bend_normal(tangent, hand, normal, m, SCENE_TEXTURE_CLEARCOAT_NORMAL, l->clearcoat_normal_scale, texel);
         if (dvec3_length(bent) > 1e-10) l->clearcoat_normal = dvec3_scale(dvec3_normalize(bent), sign);
     }
-    SAMPLE(SHEEN_COLOR);
-    l->sheen_color = dvec3_mul(dvec3_make((double)m->sheen.color[0], (double)m->sheen.color[1], (double)m->sheen.color[2]), rgb(texel));
-    SAMPLE(SHEEN_ROUGHNESS);
-    l->sheen_roughness = (double)m->sheen.roughness * texel[3];
-    SAMPLE(IRIDESCENCE);
-    l->film = (double)m->iridescence.strength * texel[0];
-    l->film_ior = (double)m->iridescence.ior;
     SAMPLE(IRIDESCENCE_THICKNESS);
-    l->film_thickness = (double)m->iridescence.thickness_minimum + (double)(m->iridescence.thickness_maximum - m->iridescence.thickness_minimum) * texel[1];
-    SAMPLE(TRANSMISSION);
-    l->transmission = (double)m->transmission.strength * texel[0];
-    SAMPLE(THICKNESS);
-    l->thickness = (double)m->volume.thickness * texel[1];
-    const float *attenuated = m->volume.attenuation_color;
-    const double distance = (double)m->volume.attenuation_distance;
-    l->absorption = dvec3_make(-log(fmax((double)attenuated[0], 1e-6)) / distance, -log(fmax((double)attenuated[1], 1e-6)) / distance,
-                               -log(fmax((double)attenuated[2], 1e-6)) / distance);
+    l->film_thickness = l->film_thinnest + (double)(m->iridescence.thickness_maximum - m->iridescence.thickness_minimum) * texel[1];
+    const double attenuated[3] = {fmax(l->attenuation_color.x, 1e-6), fmax(l->attenuation_color.y, 1e-6), fmax(l->attenuation_color.z, 1e-6)};
+    l->absorption = dvec3_make(-log(attenuated[0]) / l->attenuation_distance, -log(attenuated[1]) / l->attenuation_distance,
+                               -log(attenuated[2]) / l->attenuation_distance);
     l->ior = m->ior > 0 ? (double)m->ior : 1.5;
-    l->dispersion = (double)m->dispersion;
-    SAMPLE(DIFFUSE_TRANSMISSION);
-    l->diffuse_transmission = (double)m->diffuse_transmission.strength * texel[3];
-    SAMPLE(DIFFUSE_TRANSMISSION_COLOR);
-    const float *through = m->diffuse_transmission.color;
-    l->diffuse_transmission_color = dvec3_mul(dvec3_make((double)through[0], (double)through[1], (double)through[2]), rgb(texel));
-    l->anisotropy = (double)m->anisotropy.strength;
-    double along[2] = {1, 0}, c = cos((double)m->anisotropy.rotation), turn = sin((double)m->anisotropy.rotation);
+    double along[2] = {1, 0}, c = cos(l->anisotropy_rotation), turn = sin(l->anisotropy_rotation);
     if (ray_texture_exists(s->images, m, SCENE_TEXTURE_ANISOTROPY)) {
         SAMPLE(ANISOTROPY);
         for (int i = 0; i < 2; i++) along[i] = texel[i] * 2 - 1;

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/** What a ray finds where it meets a triangle, as light sees it. */
+#ifndef FNL_RAY_SURFACE_H
+#define FNL_RAY_SURFACE_H
+
+#include "ray/dvec.h"
+#include "scene/material_layers.h"
+
+/* What lies over the material, or changes how it mirrors: the numbers of material_layers.h, with their textures, and what follows from them. */
+struct ray_layers {
+#define SCALAR(id, ...) double id;
+#define COLOR(id, ...) dvec3 id;
+    MATERIAL_LAYER_NUMBERS(SCALAR, COLOR)
+#undef SCALAR
+#undef COLOR
+    dvec3 clearcoat_normal; /* unit, on the viewer's side */
+    double film_thickness;  /* nanometres */
+    dvec3 absorption;       /* per metre; thickness 0: a sheet, else rays go through the mesh */
+    double ior;
+    dvec3 tangent; /* unit, at right angles to the normal: along it highlights are stretched */
+    /* For one viewer (ray_layers_prepare): the parts of light that get below the coat and the fibres, and what the film reflects. */
+    double below_coat, below_sheen;
+    dvec3 film_dielectric, film_metal;
+};
+
+struct ray_surface {
+    dvec3 position, normal; /* world space; the shading normal, unit, on the viewer's side */
+    dvec3 geometric;        /* the triangle's normal, unit, on the viewer's side */
+    dvec3 base_color, emissive;
+    double alpha; /* coverage; 1 unless the material blends */
+    double metallic, roughness, occlusion;
+    double offset; /* how far off it rays have to start so that rounding does not make them hit it, metres */
+    dvec3 f0;      /* reflectance of the dielectric part along the normal */
+    double f90;    /* and at grazing angles */
+    uint32_t light_mask; /* lights that share a bit with it affect the surface */
+    bool layered;  /* the next holds */
+    struct ray_layers layers;
+    bool lamps_shine_through; /* rays to lamps go straight through sheets and volumes: these send none of that light themselves */
+    dvec3 again;   /* diffuse reflectance besides, for light of paths: ray_environment_again(); else 0 */
+};
+
+#endif
