@@ -23,6 +23,7 @@ enum {
     PATHS_GBUFFER = PATH(DEFERRED) | PATH(DEFERRED_VOLUMES), /* with a choice of layouts */
     PATHS_PREPASS = PATHS_GBUFFER | PATH(LIGHT_PREPASS) | PATH(PRE_LIGHTING) | PATH(LOW_RES) | PATH(COARSE) | PATH(TEXTURING) |
                     PATH(VIRTUAL_TEXTURING) | PATH(MOBILE),
+    PATHS_MULTIVIEW = PATH(FORWARD_PREPASS) | PATH(DEFERRED) | PATH(VISIBILITY), /* those with the trait SHADING_MULTIVIEW */
     PATHS_LIGHT_BUFFER = PATH(LIGHT_PREPASS) | PATH(LOW_RES) | PATH(INFERRED),
     TILES = LISTS(TILED) | LISTS(HALFZ) | LISTS(25D) | LISTS(ENHANCED) | LISTS(TREE) | LISTS(BACKFACE) | LISTS(FINE) | LISTS(ZBIN),
     TILES_WITH_BOUNDS = LISTS(TILED) | LISTS(HALFZ) | LISTS(25D) | LISTS(BACKFACE),
@@ -112,16 +113,16 @@ static const struct row rows[] = {
     /* what is drawn */
     NAME("culling", culling, FNL_ENUM_CULLING, EVERY, EVERY, "what is culled: instances, clusters or triangles", EXACT),
     NAME("geometry", geometry, FNL_ENUM_GEOMETRY, EVERY, EVERY, "what draws the clusters that culling leaves"),
-    NAME("multiview", multiview, FNL_ENUM_MULTIVIEW, PATH(FORWARD_PREPASS) | PATH(DEFERRED) | PATH(VISIBILITY), EVERY,
+    NAME("multiview", multiview, FNL_ENUM_MULTIVIEW, PATHS_MULTIVIEW, EVERY,
          "which views of a frame with several, that are not eyes, are drawn at once", EXACT),
     COUNT("stereo.eyes", stereo.eyes, 0, 6, "views", EVERY, EVERY, "views that are the eyes of one viewer, and share what they can; 0: none are"),
     NAME("stereo.lists", stereo.lists, FNL_ENUM_STEREO_LISTS, EVERY,
          LISTS(CLUSTERED) | LISTS(CLUSTERED_CPU) | LISTS(BVH) | LISTS(ZBIN) | LISTS(RASTER), "whether eyes have light lists of their own", EXACT),
-    NAME("stereo.path", stereo.path, FNL_ENUM_STEREO_PATH, PATH(FORWARD_PREPASS) | PATH(DEFERRED) | PATH(VISIBILITY), EVERY,
+    NAME("stereo.path", stereo.path, FNL_ENUM_STEREO_PATH, PATHS_MULTIVIEW, EVERY,
          "how what needs no lists is drawn for the eyes of a viewer", EXACT),
     NUMBER("stereo.margin", stereo.margin, 0, 20, "degrees", EVERY, EVERY,
            "how much wider on each side the frustum is that eyes are culled with", EXACT),
-    NUMBER("stereo.mono-distance", stereo.mono_distance, 0, 1e6, "metres", PATH(FORWARD_PREPASS) | PATH(DEFERRED) | PATH(VISIBILITY), EVERY,
+    NUMBER("stereo.mono-distance", stereo.mono_distance, 0, 1e6, "metres", PATHS_MULTIVIEW, EVERY,
            "what is farther away is drawn once for all eyes, from the middle between them; 0: for each"),
     NAME("occlusion", occlusion, FNL_ENUM_OCCLUSION, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
     NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),

@@ -29,6 +29,20 @@ static void test_orders_are_complete(void **state) {
     assert_false(shading_is(FNL_SHADING_AUTO, 0));
 }
 
+/* The options of views that are drawn at once name the paths that have the trait. */
+static void test_options_know_multiview(void **state) {
+    UNUSED(state);
+    static const char *const keys[] = {"multiview", "stereo.path", "stereo.mono-distance"};
+    uint32_t paths = 0;
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) paths |= (uint32_t)shading_is((fnl_shading)i, SHADING_MULTIVIEW) << i;
+    assert_true(paths != 0);
+    for (size_t i = 0; i < COUNT_OF(keys); i++) {
+        fnl_option option;
+        assert_true(fnl_option_find(keys[i], &option));
+        assert_int_equal(option.shadings, paths);
+    }
+}
+
 /* What the GPU counts for a table lies in a part of its own, and the table's rows in that part. */
 static void test_counts_lie_apart(void **state) {
     UNUSED(state);
@@ -283,6 +297,7 @@ int main(void) {
         cmocka_unit_test(test_orders_are_complete),
         cmocka_unit_test(test_steps_are_complete),
         cmocka_unit_test(test_counts_lie_apart),
+        cmocka_unit_test(test_options_know_multiview),
         cmocka_unit_test(test_views_are_complete),
         cmocka_unit_test(test_views_go_with_their_orders),
         cmocka_unit_test(test_options_and_bits_follow_traits),
