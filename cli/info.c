@@ -315,7 +315,7 @@ static json_t *json_light_member(const fnl_light_params *light, const fnl_light_
     return array;
 }
 
-/* Keys keep their order from one version to the next: `up` is the first of a panel's, the second of others. */
+/* Keys keep their order from one version to the next: `up` comes first for rectangles, second for other kinds. */
 static void add_light_members(json_t *object, const fnl_light_params *light, const fnl_light_kind_info *kind) {
     const uint32_t up_at = kind->area || kind->member_count == 0 ? 0 : 1;
     for (uint32_t i = 0; i <= kind->member_count; i++) {

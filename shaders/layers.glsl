@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Materials with layers: in which order the light goes through them. From the top: a varnish (layers/coat.glsl), fibres (sheen.glsl), and the
-// metallic-roughness base of brdf.glsl, whose highlights may be stretched (stretched.glsl) and colored by a thin film (film.glsl), and which may let
-// light through (through.glsl). What a layer reflects of light from all around, its albedo, does not get below it. The albedos are those of the table that
-// environments use (environment.glsl), so that a white material in an even light reflects all of it, whatever its layers.
+// Materials with layers: the order in which light passes through them. From the top: a varnish (layers/coat.glsl), fibers (sheen.glsl), and the
+// metallic-roughness base of brdf.glsl. Highlights of the base may be stretched (stretched.glsl) and colored by a thin film (film.glsl), and the base may let
+// light through (through.glsl). The part of light from all around that a layer reflects, its albedo, does not get below the layer. Albedos come from the table
+// that environments use (environment.glsl), so a white material in even light reflects all of it, with any layers.
 #ifndef LAYERS_GLSL
 #define LAYERS_GLSL
 
@@ -49,7 +49,7 @@ layers_view layers_prepare(surface s, view_block v, vec3 to_view) {
     return b;
 }
 
-// The base and the fibres over it. `n_l`: of `to_light`, for the fibres.
+// The base and the fibers over it. `n_l`: the cosine of `to_light`, for the fibers.
 vec3 layered_base_of(surface s, layers_view b, brdf_lobes lobes, vec3 to_light, float n_l) {
     vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5, b.film_dielectric, s.layers.film);
     vec3 taken = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below, b.film_dielectric, s.layers.film);

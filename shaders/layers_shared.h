@@ -26,26 +26,26 @@ struct gpu_layers {
     float clearcoat, clearcoat_roughness, clearcoat_normal_scale;
     vec3 sheen_color;
     float sheen_roughness;
-    float film, film_ior, film_thinnest, film_thickest; /* nanometres */
+    float film, film_ior, film_thinnest, film_thickest; /* nanometers */
     float anisotropy, anisotropy_rotation;
     float transmission;
-    float thickness; /* metres of the mesh; 0: a sheet */
+    float thickness; /* meters of the mesh; 0: a sheet */
     float attenuation_distance;
     vec3 attenuation_color;
     float dispersion;
     float diffuse_transmission;
     vec3 diffuse_transmission_color;
-    /* What follows from them and the textures. */
+    /* Derived from the numbers and the textures. */
     vec4 clearcoat_normal_turn; /* as gpu_material.normal_turn */
     vec4 anisotropy_turn;       /* rows of a 2x2 matrix: from the texture, or (1, 0), to tangent and bitangent */
-    vec3 absorption;            /* per metre */
+    vec3 absorption;            /* per meter */
     float ior;
     STRUCT(gpu_texture) textures[GPU_LAYER_TEXTURE_COUNT];
 };
 
 /*
- * What a surface takes from a material's numbers: PLAIN(member) as they are, TEXTURED(member, texture, channels) times a texture, channels being r, g, a or
- * rgb. material.glsl and ray/ray_surface.c find the members that need more. Those of light that is seen through a surface stand apart.
+ * Members that a surface gets from its material: PLAIN(member) unchanged, TEXTURED(member, texture, channels) times a texture (channels r, g, a or rgb).
+ * material.glsl and ray/ray_surface.c compute the members that need more. LAYERS_TEXTURED_THROUGH lists the members that only transmissive surfaces have.
  */
 #define LAYERS_PLAIN(PLAIN) PLAIN(film_ior)
 #define LAYERS_TEXTURED(TEXTURED)                                                                \
@@ -71,15 +71,15 @@ struct surface_layers {
     float clearcoat, clearcoat_roughness;
     vec3 sheen_color;
     float sheen_roughness;
-    float film, film_ior, film_thickness; // nanometres
+    float film, film_ior, film_thickness; // nanometers
     vec3 tangent;                         // unit, at right angles to the normal: along it highlights are stretched
     float anisotropy;
     float diffuse_transmission; // the part of the diffuse lobe that lies behind the surface
     vec3 diffuse_transmission_color;
-#ifdef TRANSMISSION // of shaders that draw what is behind shows through; else there is none
+#ifdef TRANSMISSION // only in shaders that draw transmissive surfaces
     float transmission;
-    float thickness; // metres of the world; 0: a sheet
-    vec3 absorption; // per metre
+    float thickness; // meters of the world; 0: a sheet
+    vec3 absorption; // per meter
     float ior, dispersion;
 #endif
 };
@@ -98,7 +98,7 @@ surface_layers no_layers() {
     return l;
 }
 
-// For passes that hand layers on in images. What TRANSMISSION adds is left out.
+// For passes that store layers in images. Leaves out the members of TRANSMISSION.
 vec4[SURFACE_LAYERS_VECTORS] layers_pack(surface_layers l) {
     return vec4[](vec4(l.clearcoat_normal, l.clearcoat), vec4(l.sheen_color, l.sheen_roughness), vec4(l.tangent, l.anisotropy),
                   vec4(l.film, l.film_ior, l.film_thickness, l.clearcoat_roughness),

@@ -6,7 +6,7 @@
 #include "layers_shared.h"
 #include "texture_shared.h"
 
-#define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot, of which the rest are those of layers */
+#define GPU_TEXTURE_COUNT 7 /* in the order of enum scene_texture_slot; slots of layers follow */
 
 #define GPU_MATERIAL_UNLIT 1u
 #define GPU_MATERIAL_MASK 2u

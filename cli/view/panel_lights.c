@@ -51,7 +51,7 @@ static uint32_t find_id(const struct view_id *ids, uint32_t count, struct view_i
     return UINT32_MAX;
 }
 
-/* The value of a member that only some kinds have, a bool or floats. */
+/* The value of a member that only some kinds have: a bool or floats. */
 static void *member_of(fnl_light_params *light, const fnl_light_member *member) { return (char *)light + member->offset; }
 
 static void copy_changed(fnl_light_params *light, const fnl_light_params *before, const fnl_light_params *after, size_t offset, size_t size) {
@@ -205,7 +205,7 @@ static bool show_member(fnl_light_params *light, const fnl_light_kind_info *kind
     return edited;
 }
 
-/* What only some kinds have. A member that limits others comes first: they then follow it in the same frame. */
+/* Members that only some kinds have. Limits come first, so the members they limit follow in the same frame. */
 static bool show_shape(fnl_light_params *light) {
     const fnl_light_kind_info *kind = fnl_light_kind_find(light->kind);
     bool edited = false;

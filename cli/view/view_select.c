@@ -291,7 +291,7 @@ static void draw_box(const struct view *v, const struct maths_eye *eye, const fn
         }
 }
 
-/* A circle of the light's range that faces the eye. */
+/* A circle with the radius of the light's range, facing the eye. */
 static void draw_range(const struct view *v, const struct maths_eye *eye, const fnl_light_params *light) {
     enum { PARTS = 64 };
     const float range = isinf(light->range) ? fnl_light_range(light, 1, 0.05f) : light->range;
@@ -307,7 +307,7 @@ static void draw_range(const struct view *v, const struct maths_eye *eye, const 
     }
 }
 
-/* Cones and pyramids have about the same length on the screen wherever they are. */
+/* Cones and pyramids have about the same length on the screen at any distance. */
 static void draw_outline(const struct view *v, const struct maths_eye *eye, const fnl_light_params *light) {
     enum { MOST = 256 };
     const float length = 120 * v->scale / maths_pixels(eye, fmaxf(maths_depth(eye, light->position), eye->camera.near_distance));

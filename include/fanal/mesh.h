@@ -139,12 +139,12 @@ FNL_API fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id mate
 /** A number of a material's layers, for user interfaces that show all of them. Strings live as long as the program. */
 typedef struct fnl_layer_number {
     const char *name;  /**< the member of fnl_material_params, such as "clearcoat.strength" */
-    const char *label; /**< "": better not shown */
+    const char *label; /**< for user interfaces; "": do not show the number */
     const char *help;  /**< one line, or "" */
     size_t offset;     /**< in fnl_material_params, bytes */
-    uint32_t count;    /**< floats: 1, or 3 of a linear color */
-    float least, most; /**< range of a slider; a call may allow more */
-    size_t under;      /**< offset of the number that must be above 0 for this one to have an effect worth showing; 0: none */
+    uint32_t count;    /**< floats: 1, or 3 for a linear color */
+    float least, most; /**< range for a slider; calls may accept more */
+    size_t under;      /**< offset of another number: show this one only while that is above 0; 0: show it always */
 } fnl_layer_number;
 
 /** A texture of a material's layers. */
@@ -154,7 +154,7 @@ typedef struct fnl_layer_texture {
     size_t offset;     /**< of the fnl_image_id in fnl_material_params, bytes */
 } fnl_layer_texture;
 
-/** The number or texture `index`, 0 and up, in the order of fnl_material_params; false beyond the last. */
+/** Fills `out` with the number or texture `index`, from 0, in the order of fnl_material_params. Returns false past the last. */
 FNL_API bool fnl_layer_number_query(uint32_t index, fnl_layer_number *out);
 FNL_API bool fnl_layer_texture_query(uint32_t index, fnl_layer_texture *out);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Varnish over all other layers (KHR_materials_clearcoat), of an index of refraction of 1.5.
+// Varnish over all other layers (KHR_materials_clearcoat), with an index of refraction of 1.5.
 #ifndef LAYERS_COAT_GLSL
 #define LAYERS_COAT_GLSL
 
@@ -12,7 +12,7 @@ brdf_view coat_view(surface s, vec3 to_view) {
     return brdf_prepare(coat, to_view);
 }
 
-// The part of the light that gets below it.
+// The part of the light that gets below the coat.
 float coat_below(surface s, view_block v, vec3 to_view) {
     vec3 albedo = environment_reflectance(v, clamp(dot(s.layers.clearcoat_normal, to_view), 0.0, 1.0), s.layers.clearcoat_roughness).xyz;
     return 1.0 - s.layers.clearcoat * (COAT_F0.x * albedo.x + albedo.y);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A thin film that colours what the base mirrors (KHR_materials_iridescence), by
+// A thin film that colors the reflection of the base (KHR_materials_iridescence), by
 // Belcour and Barla 2017, "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence".
 #ifndef LAYERS_FILM_GLSL
 #define LAYERS_FILM_GLSL
 
-// The eye's answer to light whose parts are shifted by a path of `path` metres and by `shift`: three Gaussians and one more, in the frequency.
+// The eye's response to light whose parts are shifted by a path of `path` meters and by `shift`: three Gaussians and one more, in the frequency.
 vec3 film_sensitivity(float path, vec3 shift) {
     float phase = 2.0 * PI * path;
     const vec3 value = vec3(5.4856e-13, 4.4201e-13, 5.2481e-13), at = vec3(1.6810e6, 1.7953e6, 2.2084e6), spread = vec3(4.3278e9, 9.3046e9, 6.6121e9);
@@ -40,7 +40,7 @@ vec3 film_reflectance(float cosine, float film_ior, float thickness, vec3 base_f
     return max(sum, vec3(0.0));
 }
 
-// With the film: the reflectance of the dielectric part and of metal; 0 without one.
+// Reflectance of the dielectric part and of metal under the film; 0 without a film.
 void film_reflectances(surface s, float n_v, out vec3 dielectric, out vec3 metal) {
     dielectric = metal = vec3(0.0);
     if (s.layers.film > 0.0) {

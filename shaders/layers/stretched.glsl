@@ -37,7 +37,8 @@ brdf_view stretched_part(surface s, layers_view b, uint part, uint count, out ve
     return brdf_prepare(leaning, b.base.to_view);
 }
 
-// The normal by which highlights that are stretched along the tangent mirror ambient light: microfacets lean that way, so those nearest to the viewer count (Revie 2011, "Implementing Fur Using Deferred Shading", GPU Pro 2).
+// The normal by which highlights that are stretched along the tangent mirror ambient light: microfacets lean that way, so the ones nearest to the viewer count
+// (Revie 2011, "Implementing Fur Using Deferred Shading", GPU Pro 2).
 vec3 stretched_normal(surface s, layers_view b) {
     vec3 along = b.base.to_view - b.bitangent * dot(b.bitangent, b.base.to_view);
     float bend = s.layers.anisotropy * clamp(1.0 - s.roughness, 0.0, 1.0), rest = (1.0 - bend) * (1.0 - bend);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Light that goes through the base: diffuse light (KHR_materials_diffuse_transmission), and in shaders of surfaces that one looks through (TRANSMISSION) all
+// Light that passes through the base: diffuse light (KHR_materials_diffuse_transmission), and, in shaders of transmissive surfaces (TRANSMISSION), all light
 // that the base does not reflect (_transmission, _volume, _dispersion).
 #ifndef LAYERS_THROUGH_GLSL
 #define LAYERS_THROUGH_GLSL
 
-// The part of what gets into the base that its own colour reflects.
+// The part of the light in the base that its own color reflects.
 float opaque_part(surface s) {
     float part = 1.0 - s.layers.diffuse_transmission;
 #ifdef TRANSMISSION
@@ -22,13 +22,13 @@ bool lets_through(surface s) { return LIGHTING_LAYERS && s.layered && opaque_par
 float through_alpha(surface s) {
     return max(alpha_of(s.roughness) * (s.layers.thickness > 0.0 ? clamp((s.layers.ior - 1.0) * 0.7071, 0.0, 1.0) : 1.0), ALPHA_MIN);
 }
-// What of the light is left after so many metres.
+// The part of the light that is left after `way` meters.
 vec3 through_left(surface s, float way) { return exp(-s.layers.absorption * way); }
 
-vec3 through_radiance(surface s, view_block v, vec3 to_view); // what is behind: of who draws
+vec3 through_radiance(surface s, view_block v, vec3 to_view); // what is behind; each shader that draws defines it
 #endif
 
-// A light behind the surface: its mirror image in front says what gets in, and where the lobe of what is seen through lies.
+// A light behind the surface: its mirror image in front determines what gets in and where the transmitted lobe lies.
 brdf_view behind_view(surface s, layers_view b) {
 #ifdef TRANSMISSION
     surface sheet = s;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a light gives to a point: what its kind says (lights/kinds.glsl), within its range and its hull, for surfaces that its mask meets.
+// Light at a point from one light: by the light's kind (lights/kinds.glsl), within its range and hull, on surfaces that share a bit with its mask.
 //
 // One function, light_strength(), decides whether a light's volume holds a point and how strongly; lists that ask for themselves call
 // light_reaches() and get the answer that shading gets, to the bit.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Light from a whole area light (GPU_LIGHTING_AREA_LIGHTS): the BRDF's lobes, integrated over the part of it that lies above the surface's horizon. The diffuse
+// Light from a whole area light (GPU_LIGHTING_AREA_LIGHTS): the BRDF's lobes, integrated over the part of the light above the surface's horizon. The diffuse
 // one by Lambert's formula; the specular one as a cosine that is stretched and sheared (Heitz, Dupuy, Hill and Neubelt 2016, "Real-Time Polygonal-Light
 // Shading with Linearly Transformed Cosines"), by the table of tools/area_lobes.c. Where the light takes little of the lobe, the lobe itself
 // corrects the fit: at the direction that most light comes from. So a small or distant area light gives what a point does.
@@ -135,8 +135,8 @@ vec3 area_from_cosine(area_lobe m, vec3 q) {
     return p;
 }
 
-// The lobes of all of an area light: n_l and n_l times specular are their integrals over what is light_reach()'s share (area_share()), so that they
-// take the place of a point's. `mirrored`: of its mirror image behind the surface. `toward`: unit, where most of the diffuse light comes from.
+// The lobes of a whole area light: n_l and n_l times specular are their integrals, divided by the share that light_reach() includes (area_share()), so they
+// replace the lobes of a point. `mirrored`: of its mirror image behind the surface. `toward`: unit, where most of the diffuse light comes from.
 bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, brdf_view b, bool mirrored, out brdf_lobes lobes, out vec3 toward) {
     mat3 to_frame = area_frame(normal, b.to_view);
     precise float n_v = clamp(abs(dot(normal, b.to_view)), 1e-3, 1.0);
@@ -180,7 +180,7 @@ bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, br
     return true;
 }
 
-// Whether a light is an area light that looks like one: what is but a thousandth of a radian wide is a point.
+// Whether a light is shaded as an area light: if it is narrower than a thousandth of a radian, a point is enough.
 bool light_is_area(light_set_block l, uint light, vec3 position) {
     if (!LIGHTING_AREA_LIGHTS || !shape_is_area(l.set.lights.at[light].shape.kind)) return false;
     precise vec3 ray = l.set.lights.at[light].shape.position - position;

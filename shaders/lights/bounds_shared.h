@@ -10,8 +10,8 @@
 #include "shared.h"
 
 /*
- * These are the values of fnl_light_kind. Lists bound each kind from GPU_SHAPE_BOX on by a box, so compare with `>=`. Kinds from GPU_SHAPE_RECTANGLE on are
- * area lights: flat, with the sign of spot_offset for the side that shines, their box larger by the range than the light on all sides.
+ * The values of fnl_light_kind. Lists bound each kind from GPU_SHAPE_BOX on by a box, so compare with `>=`. Kinds from GPU_SHAPE_RECTANGLE on are flat area
+ * lights: spot_offset is negative if both sides shine, and the box extends past the light by the range on all sides.
  */
 #define GPU_SHAPE_NONE 0u   /* of directional lights */
 #define GPU_SHAPE_SPHERE 1u /* of point lights */

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// What lights of each kind give to a point, where their light comes from, and what area lights look like: a file for each kind, and here the functions that
-// choose between them. All else about lights is the same for all kinds (lighting/reach.glsl). Lights are read piece by piece: most that a list names are out of
-// range of the very point, and then their position and range are all that is fetched.
+// The strength of each kind of light at a point, where its light comes from, and the polygons of area lights. Each kind has a file; the functions here choose
+// between kinds. Everything else about lights is the same for all kinds (lighting/reach.glsl). Lights are read member by member: most lights of a list are out
+// of range of the point, and of these only the position and range are fetched.
 #ifndef LIGHTS_KINDS_GLSL
 #define LIGHTS_KINDS_GLSL
 
 #include "lights/iterate.glsl"
 #include "lights/profile.glsl"
 
-// Of an area light, or what is left of it after one plane, seen from the surface. Edges are kept beside the corners: of small ones their differences would round.
+// An area light, or what one clipping plane leaves of it, seen from the surface. Edges are stored too: differences of corners would round for small lights.
 struct area_polygon {
     vec3 corners[6];
     vec3 edges[6]; // to the next corner
-    uint count;    // at first at most 4
+    uint count;    // at most 4 before clipping
 };
 
 // Which part of the light is left at `part` of the way from the axis to the edge (0 .. 1).
@@ -37,22 +37,22 @@ vec3 light_axes(light_set_block l, uint light, vec3 ray) {
 
 // ---- area lights: flat, with GPU_LIGHTING_AREA_LIGHTS ----
 
-// Square metres.
+// In square meters.
 float area_of(light_set_block l, uint light) { return rectangle_area(l, light); }
 
-// The square of how far beside the light a point of its plane lies; `at`: across and up, from its middle.
+// The squared distance of a point in the light's plane from the light; `at`: across and up, from the light's center.
 float area_beside2(light_set_block l, uint light, vec2 at) { return rectangle_beside2(l, light, at); }
 
-// A point of it, from its middle; evenly spread where `at` is over the unit square.
+// A point of the light, relative to its center; uniform if `at` is uniform over the unit square.
 vec3 area_point(gpu_shape s, vec2 at) { return rectangle_point(s, at); }
 
-// The point just within its border that is highest above a surface.
+// The point just inside the border that is highest above a surface.
 vec3 area_highest(gpu_shape s, vec3 normal) { return rectangle_highest(s, normal); }
 
-// Seen from a point by three axes.
+// The light as seen from a point, in the axes of `to_frame`.
 area_polygon area_polygon_of(light_set_block l, uint light, vec3 position, mat3 to_frame) { return rectangle_polygon(l, light, position, to_frame); }
 
-// The steradians of an area light, roughly: of a distant one in full, and never 0 in its volume.
+// The approximate solid angle of an area light, steradians: exact for a distant light, never 0 within its volume.
 float area_share(light_set_block l, uint light, vec3 position) {
     precise vec3 ray = l.set.lights.at[light].shape.position - position;
     precise float area = area_of(l, light), distance2 = max(dot(ray, ray), 1e-8);
@@ -61,7 +61,7 @@ float area_share(light_set_block l, uint light, vec3 position) {
     return share;
 }
 
-// The falloff of capsules, from the nearest point of the light. Times area_share(), which layers of shading divide by again (lights/area.glsl).
+// Falloff from the nearest point of the light, as for capsules, times area_share(); area_lobes_of() divides by area_share() again (lights/area.glsl).
 float area_strength(light_set_block l, uint light, vec3 position, vec3 ray, out vec3 to_light) {
     precise vec3 at = light_axes(l, light, ray);
     float range = l.set.lights.at[light].shape.size.z;
@@ -77,7 +77,7 @@ float area_strength(light_set_block l, uint light, vec3 position, vec3 ray, out 
 
 // ---- all kinds ----
 
-// light_strength() within the light's range; `ray` leads from the position to the light's, `ratio2` is the square of its length in ranges.
+// light_strength() within the light's range; `ray` leads from the position to the light, `ratio2` is the square of its length in ranges.
 float kind_strength(light_set_block l, uint light, vec3 position, vec3 ray, float distance2, float ratio2, out vec3 to_light) {
     uint kind = l.set.lights.at[light].shape.kind;
     if (LIGHTING_SIMPLE || kind <= GPU_SHAPE_CONE) return punctual_strength(l, light, kind, ray, distance2, ratio2, to_light);
@@ -87,7 +87,7 @@ float kind_strength(light_set_block l, uint light, vec3 position, vec3 ray, floa
     return box_strength(l, light, ray, to_light);
 }
 
-// Metres from a position to where light comes from: the light, the nearest point of a capsule, the face of a box.
+// Meters from a position to where the light comes from: the light, the nearest point of a capsule, the face of a box.
 float light_distance(light_set_block l, uint light, vec3 position, vec3 to_light) {
     vec3 ray = l.set.lights.at[light].shape.position - position;
     uint kind = l.set.lights.at[light].shape.kind;

@@ -20,7 +20,8 @@ float point_number(lighting_block l, float turn) {
 
 // The part, 0 .. 1, of a source that is seen from the position: of rays to points of a disk that faces it, for capsules round any point of the segment.
 // `to_light` is unit and leads to the middle (the nearest point of a capsule), which is `away` metres off; of directional lights 1 for any. What is nearer
-// to the source than `margin` hides nothing. Of an area light the rays go to points of it. Points below the surface's horizon are not seen. A source without size gets one ray, as hard shadows do.
+// to the source than `margin` hides nothing. For area lights the rays go to points of the light. Points below the surface's horizon are not seen. A source
+// without size gets one ray, as hard shadows do.
 // `scope`: which items hide it, with LIGHTING_CUBEMAP.
 float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 position, vec3 normal, vec3 to_light, float away, float margin, float slack) {
     uint kind = l.scope.lights.lights.at[light].shape.kind;
@@ -37,8 +38,8 @@ float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 positi
             source_axes(to_light, side, up);
         }
     }
-    // The points of an area light count by what they give a matt surface. One ray alone goes to its middle, or to the point that is highest where that is below
-    // the horizon.
+    // Points of an area light are weighted by the light they give to a matte surface. A single ray goes to the center, or to the highest point if the center is
+    // below the horizon.
     bool area = LIGHTING_AREA_LIGHTS && shape_is_area(kind);
     gpu_shape shape;
     if (area) {
@@ -49,7 +50,7 @@ float rays_visibility(lighting_block l, ray_scope scope, uint light, vec3 positi
     bool one = LIGHTING_SOFT && LIGHTING_SAMPLED && one_point && !endless && count > 1u;
     uint first = 0u, end = count;
     float number = 0.0;
-    vec4 chosen = vec4(0.0); // of an area light: direction and distance
+    vec4 chosen = vec4(0.0); // for an area light: direction and distance
     if (one) {
         number = point_number(l, turn);
         point_chosen = true;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** What lobes reflect of the same light from everywhere, tabulated (ray_albedos_fill() of brdf.h). */
+/** Tables of albedos: the part of uniform light from all directions that lobes reflect (ray_albedos_fill() of brdf.h). */
 #ifndef FNL_RAY_ALBEDOS_H
 #define FNL_RAY_ALBEDOS_H
 
@@ -7,15 +7,15 @@
 
 /** Side of ray_albedos. */
 enum { RAY_ALBEDO_SIDE = 33 };
-/** What lobes reflect of the same light from everywhere, by roughness and the cosine of the viewer, both 0 .. 1. */
+/** Albedos of lobes, by roughness and the cosine of the viewer, both 0 .. 1. */
 struct ray_albedos {
     float specular[RAY_ALBEDO_SIDE][RAY_ALBEDO_SIDE][2]; /* f0 times the first and f90 times the second */
-    float sheen[RAY_ALBEDO_SIDE][RAY_ALBEDO_SIDE];       /* of white fibres */
+    float sheen[RAY_ALBEDO_SIDE][RAY_ALBEDO_SIDE];       /* of white fibers */
 };
 
 /** Of the specular lobe: f0 times the first and f90 times the second. */
 void ray_specular_albedo(const struct ray_albedos *albedos, double roughness, double n_v, double out[2]);
-/** Of white fibres. */
+/** Of white fibers. */
 double ray_sheen_albedo(const struct ray_albedos *albedos, double roughness, double n_v);
 
 #endif

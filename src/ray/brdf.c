@@ -53,8 +53,8 @@ static double specular_share(const struct ray_surface *s, double n_v) {
 /* From which lobe a direction is taken, and with what chances. */
 struct lobes {
     struct ray_mirror base;
-    double mirrors; /* of what coat and even directions leave of those in front */
-    struct ray_layer_lobes layers; /* diffuse light from below is none of the others' */
+    double mirrors; /* the specular share of the directions in front that coat and even leave */
+    struct ray_layer_lobes layers; /* behind_share is apart from the other shares */
 };
 
 static struct lobes lobes_of(const struct ray_surface *s, dvec3 to_view) {
@@ -63,7 +63,7 @@ static struct lobes lobes_of(const struct ray_surface *s, dvec3 to_view) {
 
 static double density_of(const struct ray_surface *s, const struct lobes *l, dvec3 v, dvec3 to_light) {
     const double n_l = dvec3_dot(s->normal, to_light), rest = 1 - l->layers.coat_share - l->layers.even_share;
-    if (!(n_l > 0) && s->layered) return l->layers.behind_share * -n_l / DPI; /* light from below has ways of its own */
+    if (!(n_l > 0) && s->layered) return l->layers.behind_share * -n_l / DPI; /* only diffuse transmission samples light from below */
     double density = rest * ((1 - l->mirrors) * fmax(n_l, 0) / DPI + l->mirrors * ray_mirror_density(&l->base, v, to_light));
     if (l->layers.coat_share > 0) density += l->layers.coat_share * ray_mirror_density(&l->layers.coat, v, to_light);
     if (n_l > 0) density += l->layers.even_share / (2 * DPI);

@@ -52,7 +52,7 @@ double ray_sheen_lobe(double roughness, double n_l, double n_v, double n_h) {
 
 static double schlick(double f0, double cosine) { return f0 + (1 - f0) * pow(1 - clamp01(cosine), 5); }
 
-/* The eye's answer to light whose parts are shifted by a path, metres, and by `shift`, radians: Gaussians in the frequency; linear RGB. */
+/* The eye's response to light whose parts are shifted by a path, meters, and by `shift`, radians: Gaussians in the frequency; linear RGB. */
 static void film_sensitivity(double path, const double shift[3], double out[3]) {
     static const double value[4] = {5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14}, at[4] = {1.6810e6, 1.7953e6, 2.2084e6, 2.2399e6},
                         spread[4] = {4.3278e9, 9.3046e9, 6.6121e9, 4.5282e9};
@@ -100,7 +100,7 @@ double ray_opaque_part(const struct ray_surface *s) {
 
 bool ray_lets_through(const struct ray_surface *s) { return s->layered && (s->layers.transmission > 0 || s->layers.diffuse_transmission > 0); }
 
-/* What gets below the surface by a microfacet, of the dielectric part. */
+/* The part of the light that gets below the surface at a microfacet; dielectric part only. */
 static double below(const struct ray_surface *s, dvec3 v, dvec3 h) {
     const dvec3 f90 = {s->f90, s->f90, s->f90};
     dvec3 fresnel = dvec3_lerp(s->f0, f90, pow(1 - clamp01(dvec3_dot(h, v)), 5));

@@ -5,7 +5,7 @@
 #include "scene/light_kinds.h"
 #include "scene/scene.h"
 
-/* A point as a light sees it: `ray` leads from it to the light's position, `at` is the point in the light's axes. */
+/* A point relative to a light: `ray` leads from the point to the light's position, `at` is the point in the light's axes. */
 struct seen {
     dvec3 ray, at;
 };
@@ -13,7 +13,7 @@ struct seen {
 /* Full to `inner` of the way to the edge, then falling to 0; no fade is steeper than over a thousandth of the way. */
 static double fade(double part, double inner) { return clamp01((1 - part) / fmax(0.001, 1 - inner)); }
 
-/* Of a light that shines from the end of a ray. */
+/* The strength of a light at the end of a ray. */
 static double falloff(const struct ray_light *l, dvec3 ray, double edge, dvec3 *to_light, double *distance) {
     *distance = dvec3_length(ray);
     if (*distance == 0 || *distance >= l->range) return 0;
@@ -106,7 +106,7 @@ static void make_rectangle(struct ray_light *l, const fnl_light_params *params) 
     l->two_sided = params->two_sided;
 }
 
-/* The square of the distance of the rectangle's nearest point, in ranges. */
+/* The squared distance to the nearest point of the rectangle, in ranges. */
 static double rectangle_ratio2(const struct ray_light *l, dvec3 at) {
     const double x = fmax(fabs(at.x) - l->half_width, 0), y = fmax(fabs(at.y) - l->half_height, 0);
     return (x * x + y * y + at.z * at.z) / (l->range * l->range);
@@ -114,7 +114,7 @@ static double rectangle_ratio2(const struct ray_light *l, dvec3 at) {
 
 static bool is_lit_side(const struct ray_light *l, dvec3 at) { return l->two_sided ? at.z != 0 : at.z > 0; }
 
-/* From the middle, as light_reach() has it. */
+/* From the center, as in light_reach(). */
 static double rectangle_strength(const struct ray_light *l, const struct seen *p, dvec3 *to_light, double *distance) {
     *distance = dvec3_length(p->ray);
     if (*distance == 0) return 0;
@@ -141,8 +141,8 @@ static const struct {
     void (*make)(struct ray_light *l, const fnl_light_params *params); /* sets what only this kind has; NULL: nothing */
     double (*strength)(const struct ray_light *l, const struct seen *p, dvec3 *to_light, double *distance);
     double (*sample)(const struct ray_light *l, const struct seen *p, double u, double v, dvec3 *to_light, double *distance); /* area lights */
-    double (*radius)(const struct ray_light *l);               /* of a sphere about the position that holds the volume; NULL: the range */
-    dvec3 (*middle)(const struct ray_light *l, double chance); /* of a disk of a source that is no disk itself; NULL: where strength() finds the light */
+    double (*radius)(const struct ray_light *l);               /* of a sphere around the position that contains the volume; NULL: the range */
+    dvec3 (*middle)(const struct ray_light *l, double chance); /* center of the disk to sample; NULL: where strength() finds the light */
 } kinds[FNL_LIGHT_KIND_COUNT] = {
     [FNL_LIGHT_DIRECTIONAL] = {.strength = directional_strength},
     [FNL_LIGHT_POINT] = {.strength = point_strength},
@@ -216,7 +216,7 @@ double ray_light_draw(const struct ray_light *l, struct ray_samples *samples, dv
 
 dvec3 ray_light_source(const struct ray_light *l, struct ray_samples *samples, double size, dvec3 position, dvec3 to_light, double distance) {
     dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
-    if (!(size > 0) || kinds[l->kind].sample) return point; /* of an area light it is one of its points */
+    if (!(size > 0) || kinds[l->kind].sample) return point; /* for an area light it is already one of its points */
     double random[2], along;
     ray_samples_draw(samples, 2, random);
     const double radius = sqrt(random[0]) * (l->parallel ? distance * tan(size) : size), angle = 2 * DPI * random[1];

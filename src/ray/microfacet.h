@@ -5,11 +5,11 @@
 
 #include "ray/surface.h"
 
-/** The smallest is 0.001, so that mirrors show point lights. */
+/** At least 0.001, so that mirrors show point lights. */
 double ray_alpha(const struct ray_surface *surface);
 /** `h` halves the angle between to_view and to_light. */
 double ray_specular_lobe(const struct ray_surface *surface, dvec3 to_view, dvec3 to_light, dvec3 h);
-/** Reflectance along the normal for an index of refraction, before colour and strength; an index of 0 reflects everything (KHR_materials_ior). */
+/** Reflectance along the normal for an index of refraction, before color and strength; an index of 0 reflects everything (KHR_materials_ior). */
 double ray_ior_reflectance(double ior);
 /** A microfacet that the viewer sees, by two numbers in [0, 1); `shadowed`: the part of what it mirrors or refracts that gets away. */
 dvec3 ray_microfacet_sample(const struct ray_surface *surface, dvec3 to_view, const double random[2]);

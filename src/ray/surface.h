@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/** What a ray finds where it meets a triangle, as light sees it. */
+/** The surface where a ray hits a triangle, as lighting needs it. */
 #ifndef FNL_RAY_SURFACE_H
 #define FNL_RAY_SURFACE_H
 
 #include "ray/dvec.h"
 #include "scene/material_layers.h"
 
-/* What lies over the material, or changes how it mirrors: the numbers of material_layers.h, with their textures, and what follows from them. */
+/* The layers of a surface: the numbers of material_layers.h times their textures, and values derived from them. */
 struct ray_layers {
 #define SCALAR(id, ...) double id;
 #define COLOR(id, ...) dvec3 id;
@@ -14,8 +14,8 @@ struct ray_layers {
 #undef SCALAR
 #undef COLOR
     dvec3 clearcoat_normal; /* unit, on the viewer's side */
-    double film_thickness;  /* nanometres */
-    dvec3 absorption;       /* per metre; thickness 0: a sheet, else rays go through the mesh */
+    double film_thickness;  /* nanometers */
+    dvec3 absorption;       /* per meter; thickness 0: a sheet, else rays go through the mesh */
     double ior;
     dvec3 tangent; /* unit, at right angles to the normal: along it highlights are stretched */
     /* For one viewer (ray_layers_prepare): the parts of light that get below the coat and the fibres, and what the film reflects. */
@@ -29,14 +29,14 @@ struct ray_surface {
     dvec3 base_color, emissive;
     double alpha; /* coverage; 1 unless the material blends */
     double metallic, roughness, occlusion;
-    double offset; /* how far off it rays have to start so that rounding does not make them hit it, metres */
+    double offset; /* how far off it rays have to start so that rounding does not make them hit it, meters */
     dvec3 f0;      /* reflectance of the dielectric part along the normal */
     double f90;    /* and at grazing angles */
     uint32_t light_mask; /* lights that share a bit with it affect the surface */
-    bool layered;  /* the next holds */
+    bool layered;  /* `layers` is valid */
     struct ray_layers layers;
     bool lamps_shine_through; /* rays to lamps go straight through sheets and volumes: these send none of that light themselves */
-    dvec3 again;   /* diffuse reflectance besides, for light of paths: ray_environment_again(); else 0 */
+    dvec3 again;   /* additional diffuse reflectance, for light of paths: ray_environment_again(); else 0 */
 };
 
 #endif

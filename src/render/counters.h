@@ -13,7 +13,7 @@
 struct fnl_renderer;
 struct renderer_view;
 struct view_made;
-struct frame_counts; /* what the GPU writes for the CPU in each view of a frame, for all tables: see COUNTS; what a frame does not count is 0 */
+struct frame_counts; /* what the GPU writes for the CPU for each view of a frame, for all tables: see COUNTS; 0 if the frame does not count it */
 struct view_counters;
 
 /** A view of a frame that the device has finished. */
@@ -34,7 +34,7 @@ struct counter {
     const char *key, *unit, *help;
     const char *needs; /* as in fnl_counter; NULL: nothing */
     fnl_counter_kind kind;
-    /* The 32-bit words of the table's part of struct frame_counts whose sum it is. Size 0: see above. */
+    /* The number is the sum of these 32-bit words of the table's part of struct frame_counts. Size 0: see above. */
     uint32_t offset, size;
     /* Changes `value`, which is what was noted, or 0; false: the frame does not have the number. */
     bool (*find)(const struct counted *counted, uint64_t *value);
@@ -68,7 +68,7 @@ struct view_counters {
     uint32_t copy_count, note_count;
 };
 
-/** Copies a member of struct NAME_counts from there when the frame is over. Does nothing without a buffer (id 0). */
+/** Copies a member of struct NAME_counts from `buffer` when the frame is over. Does nothing without a buffer (id 0). */
 #define COUNTERS_COPY(f, buffer, from_offset, table, member)                                                                                  \
     counters_copy(&(f)->r->host, &(f)->made->numbers, buffer, from_offset, counters_place(&counters_##table) + offsetof(struct table##_counts, member), \
                   sizeof(((struct table##_counts *)0)->member))
@@ -85,12 +85,12 @@ static inline const void *counters_part(const struct frame_counts *counts, uint6
 bool counters_copied(const struct counted *counted, uint64_t offset);
 
 /**
- * The table at an index: of steps, shadow methods, then shading paths. The first of several paths that share a table has it; `out_shadings` gets the bits
- * of all. NULL: no table.
+ * The table at an index: tables of steps, then of shadow methods, then of shading paths. If several paths share a table, the first of them has it;
+ * `out_shadings` gets the bits of all of them. NULL: no table.
  */
 const struct counter_table *counter_table_at(uint32_t index, uint32_t *out_shadings);
 uint32_t counter_table_count(void);
-/** Where a table's part of struct frame_counts begins, and what all have together; bytes. */
+/** Where a table's part of struct frame_counts begins, and the size of all parts; bytes. */
 uint64_t counters_place(const struct counter_table *table);
 uint64_t counters_size(void);
 

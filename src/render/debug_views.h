@@ -34,7 +34,7 @@ struct debug_legend {
 struct debug_view {
     fnl_debug_view view;
     struct debug_legend legend;
-    bool surfaces; /* looks at the nearest surface of each pixel: f->nearest.aov is there */
+    bool surfaces; /* reads the nearest surface of each pixel: f->nearest.aov exists */
     /* Draws into f->color once the frame is lit; `swap`: red and blue change places. */
     void (*add)(struct frame_state *f, bool swap);
     /* Fails, with a log line, where the frame or the device lacks what the view shows. NULL: they never do. */

@@ -9,7 +9,7 @@
 #include "render/surfaces.h"
 #include "render/traits.h"
 
-/* Of the list, and of the way of the G-buffer. */
+/* Of the list, and of decals over the G-buffer. */
 struct decals_counts {
     struct light_totals list;
     struct decals_gbuffer_totals gbuffer;
@@ -39,7 +39,7 @@ static void tell_of_lists(struct frame_state *f) {
                     fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 
-/* Sends changed decals. */
+/* Uploads changed decals. */
 static fnl_result begin_frame(struct frame_state *shared) {
     if (!is_on(shared)) return FNL_OK;
     tell_of_lists(shared);
@@ -103,7 +103,7 @@ static void add_list(struct frame_state *f) {
     geometry->feature_buffers[5] = d->list.spare;
 }
 
-/* The list over their boxes, and what the shaders of the scene do for them. */
+/* The list over the boxes of decals, and what shaders of the scene need for them. */
 static fnl_result begin_view(struct frame_state *f) {
     if (!is_on(f)) return FNL_OK;
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_decal_set));

@@ -22,7 +22,7 @@ static void pop_view(const struct frame_state *f) {
 
 /* ---- groups of views ---- */
 
-/* What all views of a frame have. */
+/* What all views of a frame share. */
 struct frame_parts {
     struct frame_state shared;
     struct device_scene_frame scene;

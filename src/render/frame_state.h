@@ -47,19 +47,19 @@ struct frame_display {
     struct light_list lights;     /* of the head, from the first eye on; header 0: none */
 };
 
-/** What views of a frame tell the next one. */
+/** What the views of a frame pass on to the next view. */
 struct frame_common {
     uint32_t vertex_queries;        /* taken so far */
     struct environment_faces faces; /* of a reflection probe that the frame captures */
 };
 
-/** Of one view of a frame; what all of them share was filled in before the first. Members in groups belong to one step, or to what its name says. */
+/** One view of a frame. Members that all views share are filled in before the first. Each group of members belongs to one step, or to what its name says. */
 struct frame_state {
-    const fnl_renderer *r; /* which declaring does not change */
+    const fnl_renderer *r; /* not changed while a frame is declared */
     const struct frame_input *input;
     struct frame_common *common;
-    const struct renderer_view *kept; /* of the view, from frame to frame */
-    struct view_made *made;           /* of the view, in this one */
+    const struct renderer_view *kept; /* what the view keeps from frame to frame */
+    struct view_made *made;           /* what this frame makes of the view */
     uint32_t view_index;
     bool named;                       /* names of its passes begin with the view's */
     const fnl_frame *frame;           /* its camera is the view's */
@@ -79,14 +79,14 @@ struct frame_state {
     graph_buffer counters, exposure;
     graph_image radiance, depth, color;
     struct {
-        struct frame_display *display;    /* of which this view is an eye; or NULL */
-        const struct frame_state *layers; /* while several views are drawn at once: they, layer_count of them; NULL: this one alone */
+        struct frame_display *display;    /* the display of which this view is an eye; or NULL */
+        const struct frame_state *layers; /* the layer_count views that are drawn at once; NULL: only this one */
         uint32_t layer_count;
-        const struct frame_state *mono;   /* of an eye: the view of what is far away (mono.c), or NULL */
-        const struct frame_state *eyes;   /* of such a view: whose it is, eye_count of them; else NULL */
+        const struct frame_state *mono;   /* for an eye: the view of what is far away (mono.c); or NULL */
+        const struct frame_state *eyes;   /* for such a view: its eye_count eyes; otherwise NULL */
         uint32_t eye_count;
     } group;
-    struct { /* by the order, before it shades; id or address 0: by another */
+    struct { /* by the order, before it shades; id or address 0: not by this order */
         struct gbuffer gbuffer;
         struct visibility visibility;
         graph_buffer surfaces;       /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
@@ -95,20 +95,20 @@ struct frame_state {
         struct dais dais;
     } stored;
     struct {
-        uint32_t first;  /* draw calls of what was drawn before lists; of several views at once the first view has them */
-        uint32_t opaque; /* of the opaque set without a prepass: of one draw unless the order says more */
+        uint32_t first;  /* draw calls before lists; for several views at once, in the first view */
+        uint32_t opaque; /* draw calls of the opaque set without a prepass: of one draw unless the order sets more */
     } calls;
-    uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
+    uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order also shades forward; 0: nothing */
     struct {
-        struct light_set whole_lights;   /* before small ones were faded */
-        fnl_light_lists drawn;           /* the frame's, or those that stand in for them */
+        struct light_set whole_lights;   /* before small lights were faded */
+        fnl_light_lists drawn;           /* the frame's, or the lists that replace them */
         struct lists_fallback fallback;
     } lists;
     struct {
-        graph_image depth;               /* drawn only for shadows; id 0: it is not */
+        graph_image depth;               /* drawn only for shadows; id 0: not drawn */
         struct rays rays;                /* of items at least, where maps are drawn; address 0: there are none */
-        struct light_list surface_lights; /* of what depth shows, without lights that give nothing there; header 0: there is none */
-        graph_buffer classes;            /* of the debug view shadow-classes: what shadow_dark_add() tells; or id 0 */
+        struct light_list surface_lights; /* for surfaces in the depth image, without lights that contribute nothing there; header 0: none */
+        graph_buffer classes;            /* for the debug view shadow-classes: the output of shadow_dark_add(); or id 0 */
         struct denoise denoise;          /* places.id 0: nothing was denoised */
     } shadows;
     struct { /* the nearest surface of each pixel */
@@ -123,7 +123,7 @@ struct frame_state {
 
 /** Whether the frame is declared only for its pipelines. */
 static inline bool frame_is_dry(const struct frame_state *f) { return !f->input->notes; }
-/** Whether a message that a renderer logs once (renderer_notes) is due. */
+/** Whether a message that a renderer logs once (renderer_notes) is due; marks it as logged. */
 #define FRAME_TELLS(f, note) ((f)->input->notes && !(f)->input->notes->note && ((f)->input->notes->note = true))
 
 /** What radiance is multiplied by for the picture; 1 where metering finds it. */

@@ -20,7 +20,7 @@ extern const struct counter_table counters_exposure;
 void frame_cull(struct frame_state *f);
 /** Whether a debug view or an output of the frame looks at the nearest surface of each pixel (picture.c). */
 bool frame_shows_surfaces(const fnl_frame *frame);
-/** Copies exact counts of this very frame to where the CPU reads them, and notes what it knows before the GPU has run (outputs.c). */
+/** Copies exact counts of this frame to where the CPU reads them, and notes the numbers that are known before the GPU runs (outputs.c). */
 void outputs_add_counts(struct frame_state *f);
 
 #endif

@@ -35,7 +35,7 @@ static void destroy(fnl_renderer *r) {
     array_free(&r->host, &r->pixel.lights);
 }
 
-/* If the view is the one that is asked. */
+/* Only in the view that the pixel query names. */
 static void finish_view(struct frame_state *f) {
     const fnl_pixel_query *query = &f->frame->pixel;
     if (!query->asked || query->view != f->view_index) return;

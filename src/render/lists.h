@@ -39,7 +39,7 @@ void lists_init(struct lists_state *state, const fnl_host *host);
 /** The device is idle. */
 void lists_finish(struct lists_state *state, gpu_device *device);
 
-/** Of the frame's lists, and of the tiles beside them (lists_add_surfaces()). */
+/** Of the frame's lists, and of the tiles that lists_add_surfaces() adds. */
 struct lists_counts {
     struct light_totals lights, blend_lights, surface_lights;
     uint32_t behind;

@@ -7,13 +7,13 @@
 
 enum { FACES = 6, DIRECT = 4 /* so few probes need no list */, DIFFUSE_START = 32 };
 
-/* Of the list over their boxes. */
+/* Of the list over the boxes of probes. */
 struct reflections_counts {
     struct light_totals list;
 };
 static const struct counter_table counters_reflections;
 
-/* Whose probes a frame looks up: a renderer that captures has them of the one that it captures for. */
+/* The probes that a frame looks up: a renderer that captures uses the probes of the renderer it captures for. */
 static const struct renderer_reflections *reflections_of(const fnl_renderer *r) { return r->capture.owner ? &r->capture.owner->reflections : &r->reflections; }
 static struct renderer_reflections *owned_reflections(fnl_renderer *r) { return r->capture.owner ? &r->capture.owner->reflections : &r->reflections; }
 
@@ -185,7 +185,7 @@ static void face_cameras(const fnl_probe_params *params, fnl_camera *out) {
     }
 }
 
-/* In a frame that captures: what the view has seen becomes a face. */
+/* In a frame that captures: the picture of the view becomes a face. */
 static void finish_view(struct frame_state *f) {
     const fnl_renderer *r = f->r;
     if (!r->capture.owner) return;
@@ -327,7 +327,7 @@ static void submitted(fnl_renderer *r, const fnl_frame *frame) {
 
 static void forget(fnl_renderer *r) { owned_reflections(r)->gathered = false; }
 
-/* The list over the boxes, and what passes that shade use. */
+/* The list over the boxes, and what shading passes need. */
 static fnl_result begin_view(struct frame_state *f) {
     const struct renderer_reflections *p = reflections_of(f->r);
     if (p->list.count == 0) return FNL_OK;

@@ -266,7 +266,7 @@ static void note_sections(fnl_renderer *r, const struct frame_times *at, double 
     r->handed.cpu_milliseconds = (now - at->waited) * 1e3;
 }
 
-/* What was declared is the last frame now; the next one gets the memory of that before. */
+/* The declared frame becomes the last one; the next frame reuses the memory of the one before. */
 static void take_made(fnl_renderer *r) {
     struct view_made *data = r->last.data;
     const uint32_t capacity = r->last.capacity;

@@ -33,7 +33,7 @@ struct renderer_view {
     uint64_t counter_count;            /* light_counter_count() of the view */
 };
 
-/** What declaring a frame makes of a view. When it is submitted, steps take over what they keep; its results are told from the rest. */
+/** What declaring a frame makes of a view. On submission, steps take over what they keep; the frame's results come from the rest. */
 struct view_made {
     struct device_scene_frame scene; /* with the lights as this view sees them; passes look at it while they are recorded */
     fnl_frame_stats stats;           /* the parts that the CPU knows */
@@ -46,19 +46,19 @@ struct view_made {
     uint32_t entry_bytes, blend_entry_bytes;
     struct temporal_state temporal;
     struct {
-        bool has_pages, same; /* the pages were asked for; and nothing had changed */
+        bool has_pages, same; /* the pages were requested; and nothing had changed */
         struct shadow_turn turn;
     } shadows;
 };
 
-/** What the log has been told of, once by each renderer. */
+/** Messages that each renderer logs once; true: already logged. */
 struct renderer_notes {
-    bool decal_lists;  /* decals asked for in the G-buffer come by lists */
+    bool decal_lists;  /* lists replace decals over the G-buffer */
     bool mesh_lists;   /* mesh lists replace others */
     bool stereo_path;  /* the device lacks what stereo.path needs */
     bool shadow_rays;  /* rays replace shadow maps */
     bool shadow_trees; /* trees replace ray queries */
-    bool mobile[2];    /* of the path mobile */
+    bool mobile[2];    /* messages of the path mobile */
 };
 
 /** Where the CPU reads results: pictures of all views one after the other, and struct inspected. */
@@ -166,7 +166,7 @@ struct fnl_renderer {
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
     uint32_t pipelines_made; /* by the frame itself */
     struct renderer_outputs outputs;
-    ARRAY(struct view_made) last, making; /* of each view: of that frame, and of the one being declared */
+    ARRAY(struct view_made) last, making; /* for each view: of the last frame, and of the frame being declared */
     ARRAY(struct geometry_bucket) counted_buckets; /* of a frame with count_lights: another renderer may change the scene's meanwhile */
     struct {
         struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT]; /* struct frame_counts of each view */
@@ -185,7 +185,7 @@ struct fnl_renderer {
     } handed;
 };
 
-/** What a slot holds of a view. */
+/** The counts of a view in a slot. */
 static inline const struct frame_counts *renderer_counts(const fnl_renderer *r, uint32_t slot, uint32_t view) {
     return (const struct frame_counts *)(const void *)((const char *)r->slots.counts[slot].mapped + view * counters_size());
 }
@@ -221,7 +221,7 @@ fnl_occlusion frame_choose_occlusion(const fnl_renderer *r, const fnl_frame *fra
 /** Whether occluded surfaces are culled; nothing of the frame is auto. */
 bool frame_culls_hidden(const fnl_frame *frame);
 
-/** What a frame is declared with. Arrays have an element for each camera of the plan. */
+/** Input of frame_declare(). Arrays have an element for each camera of the plan. */
 struct frame_input {
     const fnl_frame *frame; /* settled */
     const struct view_plan *plan;
@@ -230,11 +230,11 @@ struct frame_input {
     const struct renderer_view *views;
     const struct renderer_outputs *outputs;
     struct view_made *made; /* out */
-    /* What steps work in while they declare. */
+    /* Working memory of steps while they declare. */
     struct device_scene_user *user;
     struct lists_shared *shared_lists;
     struct lists_state *lists;
-    struct renderer_notes *notes; /* NULL: the frame is declared only for its pipelines, and says nothing */
+    struct renderer_notes *notes; /* NULL: the frame is declared only for its pipelines, and logs nothing */
 };
 /** Declares the whole frame (frame.c). */
 fnl_result frame_declare(const fnl_renderer *r, const struct frame_input *input);

@@ -259,7 +259,7 @@ static void note_environment(struct frame_state *f) {
     counters_note(f, "environment.cached", d->environment_made == DEVICE_ENVIRONMENT_KEPT);
 }
 
-/* Everything between what is drawn first and the picture: lists, opaque surfaces, sprites, blended surfaces. */
+/* Everything between the first draws and the picture: lists, opaque surfaces, sprites, blended surfaces. */
 static void light_view(struct frame_state *f) {
     const struct order *order = shading_order(f->frame->shading);
     counters_note(f, "images.pending", f->r->device_scene->images_coming);
@@ -278,7 +278,7 @@ static void light_view(struct frame_state *f) {
     if (f->group.mono) mono_composite(f);
     add_surfaces_over(f, &input);
     decals_redraw(f, &input);
-    if (f->group.eyes) return; /* which see the sky, and what is transparent, by themselves */
+    if (f->group.eyes) return; /* the eyes draw the sky and transparent surfaces themselves */
     shading_add_sky(f);
     if (f->frame->light_lod > 0) sprites_add(f->graph, f->view_address, &f->lists.whole_lights, f->frame->light_lod, f->radiance, f->depth);
     add_over(f, &input);

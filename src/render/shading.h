@@ -12,7 +12,7 @@
 #include "render/surfaces.h"
 #include "render/traits.h"
 
-/** What orders have in common. Edges are those of orders with MSAA (passes/shade/edges_shared.h), which copy them. */
+/** Counts that orders share. Orders with MSAA copy `edges` (passes/shade/edges_shared.h). */
 struct shading_counts {
     uint32_t edges[EDGES_COUNTS];
     struct linked_totals blend, blend_behind; /* and of those behind glass */
@@ -34,7 +34,7 @@ VkFormat shading_format(const struct frame_state *f);
 /** Fills in what of f->shared depends on the order, before it is sent. */
 void shading_begin(struct frame_state *f);
 /**
- * Draws what needs no lists, with f->draws, which may be of several views: then targets have a layer for each. Makes f->radiance and f->depth.
+ * Draws what needs no lists, with f->draws. These may be of several views; targets then have a layer for each. Makes f->radiance and f->depth.
  */
 void shading_draw(struct frame_state *f);
 /** The view takes its layer of what was drawn for several, of which it is one. */

@@ -9,7 +9,7 @@
 
 /* ---- what finds them ---- */
 
-/* Whether lights cast shadows that have no maps. */
+/* Whether a light without shadow maps casts shadows. */
 static bool find_mapless(const fnl_scene *scene) {
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         const fnl_light_params *light = &scene->lights.data[i].params;
@@ -130,7 +130,7 @@ static void note_structures(struct frame_state *f) {
     counters_note(f, "shadows.structure-bytes", gpu_memory_stats(f->r->device).structure_bytes);
 }
 
-/* The maps of the views: lists that are made afterwards cast shadows. The eyes of a display share the maps of the first. */
+/* The shadow maps of the views, before the lists that use them. The eyes of a display share the maps of the first. */
 static void begin_light(struct frame_state *views, uint32_t count) {
     const struct shadow_method *method = shadow_method(views->frame->shadows);
     for (uint32_t i = 0; i < count; i++) {

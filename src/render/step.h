@@ -25,19 +25,19 @@ struct frame_step {
     /** Inside a frame, after `grow`: what the last frame of a slot counted is known (fnl_renderer.counts). */
     void (*counted)(fnl_renderer *r, uint32_t slot);
     /*
-     * Declare work of a frame, in this order. They change nothing that the renderer keeps, so that a frame may be declared only for its pipelines: what
-     * later frames need goes into `f->made`, and `submitted` takes it over. A view of what is far away (frame_state.group.eyes) begins and is lit like any other; its eyes show it,
-     * so it has no exposure and is not finished.
+     * Hooks that declare the work of a frame, in this order. They change nothing that the renderer keeps, so a frame can be declared only for its pipelines:
+     * what later frames need goes into `f->made`, and `submitted` takes it over. A view of what is far away (frame_state.group.eyes) begins and is lit like any
+     * other view. It has no exposure and is not finished, because its eyes show it.
      */
     /** Once, before any view: what all views share. `shared` is what each of them starts from. */
     fnl_result (*begin_frame)(struct frame_state *shared);
     /** Each view, before anything is drawn for it. Its camera is known; hooks may add to `f->view`. */
     fnl_result (*begin_view)(struct frame_state *f);
-    /** Drawn, but not lit: what `count` views have in common, the eyes of a display and what is far from them, or one view. */
+    /** Between drawing and lighting: what `count` views share. The views are the eyes of a display and the view of what is far away, or one view. */
     void (*begin_light)(struct frame_state *views, uint32_t count);
-    /** Each view: fills f->radiance, or looks at what is drawn. */
+    /** Each view: fills f->radiance, or reads what is drawn. */
     void (*light_view)(struct frame_state *f);
-    /** Lit: what `count` views have in common. */
+    /** After lighting: what `count` views share. */
     void (*end_light)(struct frame_state *views, uint32_t count);
     /** Each view: from radiance to pictures and numbers. */
     void (*finish_view)(struct frame_state *f);

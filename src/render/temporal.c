@@ -84,7 +84,7 @@ static void add_motion(struct frame_state *f, graph_image depth) {
 
 void temporal_add_motion(struct frame_state *f) { add_motion(f, f->depth); }
 
-/* Motion vectors; with temporal antialiasing f->radiance becomes what was collected. */
+/* Motion vectors; with temporal antialiasing f->radiance becomes the accumulated radiance. */
 static void collect(struct frame_state *f) {
     struct frame_temporal *t = &f->temporal;
     const fnl_frame *frame = f->frame;

@@ -314,7 +314,7 @@ static void test_dry_declarations_leave_no_trace(void **state) {
     }
 }
 
-/* Capturing a probe renders frames, by a renderer of its own: that of the frame changes nothing but what it keeps of reflection probes. */
+/* Capturing a probe renders frames with a separate renderer: the frame's own renderer changes only what it keeps of reflection probes. */
 static void test_captures_change_nothing_else(void **state) {
     UNUSED(state);
     struct stage s = stage_open("builtin:room?lights=9", 0);

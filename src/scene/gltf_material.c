@@ -106,7 +106,7 @@ static void load_layer_number(struct gltf *g, json_t *object, const struct at *a
         gltf_floats(g, object, at, key, number->count, number->low, number->high, value);
 }
 
-/** A texture of a layer, with the numbers that stand in its object. */
+/** A texture of a layer, with the numbers in its JSON object. */
 static void load_layer_texture(struct gltf *g, json_t *extension, const struct at *at, const struct layer_texture *texture, struct scene_material *material) {
     json_t *object = load_texture(g, extension, at, texture->key, texture->slot, material);
     const size_t length = strlen(texture->key);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** The rows of material_layers.h as tables, and what follows from them: whether a material has layers, and their way into and out of the public params. */
+/** The rows of material_layers.h as tables, and what follows from them: whether a material has layers, and their conversion from and to public params. */
 #ifndef FNL_SCENE_LAYER_ROWS_H
 #define FNL_SCENE_LAYER_ROWS_H
 
@@ -16,14 +16,14 @@ struct layer_number {
     const char *name;            /* the member of fnl_material_params */
     const char *extension, *key; /* JSON; '/' in the key leads into a texture of the layer */
     size_t offset, params_offset; /* in struct scene_material and fnl_material_params */
-    uint32_t count;              /* floats: 1, or 3 of a linear color */
+    uint32_t count;              /* floats: 1, or 3 for a linear color */
     float low, high;
     float zero;       /* what 0 means in fnl_material_params, or 0; infinite: "never", which queries return as 0 */
     size_t zero_with; /* in fnl_material_params, or 0: the other number that must also be 0 */
-    float unsaid;     /* in files with the extension, if above 0; else as without the extension */
+    float unsaid;     /* default in files with the extension, if above 0; otherwise as without the extension */
     enum layer_on on;
     const char *unit;         /* with a space, or NULL; for messages */
-    const char *label, *help; /* for user interfaces; without a label they do not show it */
+    const char *label, *help; /* for user interfaces; no label: not shown */
     float least, most;        /* of its slider; equal: low and high */
     size_t under;             /* in fnl_material_params, or 0: the number that must be above 0 for this one to be shown */
 };

@@ -59,7 +59,7 @@ static void outline_box(struct light_outline *out, const fnl_light_params *light
             if (!(i & bit)) add_line(out, corners[i], corners[i | bit]);
 }
 
-/* Its border, and a ray from its middle. */
+/* The border, and a ray from the center. */
 static void outline_rectangle(struct light_outline *out, const fnl_light_params *light, float length) {
     UNUSED(length);
     const float width = 0.5f * light->rectangle_size[0], height = 0.5f * light->rectangle_size[1];
@@ -103,7 +103,7 @@ static void scatter_box(fnl_light_params *light, const struct scatter_numbers *n
     light->intensity = 2 * SCATTER_ILLUMINANCE; /* lux */
 }
 
-/* The flux of a point's, to one side. */
+/* The flux of a point light, to one side. */
 static void scatter_rectangle(fnl_light_params *light, const struct scatter_numbers *numbers) {
     light->rectangle_size[0] = light->range * (0.1f + 0.4f * numbers->parts[0]);
     light->rectangle_size[1] = light->range * (0.1f + 0.4f * numbers->parts[1]);
@@ -124,7 +124,7 @@ static float range_of_box(const fnl_light_params *light) { return 0.5f * vec3_le
 
 #define MEMBER(of, of_unit, values) .name = #of, .unit = FNL_LIGHT_UNIT_##of_unit, .offset = offsetof(fnl_light_params, of), .count = values
 #define MEMBERS(rows) .member_count = COUNT_OF(rows), .members = rows
-#define RIGHT_ANGLE (PI / 2 + 1e-6f) /* degrees round */
+#define RIGHT_ANGLE (PI / 2 + 1e-6f) /* 90 degrees may round up */
 
 /* A member that limits another follows it. */
 static const fnl_light_member spot_members[] = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * What the scene knows of each kind of light, one row each: fanal/light_kinds.h, and what only the library needs besides. How a kind becomes a shape on the
- * device: src/render/device/light_shapes.c; what it gives to a point: src/ray/light.c and shaders/lights/kinds.glsl.
+ * The kinds of lights, one row each: fanal/light_kinds.h, and members that only the library needs. Shapes on the device: src/render/device/light_shapes.c;
+ * strength at a point: src/ray/light.c and shaders/lights/kinds.glsl.
  */
 #ifndef FNL_SCENE_LIGHT_KINDS_H
 #define FNL_SCENE_LIGHT_KINDS_H
@@ -12,7 +12,7 @@
 /** Illuminance in lux that a scattered light would give at its range without the window. */
 #define SCATTER_ILLUMINANCE 4.0f
 
-/** Random numbers by which a scattered light gets its shape. */
+/** Random numbers for the shape of a scattered light. */
 struct scatter_numbers {
     float cone;     /* half angle of a spot, radians */
     float parts[3]; /* 0 .. 1; not for punctual kinds */
@@ -25,18 +25,18 @@ struct light_outline {
 
 struct light_kind {
     fnl_light_kind_info info;
-    const char *type; /* of KHR_lights_punctual; of kinds that it lacks what other programs show instead */
+    const char *type; /* in KHR_lights_punctual; for kinds it lacks, the type that other programs show instead */
     bool punctual;    /* KHR_lights_punctual has it */
     bool has_maps;    /* shadow maps can hold its shadows; others need rays */
-    float (*range)(const fnl_light_params *light); /* of kinds without a range of their own; NULL: the parameter, or what follows from the intensity */
-    /* Shapes a light that has a place, a direction, a range and an intensity, about as large as a point's ball. NULL: not to be scattered. */
+    float (*range)(const fnl_light_params *light); /* for kinds without a range parameter; NULL: the parameter, or derived from the intensity */
+    /* Shapes a light whose position, direction, range and intensity are set, about as large as the sphere of a point light. NULL: cannot be scattered. */
     void (*scatter)(fnl_light_params *light, const struct scatter_numbers *numbers);
     void (*outline)(struct light_outline *out, const fnl_light_params *light, float length); /* NULL: none */
 };
 
 extern const struct light_kind light_kinds[FNL_LIGHT_KIND_COUNT];
 
-/** Whether the light has a profile, which only some kinds look up. */
+/** Whether the light has a profile and its kind uses profiles. */
 static inline bool light_is_profiled(const fnl_light_params *light) { return light->profile.generation && light_kinds[light->kind].info.has_profile; }
 static inline bool light_has_direction(const fnl_light_params *light) { return light_kinds[light->kind].info.has_direction || light_is_profiled(light); }
 static inline bool light_has_up(const fnl_light_params *light) { return light_kinds[light->kind].info.has_up || light_is_profiled(light); }
@@ -51,7 +51,7 @@ static inline size_t light_member_size(const fnl_light_member *member) {
 /** The key in files: `name` in camel case. */
 enum { LIGHT_KEY = 32 };
 const char *light_member_key(const fnl_light_member *member, char key[LIGHT_KEY]);
-/** The member of a kind with a name, which it has. */
+/** The member of a kind by name. The kind must have it. */
 const fnl_light_member *light_member_find(const fnl_light_kind_info *kind, const char *name);
 
 #endif

@@ -154,7 +154,7 @@ static vec3 seen_from(const fnl_light_params *light, vec3 point) {
 
 static bool is_near(float a, float b) { return fabsf(a - b) < 1e-5f; }
 
-/* On the border of the shape, or for cones and pyramids at the apex. */
+/* On the border of the shape, or at the apex of a cone or pyramid. */
 static bool is_on_outline(const fnl_light_params *light, vec3 p, float length) {
     const bool apex = vec3_length(p) < 1e-5f;
     switch (light->kind) {
@@ -167,7 +167,7 @@ static bool is_on_outline(const fnl_light_params *light, vec3 p, float length) {
                         is_near(fabsf(p.y), p.z * tanf(light->wedge_angles[1])));
     case FNL_LIGHT_BOX:
         return is_near(fabsf(p.x), light->box_size.x / 2) && is_near(fabsf(p.y), light->box_size.y / 2) && is_near(fabsf(p.z), light->box_size.z / 2);
-    default: /* the ray of a panel stands on it */
+    default: /* the ray of a rectangle starts at its center */
         return (is_near(p.x, 0) && is_near(p.y, 0) && p.z >= -1e-5f) ||
                (is_near(fabsf(p.x), light->rectangle_size[0] / 2) && is_near(fabsf(p.y), light->rectangle_size[1] / 2) && is_near(p.z, 0));
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * The layers of materials, each with its numbers and textures. A row here is all that loading, saving, animation, the public calls and user interfaces
- * need of a number or a texture (layer_rows.h). A new layer also needs its struct in fanal/mesh.h, its members in shaders/layers_shared.h, and its light
+ * need for a number or a texture (layer_rows.h). A new layer also needs its struct in fanal/mesh.h, its members in shaders/layers_shared.h, and its light
  * in shaders/layers.glsl and ray/layers.c.
  */
 #ifndef FNL_SCENE_MATERIAL_LAYERS_H
@@ -40,7 +40,7 @@
            .under = PARAMS(iridescence.strength))                                                                                                       \
     SCALAR(anisotropy, anisotropy.strength, "KHR_materials_anisotropy", "anisotropyStrength", 0, 1, .on = LAYER_IN_GBUFFER, .label = "anisotropy")      \
     SCALAR(anisotropy_rotation, anisotropy.rotation, "KHR_materials_anisotropy", "anisotropyRotation", -FLT_MAX, FLT_MAX, .unit = " radians",           \
-           .label = "its direction", .help = "Radians from the tangent", .least = -3.1416f, .most = 3.1416f)                                            \
+           .label = "anisotropy direction", .help = "Radians from the tangent", .least = -3.1416f, .most = 3.1416f)                                     \
     SCALAR(transmission, transmission.strength, "KHR_materials_transmission", "transmissionFactor", 0, 1, .on = LAYER_FORWARD, .label = "transmission") \
     SCALAR(thickness, volume.thickness, "KHR_materials_volume", "thicknessFactor", 0, FLT_MAX, .unit = " m", .label = "thickness", .most = 10)          \
     SCALAR(attenuation_distance, volume.attenuation_distance, "KHR_materials_volume", "attenuationDistance", 1e-30f, FLT_MAX, .zero = INFINITY,         \

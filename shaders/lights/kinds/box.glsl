@@ -14,7 +14,7 @@ float box_strength(light_set_block l, uint light, vec3 ray, out vec3 to_light) {
     return strength;
 }
 
-// To the face where the light enters.
+// The distance to the face where the light enters.
 float box_distance(light_set_block l, uint light, vec3 ray) {
     return l.set.lights.at[light].shape.size.z - dot(ray, l.set.lights.at[light].shape.direction);
 }

@@ -3,7 +3,7 @@
 #ifndef LIGHTS_KINDS_PUNCTUAL_GLSL
 #define LIGHTS_KINDS_PUNCTUAL_GLSL
 
-// `distance2`: of the ray, `ratio2`: the same in ranges, below 1.
+// `distance2`: squared length of `ray`; `ratio2`: the same in ranges, below 1.
 float punctual_strength(light_set_block l, uint light, uint kind, vec3 ray, float distance2, float ratio2, out vec3 to_light) {
     precise float inverse_distance = inversesqrt(distance2);
     to_light = ray * inverse_distance;

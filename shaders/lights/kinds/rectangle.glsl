@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rectangles, as kinds.glsl has area lights: spot_scale is half the width, the size of spot_offset half the height.
+// Rectangles, with the functions that kinds.glsl needs for area lights: spot_scale is half the width, abs(spot_offset) half the height.
 #ifndef LIGHTS_KINDS_RECTANGLE_GLSL
 #define LIGHTS_KINDS_RECTANGLE_GLSL
 

@@ -35,7 +35,7 @@ void main() {
         if (ray.w == 0.0) break;
         vec4 color = texelFetch(textures[push.colors[stored]], pixel, 0);
         vec3 to_light = ray.xyz;
-        // An area light's layer names it: its direction is not all there is to know.
+        // The layer of an area light has its index: the direction is not enough.
         if (LIGHTING_AREA_LIGHTS && color.a > 0.0) sum += color.rgb * ray.w * light_lobes(lights_of(l), l.scope.lights.directional_count + uint(color.a) - 1u, s, b, to_light);
         else sum += color.rgb * ray.w * layers_cos(s, b, to_light);
     }

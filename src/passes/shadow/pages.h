@@ -25,12 +25,12 @@
 #include "passes/shadow/split.h"
 #include "shadows/maps_shared.h"
 
-/** What a frame makes of struct shadow_state. */
+/** The part of struct shadow_state that a frame changes. */
 struct shadow_turn {
     uint32_t row_count;
     uint32_t turn;          /* which of the two of each buffer hold the pages */
     bool known;             /* the pages are in the atlas */
-    bool cleared;           /* the atlas is */
+    bool cleared;           /* the atlas is cleared */
     uint32_t kept;          /* frames that shadow_pages_again() was called in since */
     bool splits;            /* the frame had a split */
 };
@@ -73,7 +73,10 @@ struct shadow_pages {
     uint32_t row_count;
     uint32_t page_limit; /* room in `pages` */
 };
-/** Once a frame, after shadow_pages_prepare(). When the frame is submitted, `next` becomes state->last. All passes are on the graphics queue. With more rows than that prepared for: an error of the device. */
+/**
+ * Once a frame, after shadow_pages_prepare(). When the frame is submitted, `next` becomes state->last. All passes are on the graphics queue. More rows than
+ * prepared for are an error of the device.
+ */
 struct shadow_pages shadow_pages_add(struct graph *graph, gpu_device *device, const struct shadow_state *state,
                                      const struct shadow_pages_input *input, struct shadow_turn *next);
 /**

@@ -47,7 +47,7 @@ static void set_box(struct gpu_shape *s, struct gpu_entity_bounds *bounds, const
     bounds->radius = s->range;
 }
 
-/* The box that lists see holds all within its range of the rectangle. */
+/* The box for lists contains all points within the range of the rectangle. */
 static void set_rectangle(struct gpu_shape *s, struct gpu_entity_bounds *bounds, const fnl_light_params *light) {
     s->spot_scale = 0.5f * light->rectangle_size[0];
     s->spot_offset = light->two_sided ? -0.5f * light->rectangle_size[1] : 0.5f * light->rectangle_size[1];
@@ -56,7 +56,7 @@ static void set_rectangle(struct gpu_shape *s, struct gpu_entity_bounds *bounds,
     bounds->radius = s->range;
 }
 
-/* They get a shape with position, direction, side and range, and bounds that are the sphere of this range. NULL: that is all. */
+/* The shape already has position, direction, side and range; the bounds are the sphere of this range. NULL: nothing to add. */
 static void (*const set_shape[FNL_LIGHT_KIND_COUNT])(struct gpu_shape *, struct gpu_entity_bounds *, const fnl_light_params *) = {
     [FNL_LIGHT_SPOT] = set_cone, [FNL_LIGHT_CAPSULE] = set_capsule, [FNL_LIGHT_WEDGE] = set_wedge, [FNL_LIGHT_BOX] = set_box, [FNL_LIGHT_RECTANGLE] = set_rectangle,
 };
@@ -73,7 +73,7 @@ static float source_of(const fnl_light_params *light) {
     return light_kinds[light->kind].info.parallel ? tanf(light->source_angle) : light->source_radius;
 }
 
-/* At the light's beginning. */
+/* The shape is the first member of the light. */
 uint32_t device_light_shape(uint32_t slot) { return slot * (uint32_t)sizeof(struct gpu_light); }
 _Static_assert(offsetof(struct gpu_light, shape) == 0, "the shape begins the light");
 _Static_assert((uint64_t)SCENE_LOCAL_LIGHTS_MAX * sizeof(struct gpu_light) <= GPU_NO_SHAPE, "offsets of shapes have 32 bits");

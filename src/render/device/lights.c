@@ -176,7 +176,7 @@ static fnl_result send_profiles(struct device_scene *d) {
     return result;
 }
 
-/* Once a scene has an area light. */
+/* Uploads the lobe table once a scene has an area light. */
 static fnl_result send_lobes(struct device_scene *d) {
     if (d->lobes.buffer.size || !d->scene->has_area_lights) return FNL_OK;
     return device_array_set(d, GPU_USE_LIGHTS, "light lobes", &d->lobes, light_lobes, COUNT_OF(light_lobes), sizeof *light_lobes);

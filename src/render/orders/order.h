@@ -67,7 +67,7 @@ struct light_list order_add_surface_lists(struct frame_state *f, graph_image dep
 /** The view's lighting without lists: by all lights, or by the directional ones. */
 struct lighting order_light_by_all(struct frame_state *f);
 struct lighting order_light_by_suns(struct frame_state *f);
-/** Notes what f->stored.gbuffer takes, and what a pixel has beside it, as gbuffer.bytes. */
+/** Notes as gbuffer.bytes the size of f->stored.gbuffer plus `extra_bytes` for each pixel. */
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes);
 /** The local lights' volumes of a shape of volumes_shared.h. */
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape);

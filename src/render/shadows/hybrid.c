@@ -24,7 +24,7 @@ static bool may_probe(const fnl_frame *frame) { return frame->msaa == 1 && timed
 void shadow_hybrid_add(struct frame_state *f, const struct shadow_pages *pages, const struct shadow_fill *filled, const struct lighting *surfaces, graph_image depth) {
     const struct shadow_costs *costs = &f->r->shadows.costs;
     shadow_drawn_add(f->graph, pages, filled);
-    const bool asks = frame_is_dry(f); /* some frame will need the pipeline */
+    const bool asks = frame_is_dry(f); /* a later frame will need the pipeline */
     if (f->view_index == 0 && may_probe(f->frame) && (asks || shadow_costs_probe(costs))) shadow_probe_add(f->graph, pages, surfaces, depth, costs->frames);
     COUNTERS_COPY(f, pages->split_counts, 0, hybrid, split);
     counters_note(f, "shadows.page-rays", (uint64_t)lroundf(shadow_hybrid_page_rays(f->r, f->frame)));
