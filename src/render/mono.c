@@ -98,9 +98,9 @@ void mono_composite(struct frame_state *f) {
 }
 
 static const struct counter rows[] = {
-    {"stereo.pixels", "pixels", "that the view shades: an eye those nearer than stereo.mono-distance, the mono view those beyond it", COUNTED_SUM(mono, pixels[MONO_SHADED], 1),
+    {"stereo.pixels", "pixels", "shaded by the view: by an eye those nearer than stereo.mono-distance, by the mono view those beyond it", COUNTED_SUM(mono, pixels[MONO_SHADED], 1),
      .needs = "count-lights"},
-    {"stereo.pixels-spared", "pixels", "that it does not: an eye those beyond, sky too, the mono view those for which no eye looks at it", COUNTED_SUM(mono, pixels[MONO_SPARED], 1),
+    {"stereo.pixels-spared", "pixels", "not shaded by the view: by an eye those beyond stereo.mono-distance and the sky, by the mono view those that no eye needs", COUNTED_SUM(mono, pixels[MONO_SPARED], 1),
      .needs = "count-lights"},
 };
 static const struct counter_table counters_mono = COUNTER_TABLE_COUNTED(rows, mono);
