@@ -28,11 +28,14 @@ static bool collects(const struct frame_state *f) {
 /* Would the last frame, but for its jitter, have been this one? */
 static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
-    vec3 background = f->r->scene->background;
-    return !f->scene->moved && s->uploads == f->r->device_scene->upload_count && s->light_version == f->r->scene->light_version && s->shadow_requests == f->r->scene->shadow_requests &&
-           s->decal_version == f->r->scene->decal_version && s->probe_version == f->r->scene->probe_version && s->view.mask == view->mask &&
-           memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
-           memcmp(&s->background, &background, sizeof background) == 0 && options_equal(f->frame, &s->frame);
+    const fnl_scene *scene = f->r->scene;
+    fnl_frame last = s->frame;
+    last.jitter = f->frame->jitter;
+    last.reset_history = f->frame->reset_history;
+    return !f->scene->moved && s->uploads == f->r->device_scene->upload_count && s->light_version == scene->light_version &&
+           s->shadow_requests == scene->shadow_requests && s->decal_version == scene->decal_version && s->probe_version == scene->probe_version &&
+           s->view.mask == view->mask && memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
+           memcmp(&s->background, &scene->background, sizeof scene->background) == 0 && options_equal(f->frame, &last);
 }
 
 /* The jitter of the frame, with that of its place in the sequence of temporal antialiasing. */
