@@ -463,6 +463,9 @@ static void test_captures_are_counted_EN_24(void **state) {
         if (i == 10) assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){1, 2, 3}), FNL_OK);
         struct shot shot = stage_shoot(&s, &s.frame);
         assert_int_equal(counter(&shot.stats, "reflections.captures"), captures[i]);
+        static char plan[1 << 16];
+        assert_true(graph_print(s.renderer->graph, plan, sizeof plan) < sizeof plan);
+        assert_int_equal(strstr(plan, "reflections light") != NULL, captures[i] > 0); /* their diffuse light is gathered once */
         assert_int_equal(counter(&shot.stats, "reflections.faces"), 6 * captures[i]);
         assert_int_equal(counter(&shot.stats, "reflections.bytes"), (i < 4 ? 1 : 2) * (6 * 8 * (32 * 32 + 16 * 16 + 8 * 8) + sizeof(struct gpu_environment)));
         assert_true(count_differing(&plain.radiance, &shot.radiance) > 500 && at(&shot.radiance, 24 * 64 + 32)[0] > 0.1f);
