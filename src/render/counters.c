@@ -15,20 +15,6 @@ uint32_t counters_total(void) {
     return count;
 }
 
-uint64_t counters_place(const struct counter_table *table) {
-    uint64_t place = 0;
-    uint32_t shadings;
-    for (uint32_t t = 0; t < counter_table_count(); t++) {
-        const struct counter_table *before = counter_table_at(t, &shadings);
-        if (!before) continue;
-        if (before == table) break;
-        place += before->counts_size;
-    }
-    return place;
-}
-
-uint64_t counters_size(void) { return counters_place(NULL); }
-
 static const struct counter *find(const char *key) {
     uint32_t shadings;
     for (uint32_t t = 0; t < counter_table_count(); t++) {
@@ -124,16 +110,16 @@ static bool has_needs(const fnl_frame *frame, const char *needs) {
     return strcmp(value, "off") != 0 && strcmp(value, "0") != 0;
 }
 
-static bool query(const struct counted *counted, const struct counter_table *table, const struct counter *row, uint64_t *out) {
+/* `place`: of the table in the counts. */
+static bool query(const struct counted *counted, uint64_t place, const struct counter *row, uint64_t *out) {
     bool has_note = noted(counted, row, out);
     if (!has_needs(counted->frame, row->needs)) return false;
     if (row->find) return row->find(counted, out);
     if (row->size == 0) return has_note;
-    const uint64_t place = counters_place(table) + row->offset;
-    if (!counters_copied(counted, place)) return false;
+    if (!counters_copied(counted, place + row->offset)) return false;
     for (uint32_t i = 0; i < row->size; i += 4) {
         uint32_t word;
-        memcpy(&word, (const char *)counted->counts + place + i, sizeof word);
+        memcpy(&word, (const char *)counted->counts + place + row->offset + i, sizeof word);
         *out += word;
     }
     return true;
@@ -144,8 +130,9 @@ uint32_t counters_query(const struct counted *counted, fnl_counter *out) {
     uint64_t value;
     for (uint32_t t = 0; t < counter_table_count(); t++) {
         const struct counter_table *table = counter_table_at(t, &shadings);
+        const uint64_t place = counters_place(table);
         for (uint32_t i = 0; table && i < table->row_count && shadings >> counted->frame->shading & 1; i++) {
-            if (!query(counted, table, &table->rows[i], &value)) continue;
+            if (!query(counted, place, &table->rows[i], &value)) continue;
             out[count] = describe(&table->rows[i], shadings);
             out[count++].value = value;
         }

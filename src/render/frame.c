@@ -98,27 +98,10 @@ static fnl_result begin_far(struct group_state *g, const struct frame_parts *par
     return FNL_OK;
 }
 
-static void draw_view(struct frame_state *f) {
+/* Declares something under the names of the view. */
+static void add_named(struct frame_state *f, void (*add)(struct frame_state *f)) {
     push_view(f);
-    shading_draw(f);
-    pop_view(f);
-}
-
-static void open_view(struct frame_state *f) {
-    push_view(f);
-    mono_open(f);
-    pop_view(f);
-}
-
-static void light_view(struct frame_state *f) {
-    push_view(f);
-    steps_light_view(f);
-    pop_view(f);
-}
-
-static void finish_view(struct frame_state *f) {
-    push_view(f);
-    steps_finish_view(f);
+    add(f);
     pop_view(f);
 }
 
@@ -127,23 +110,20 @@ static void add_display(struct group_state *g) {
     const uint32_t count = g->group->count, far_count = g->group->has_far;
     struct frame_state *views = g->views, *far = &g->views[count];
     const char *name = graph_name(views->graph, "display %u", g->group->first / count);
-    for (uint32_t i = 0; i < count && g->group->together == 1; i++) draw_view(&views[i]);
-    for (uint32_t i = 0; i < count && far_count; i++) open_view(&views[i]);
-    if (far_count) draw_view(far);
-    if (far_count) open_view(far);
+    for (uint32_t i = 0; i < count && g->group->together == 1; i++) add_named(&views[i], shading_draw);
+    for (uint32_t i = 0; i < count && far_count; i++) add_named(&views[i], mono_open);
+    if (far_count) add_named(far, shading_draw);
+    if (far_count) add_named(far, mono_open);
     graph_push_names(views->graph, name);
     steps_begin_light(views, count + far_count);
     graph_pop_names(views->graph);
-    if (far_count) light_view(far);
-    for (uint32_t i = 0; i < count; i++) light_view(&views[i]);
+    if (far_count) add_named(far, steps_light_view);
+    for (uint32_t i = 0; i < count; i++) add_named(&views[i], steps_light_view);
     graph_push_names(views->graph, name);
     steps_end_light(views, count);
     graph_pop_names(views->graph);
-    for (uint32_t i = 0; i < count; i++) finish_view(&views[i]);
-    if (!far_count) return;
-    push_view(far);
-    outputs_add_counts(far);
-    pop_view(far);
+    for (uint32_t i = 0; i < count; i++) add_named(&views[i], steps_finish_view);
+    if (far_count) add_named(far, outputs_add_counts);
 }
 
 static void add_alone(struct frame_state *f, bool is_drawn) {

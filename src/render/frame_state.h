@@ -32,7 +32,7 @@ struct frame_temporal {
     vec2 jitter;          /* pixels right of and below their centres */
     uint32_t index;
     bool keeps, still; /* the last frame's history counts; and nothing has changed since */
-    bool same;         /* nor has the jitter: its pixels showed the same points */
+    bool same;         /* still, with the same jitter: pixels show the same points as in the last frame */
     uint32_t sequence;     /* frames before whose history counts, where shadows are denoised or guided */
     uint32_t still_frames; /* since something changed */
     graph_image motion;
