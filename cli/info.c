@@ -85,6 +85,9 @@ static void print_counts(const fnl_scene_info *info) {
                              fnl_value_name(FNL_ENUM_LIGHT_KIND, (fnl_light_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     print_count("lights", info->light_count, info->light_count ? note : "");
+    if (info->light_threshold > 0)
+        snprintf(note, sizeof note, "(cut where they give less than %.3g lx)", info->light_threshold);
+    if (info->unlimited_light_count) print_count("  no range", info->unlimited_light_count, info->light_threshold > 0 ? note : "(they light everything)");
     used = 0;
     for (int i = 0; i < FNL_DECAL_KIND_COUNT; i++)
         if (info->decal_kind_counts[i])
@@ -192,7 +195,7 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
                (double)light.color[0], (double)light.color[1], (double)light.color[2]);
         if (kind->has_position) printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
         if (kind->has_range && isinf(light.range))
-            printf("  range derived");
+            printf("  no range");
         else if (kind->has_range)
             printf("  range %.4g m", (double)light.range);
         for (uint32_t k = 0; k < kind->member_count; k++) print_light_member(&light, &kind->members[k]);
@@ -298,6 +301,7 @@ static json_t *json_counts(const fnl_scene_info *info) {
     json_object_set_new(object, "materials", json_count(info->material_count));
     json_object_set_new(object, "images", json_count(info->image_count));
     json_object_set_new(object, "lights", json_count(info->light_count));
+    json_object_set_new(object, "unlimited_lights", json_count(info->unlimited_light_count));
     json_object_set_new(object, "decals", json_count(info->decal_count));
     json_object_set_new(object, "probes", json_count(info->probe_count));
     json_object_set_new(object, "cameras", json_count(info->camera_count));
@@ -401,6 +405,7 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     bool empty = info->bounds_low.x > info->bounds_high.x;
     json_object_set_new(root, "source", json_text(source));
     json_object_set_new(root, "counts", json_counts(info));
+    json_object_set_new(root, "light_threshold", info->light_threshold > 0 ? json_real(info->light_threshold) : json_null());
     json_object_set_new(
         root, "extent",
         empty ? json_null()

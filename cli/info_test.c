@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "fanal/fanal.h"
 #include "command_capture.h"
 #include "commands.h"
 
@@ -39,7 +40,7 @@ static void test_text(void **state) {
         "  nodes                   3\n",
         "  spot                 7 cd ",
         "range 3 m  inner cone 0.0 degrees  cone 45.0 degrees  bulb\n",
-        "range derived\n",
+        "no range\n",
         "front",
         "  KHR_lights_punctual                   used      full\n",
         "  ACME_odd                              used      ignored\n",
@@ -114,6 +115,8 @@ static void test_json(void **state) {
     assert_string_equal(json_string_value(json_object_get(json_array_get(list, 0), "kind")), "spot");
     assert_true(json_number_value(json_object_get(json_array_get(list, 0), "range")) == 3);
     assert_true(json_is_null(json_object_get(json_array_get(list, 1), "range")));
+    assert_int_equal(json_integer_value(json_object_get(counts, "unlimited_lights")), 1);
+    assert_true(json_is_null(json_object_get(root, "light_threshold")));
     assert_true(json_number_value(json_array_get(json_object_get(json_array_get(list, 0), "position"), 2)) == 3);
     assert_true(json_is_null(json_object_get(root, "extent")));
     assert_int_equal(json_array_size(json_object_get(root, "warnings")), 2);
@@ -125,6 +128,26 @@ static void test_json(void **state) {
     assert_int_equal(json_array_size(json_object_get(root, "materials")), 2);
     assert_string_equal(json_string_value(json_array_get(json_object_get(root, "materials"), 0)), "oak");
     assert_int_equal(json_array_size(json_object_get(root, "meshes")), 0);
+    json_decref(root);
+}
+
+/* One light more than can be unlimited. */
+static void test_lights_that_are_cut(void **state) {
+    UNUSED(state);
+    char file[8192];
+    int used = snprintf(file, sizeof file, "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":"
+                                           "[{\"type\":\"point\"}]}},\"scenes\":[{\"nodes\":[0");
+    for (int i = 1; i <= FNL_UNLIMITED_LIGHTS_MAX; i++) used += snprintf(file + used, sizeof file - (size_t)used, ",%d", i);
+    used += snprintf(file + used, sizeof file - (size_t)used, "]}],\"nodes\":[");
+    for (int i = 0; i <= FNL_UNLIMITED_LIGHTS_MAX; i++)
+        used += snprintf(file + used, sizeof file - (size_t)used, "%s{\"translation\":[%d,0,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}", i ? "," : "", i);
+    snprintf(file + used, sizeof file - (size_t)used, "]}");
+    save("many.gltf", file);
+    assert_int_equal(run("many.gltf"), 0);
+    assert_non_null(strstr(out, "no range             65  (cut where they give less than 0.000122 lx)")); /* 3 * 65 / 32^2 / 1024, rounded down to 2^-13 */
+    assert_int_equal(run("many.gltf --json"), 0);
+    json_t *root = json_loads(out, 0, NULL);
+    assert_true(fabs(json_number_value(json_object_get(root, "light_threshold")) - 0x1p-13) < 1e-9);
     json_decref(root);
 }
 
@@ -175,6 +198,6 @@ static int remove_folder(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_json), cmocka_unit_test(test_variants), cmocka_unit_test(test_metadata),
-                                       cmocka_unit_test(test_errors), cmocka_unit_test(test_gbuffers_MP_20_MP_24)};
+                                       cmocka_unit_test(test_lights_that_are_cut), cmocka_unit_test(test_errors), cmocka_unit_test(test_gbuffers_MP_20_MP_24)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -131,11 +131,12 @@ char *report_text(const struct render_report *r, bool line) {
     const fnl_scene_info *scene = &r->scene;
     double gpu = report_summarise(r->gpu_times, r->frame_count).median;
     json_t *json = json_pack(
-        "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f,s:o},s:o,s:i,s:o}",
+        "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f,s:o},s:o,s:i,s:o}",
         "version", FORMAT_VERSION, "program", "version", fnl_version(), "commit", program_commit, "device", "name",
         r->device.name, "driver", r->device.driver, "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, r->device.type), "scene", "source",
         json_text(r->options->world.scene), "triangles", integer(scene->triangle_count), "instances", integer(scene->instance_count), "lights",
-        integer(s->lights_total), "decals", integer(scene->decal_count), "meshes", integer(scene->mesh_count), "materials",
+        integer(s->lights_total), "unlimited_lights", integer(scene->unlimited_light_count), "light_threshold",
+        scene->light_threshold > 0 ? json_real(scene->light_threshold) : json_null(), "decals", integer(scene->decal_count), "meshes", integer(scene->mesh_count), "materials",
         integer(scene->material_count), "images", integer(scene->image_count), "animations",
         integer(scene->animation_count), "settings", report_settings(r->options), "view", make_view(r), "passes",
         make_passes(r), "frame", "gpu_ms_median", measured(r->device.timestamps, gpu), "cpu_ms_median",

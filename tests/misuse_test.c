@@ -614,7 +614,7 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_scene_set_light_hull", "count is 3, must be 4 .. 64",
          fnl_scene_set_light_hull(w.scene, w.light, (const fnl_vec3[3]){{0}}, 3));
     SAYS("fnl_scene_set_light_cutoff", "min_roughness is 2, must be 0 .. 1", fnl_scene_set_light_cutoff(w.scene, 2, 1));
-    SAYS("fnl_scene_set_light_cutoff", "threshold is NaN, must be above 0 lux and finite",
+    SAYS("fnl_scene_set_light_cutoff", "threshold is NaN, must be at least 0 lux and finite",
          fnl_scene_set_light_cutoff(w.scene, 1, NAN));
     SAYS("fnl_scene_set_ambient", "ground.y is -1, must be at least 0 cd/m^2 and finite",
          fnl_scene_set_ambient(w.scene, (fnl_vec3){0}, (fnl_vec3){0, -1, 0}));

@@ -36,6 +36,9 @@ typedef enum fnl_shadow_update {
     FNL_SHADOW_UPDATE_COUNT
 } fnl_shadow_update;
 
+/** If a scene has more lights without a range, all of these end somewhere (fnl_scene_set_light_cutoff). */
+#define FNL_UNLIMITED_LIGHTS_MAX 64
+
 typedef struct fnl_light_params {
     fnl_light_kind kind; /**< default point */
     fnl_vec3 position;   /**< metres; apex of spots and wedges, middle of capsules, boxes and rectangles; not for directional lights */
@@ -49,7 +52,7 @@ typedef struct fnl_light_params {
     float intensity;
     /**
      * Distance from the position (capsules: from the segment, rectangles: from their nearest point) beyond which the light contributes exactly zero, metres, > 0;
-     * INFINITY (the default) derives it from the intensity (fnl_light_range). Not for directional lights and boxes.
+     * INFINITY (the default): no limit, as in glTF; but see fnl_scene_set_light_cutoff(). Not for directional lights and boxes.
      */
     float range;
     float inner_cone_angle; /**< half angle of full intensity, radians, 0 .. outer; default 0 */
@@ -141,8 +144,13 @@ FNL_API fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light
  */
 FNL_API float fnl_light_range(const fnl_light_params *params, float min_roughness, float threshold);
 /**
- * Sets the arguments of fnl_light_range for lights whose range is INFINITY: the lowest roughness whose highlights must not
- * be cut off, 0 .. 1 (default 1), and the threshold in lux, > 0 (default 0.05).
+ * How far lights whose range is INFINITY reach. With a threshold of 0 (the default), up to FNL_UNLIMITED_LIGHTS_MAX of them light everything, at any
+ * distance. If a scene has more, each ends where it gives less than a threshold that they share: 1/1024 of the illuminance that all of them together give the
+ * scene on average, were there no shadows, rounded down to a power of two. It depends on the scene's bounds and on these lights, and on nothing else;
+ * fnl_scene_query_info() has it.
+ *
+ * A threshold above 0, in lux, ends all of them at fnl_light_range() instead. `min_roughness`, 0 .. 1, is the lowest roughness whose highlights must not be
+ * cut off; a threshold of 0 ignores it.
  */
 FNL_API fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold);
 

@@ -48,6 +48,8 @@ typedef struct fnl_scene_info {
     uint64_t instance_count; /**< visible instances that have a mesh */
     uint32_t light_count;    /**< of all kinds, including those of hidden nodes */
     uint32_t light_kind_counts[FNL_LIGHT_KIND_COUNT];
+    uint32_t unlimited_light_count; /**< lights whose range is INFINITY, including those of hidden nodes */
+    double light_threshold;         /**< the illuminance at which these lights end, lux; 0: they have no limit (fnl_scene_set_light_cutoff) */
     uint32_t decal_count; /**< of all kinds */
     uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
     uint32_t probe_count;

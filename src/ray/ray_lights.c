@@ -39,8 +39,7 @@ fnl_result ray_lights_create(struct ray_scene *s) {
             const struct scene_light *light = &scene->lights.data[i];
             if (!scene_light_shines(light) || (light->node != SCENE_NONE && !scene->nodes.data[light->node].active)) continue;
             if ((light->params.kind == FNL_LIGHT_DIRECTIONAL) != suns) continue;
-            double range = (double)fnl_light_range(&light->params, scene->cutoff_roughness, scene->cutoff_illuminance);
-            struct ray_light made = ray_light_make(&light->params, range, light->hull);
+            struct ray_light made = ray_light_make(&light->params, (double)light_effective_range(light), light->hull);
             made.profile = scene_light_profile(scene, &light->params);
             if (dvec3_max(made.color) > 0 && !array_push(&scene->host, &s->lights, made)) return FNL_ERROR_MEMORY;
         }

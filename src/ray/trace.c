@@ -186,6 +186,7 @@ fnl_result fnl_scene_trace(const fnl_scene *scene, const fnl_trace_params *param
     /* Neither is a property of the scene: each picture chooses its own. */
     scene_choose_levels((fnl_scene *)scene, &trace.params->camera);
     fnl_result result = scene_set_stage((fnl_scene *)scene, trace.params->studio, trace.params->ground);
+    scene_follow_reach((fnl_scene *)scene);
     if (result == FNL_OK) result = run(&trace, scene, jobs, out);
     jobs_destroy(&jobs);
     if (result != FNL_OK) {

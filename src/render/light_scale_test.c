@@ -5,14 +5,13 @@
 
 enum { WIDTH = 40, HEIGHT = 24, POWER = 20 };
 
-/* All that gives light. Lights have a range: without one they reach as far as their light can be seen. */
+/* All that gives light. */
 static void scale_lights(fnl_scene *scene, float factor) {
     fnl_entity_info entity;
     fnl_light_params light;
     for (uint32_t i = 0; i < fnl_scene_count(scene, FNL_ENTITY_LIGHT); i++) {
         assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_LIGHT, i, &entity), FNL_OK);
         assert_int_equal(fnl_scene_query_light(scene, i, &light), FNL_OK);
-        if (!isfinite(light.range)) light.range = 30;
         light.intensity *= factor;
         assert_int_equal(fnl_scene_set_light(scene, entity.id.light, &light), FNL_OK);
     }

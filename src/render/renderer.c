@@ -365,6 +365,7 @@ static void settle_samples(fnl_renderer *r, fnl_frame *frame) {
 
 fnl_result renderer_settle(fnl_renderer *r, fnl_frame *frame) {
     TRY(scene_set_stage(r->scene, frame->studio, frame->ground));
+    scene_follow_reach(r->scene);
     renderer_settle_views(frame);
     shadows_settle(r, frame);
     settle_samples(r, frame);

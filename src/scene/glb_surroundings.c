@@ -124,7 +124,7 @@ void glb_save_surroundings(struct glb *g) {
     save_probes(g);
     const uint32_t decals = other_decals(g);
     if (decals) glb_left_out(g, "%u decals that were added, changed or removed", decals);
-    if (now->cutoff_roughness != LIGHT_CUTOFF_ROUGHNESS || now->cutoff_illuminance != LIGHT_CUTOFF_ILLUMINANCE)
+    if (now->cutoff_illuminance > 0)
         glb_left_out(g, "how far lights without a range reach (fnl_scene_set_light_cutoff)");
     if (now->anisotropy != 8) glb_left_out(g, "the anisotropy of textures");
 }

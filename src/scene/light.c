@@ -13,8 +13,8 @@ float fnl_light_range(const fnl_light_params *light, float min_roughness, float 
     return fminf(sqrtf(light->intensity * brightest * gain / threshold), 1e18f); /* its square must be finite */
 }
 
-float light_effective_range(const fnl_light_params *light) {
-    return fnl_light_range(light, LIGHT_CUTOFF_ROUGHNESS, LIGHT_CUTOFF_ILLUMINANCE);
+float light_effective_range(const struct scene_light *light) {
+    return light_is_unlimited(light) ? light->reach : fnl_light_range(&light->params, 1, 1);
 }
 
 vec3 light_up(vec3 direction, vec3 up) {
@@ -226,7 +226,7 @@ fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, flo
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
     TRY(check_range(call, "min_roughness", (double)min_roughness, 0, 1, ""));
-    TRY(check_above(call, "threshold", (double)threshold, 0, (double)FLT_MAX, " lux"));
+    TRY(check_range(call, "threshold", (double)threshold, 0, (double)FLT_MAX, " lux"));
     scene->cutoff_roughness = min_roughness;
     scene->cutoff_illuminance = threshold;
     scene_lights_changed(scene);

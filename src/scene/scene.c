@@ -18,8 +18,8 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->host = resolved;
     arena_init(&scene->arena, &scene->host, (size_t)256 << 10);
     scene->source = arena_string(&scene->arena, source);
-    scene->cutoff_roughness = LIGHT_CUTOFF_ROUGHNESS;
-    scene->cutoff_illuminance = LIGHT_CUTOFF_ILLUMINANCE;
+    scene->cutoff_roughness = 1;
+    scene->reach.structure_version = UINT64_MAX;
     scene->anisotropy = 8;
     scene->stage = (struct scene_stage){.node = SCENE_NONE, .mesh = SCENE_NONE, .material = SCENE_NONE, .placed_version = UINT64_MAX};
     struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
@@ -80,6 +80,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->free_probes);
     array_free(&host, &scene->light_slots);
     array_free(&host, &scene->free_light_slots);
+    array_free(&host, &scene->unlimited);
     array_free(&host, &scene->suns);
     array_free(&host, &scene->changed_slots);
     arena_finish(&scene->arena);

@@ -272,10 +272,18 @@ struct scene_light {
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
     uint32_t slot;           /* of a local light, from when it is added until it is removed; else SCENE_NONE */
+    uint32_t unlimited_at;   /* its place in fnl_scene.unlimited; else SCENE_NONE */
+    float reach;             /* metres; instead of a range, see scene_follow_reach() */
     uint32_t shadow_request; /* fnl_shadow_update: another number is another request */
     bool removed;
     bool staged;   /* `removed` for all public calls, but it shines: a part of the stage */
     bool animated; /* within animation_apply: it has new values */
+};
+
+/* What scene_follow_reach() knew of the scene. */
+struct scene_reach {
+    struct box bounds;
+    uint64_t structure_version, transform_version, light_version; /* structure_version UINT64_MAX: nothing */
 };
 
 /* A place in the array of local lights on the device. Caches may key on the place and its light's generation. */
@@ -398,7 +406,8 @@ struct fnl_scene {
     struct scene_stage stage;
     float anisotropy;                           /* of mipmapped textures, 1 .. 16 */
     float texture_bias;                         /* levels of detail added to theirs, -16 .. 16 */
-    float cutoff_roughness, cutoff_illuminance; /* of lights without a range */
+    float cutoff_roughness, cutoff_illuminance; /* of lights without a range; an illuminance of 0: automatic */
+    struct scene_reach reach;
     uint32_t next_generation;
     uint32_t hull_plane_count; /* of all lights */
 
@@ -429,6 +438,7 @@ struct fnl_scene {
     bool has_requested;               /* some light's shadow maps were drawn on request at some time */
     uint32_t shadow_requests;         /* numbers of requests that were given */
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
+    ARRAY(uint32_t) unlimited;        /* lights without a range, in any order */
 
     ARRAY(uint32_t) free_nodes, free_lights, free_decals, free_probes; /* the holes */
     uint64_t nodes_placed; /* by scene_move_nodes since the scene was made, also those that stayed where they were; tests count its work */
@@ -566,11 +576,14 @@ void scene_node_edited(fnl_scene *scene, uint32_t node);
 struct box scene_tree_bounds(const fnl_scene *scene, uint32_t root, bool alone);
 /** World-space bounds of all active instances (skinned meshes by their bind pose moved by the joints' boxes). */
 struct box scene_bounds(const fnl_scene *scene);
-/* Of a scene that says nothing else (fnl_scene_set_light_cutoff). */
-#define LIGHT_CUTOFF_ROUGHNESS 1.0f
-#define LIGHT_CUTOFF_ILLUMINANCE 0.05f /* lux */
-/** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range), with the default cutoff. */
-float light_effective_range(const fnl_light_params *light);
+/** Finds how far lights without a range reach in the scene as it is now, and marks those for which this changes. Costs nothing when all stays. */
+void scene_follow_reach(fnl_scene *scene);
+/** The illuminance at which lights without a range end, in lux, in a scene with these bounds; 0: they have no end. */
+double scene_light_threshold(const fnl_scene *scene, const struct box *bounds);
+/** Whether it shines and has no range. */
+bool light_is_unlimited(const struct scene_light *light);
+/** The distance beyond which a light gives nothing: its range, or its reach. */
+float light_effective_range(const struct scene_light *light);
 /** `up` at right angles to a unit direction, unit; where it is parallel, another axis. */
 vec3 light_up(vec3 direction, vec3 up);
 

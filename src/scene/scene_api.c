@@ -304,6 +304,8 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .image_count = scene->images.count,
         .node_count = scene_entity_count(scene, FNL_ENTITY_INSTANCE),
         .light_count = scene_entity_count(scene, FNL_ENTITY_LIGHT),
+        .unlimited_light_count = scene->unlimited.count,
+        .light_threshold = scene->unlimited.count ? scene_light_threshold(scene, &bounds) : 0,
         .decal_count = scene->decals.count - scene->free_decals.count,
         .probe_count = scene->probes.count - scene->free_probes.count,
         .camera_count = scene->cameras.count,

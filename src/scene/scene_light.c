@@ -27,7 +27,7 @@ fnl_result scene_reserve_lights(fnl_scene *scene, uint32_t count) {
     }
     bool room = lights < SCENE_NONE && array_reserve(host, &scene->lights, lights) &&
                 array_reserve(host, &scene->light_slots, slots) && array_reserve(host, &scene->free_light_slots, slots) &&
-                array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + count);
+                array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + count) && array_reserve(host, &scene->unlimited, lights);
     if (!room) log_error(host, "%s: no memory for %u more lights", scene->source, count);
     return room ? FNL_OK : FNL_ERROR_MEMORY;
 }
@@ -85,6 +85,22 @@ static void list_sun(fnl_scene *scene, uint32_t light, bool is_sun) {
     }
 }
 
+/* Puts a light without a range into the list of those, or takes it out. */
+static void list_unlimited(fnl_scene *scene, uint32_t index) {
+    struct scene_light *light = &scene->lights.data[index];
+    const bool is = light_is_unlimited(light), was = light->unlimited_at != SCENE_NONE;
+    if (is == was) return;
+    if (is) {
+        light->unlimited_at = scene->unlimited.count;
+        scene->unlimited.data[scene->unlimited.count++] = index;
+        return;
+    }
+    const uint32_t last = scene->unlimited.data[--scene->unlimited.count];
+    scene->unlimited.data[light->unlimited_at] = last;
+    scene->lights.data[last].unlimited_at = light->unlimited_at;
+    light->unlimited_at = SCENE_NONE;
+}
+
 /* Gives a light what it lacks of a place and takes what it no longer needs. Room is reserved. */
 static void place_light(fnl_scene *scene, uint32_t index) {
     struct scene_light *light = &scene->lights.data[index];
@@ -93,6 +109,7 @@ static void place_light(fnl_scene *scene, uint32_t index) {
     scene_use_light_masks(scene, light->params.mask != 255 || light->params.contact_scale != 1);
     scene->has_requested |= light->params.shadow_update == FNL_SHADOW_UPDATE_ON_REQUEST;
     list_sun(scene, index, directional && scene_light_shines(light));
+    list_unlimited(scene, index);
     bool local = !directional && scene_light_shines(light);
     uint32_t slot = light->slot;
     if (slot == SCENE_NONE && local) {
@@ -134,7 +151,7 @@ void scene_lights_edited(fnl_scene *scene, const fnl_light_id *lights, uint32_t 
 
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
     struct scene_light light = {
-        .params = *params, .node = node, .slot = SCENE_NONE, .generation = scene_take_generation(scene), .shadow_request = scene->shadow_requests++};
+        .params = *params, .node = node, .slot = SCENE_NONE, .unlimited_at = SCENE_NONE, .reach = 1e18f, .generation = scene_take_generation(scene), .shadow_request = scene->shadow_requests++};
     if (node != SCENE_NONE) pose_light(scene, &light);
     uint32_t index;
     if (scene_reserve_lights(scene, 1) != FNL_OK) return SCENE_NONE;

@@ -124,7 +124,7 @@ picked 'Escape' nothing.tsv nothing '' ''
 
 # ---- the panel of lights: what a light is, several at once, on and off ----
 
-{ printf 'panel lights\nclick 0 lamp\nclick kind\nclick spot\nclick range from intensity\nreport spot.tsv\n'
+{ printf 'panel lights\nclick 0 lamp\nclick kind\nclick spot\nclick no range limit\nreport spot.tsv\n'
   printf 'key 341 down 2\nclick 1 beam\nkey 341 up 0\nclick casts shadows\nclick on\nreport off.tsv\nclick 0 lamp\nreport lamp-off.tsv\nclick on\nreport lamp-on.tsv\n'; } >panel.txt
 replay panel scene.gltf --camera 0 --size 640x360 --scale 0.5
 [ "$(field spot.tsv picked_light 1)" = spot ] || fail "its kind is $(field spot.tsv picked_light 1)"

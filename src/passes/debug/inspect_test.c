@@ -20,7 +20,7 @@ static fnl_pixel_info ask(fnl_renderer *renderer, const fnl_frame *frame, uint32
 /* Whether a light reaches a point: 1 yes, 0 no, -1 too close to tell. */
 static int reaches(const fnl_light_params *light, fnl_vec3 p) {
     const double d[3] = {(double)p.x - (double)light->position.x, (double)p.y - (double)light->position.y, (double)p.z - (double)light->position.z};
-    const double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), range = (double)light_effective_range(light);
+    const double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), range = (double)fnl_light_range(light, 1, 0.05f);
     if (fabs(distance / range - 1) < 1e-4) return -1;
     if (distance > range || light->intensity <= 0) return 0;
     if (light->kind != FNL_LIGHT_SPOT) return 1;

@@ -207,7 +207,7 @@ static void test_answers(void **state) {
         assert_true((a->reaches != 0) == (got > 0));
         assert_true(isfinite(got) && got >= 0);
         /* Exactly nothing from the range on, nor outside of the hull. */
-        double distance = distance_of(l, p), range = (double)light_effective_range(l);
+        double distance = distance_of(l, p), range = (double)fnl_light_range(l, 1, 0.05f);
         double rounding = 2e-6 * range + 1e-6 * sqrt(light_dot(p, p));
         if (distance >= range + rounding) {
             assert_true(got == 0);

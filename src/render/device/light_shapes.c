@@ -80,7 +80,7 @@ _Static_assert((uint64_t)SCENE_LOCAL_LIGHTS_MAX * sizeof(struct gpu_light) <= GP
 
 static void set_volume(const fnl_light_params *light, uint32_t slot, struct gpu_light *g, struct gpu_entity_bounds *bounds) {
     struct gpu_shape *s = &g->shape;
-    s->range = light_effective_range(light);
+    s->range = light->range;
     if (!(s->range > 0)) s->range = 1e-6f;
     bounds->radius = s->range;
     if (light_kinds[light->kind].info.has_direction) {

@@ -25,7 +25,7 @@ static void set_hull(struct gpu_shape *s, struct gpu_entity_bounds *bounds, cons
 static void light_of(const fnl_scene *scene, const struct scene_light *light, uint32_t slot, struct gpu_light *out,
                      struct gpu_entity_bounds *out_bounds) {
     fnl_light_params params = light->params;
-    if (isinf(params.range)) params.range = fnl_light_range(&params, scene->cutoff_roughness, scene->cutoff_illuminance);
+    params.range = light_effective_range(light);
     device_light(&params, slot, out, out_bounds);
     const struct light_profile *profile = scene_light_profile(scene, &params);
     if (!profile) return;

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * How far lights without a range reach in their scene. Up to FNL_UNLIMITED_LIGHTS_MAX of them have no limit: their range is so far beyond everything that its
+ * fade shows nowhere. Of more, each ends where its illuminance falls below a threshold that all share.
+ */
+#include "scene/light_kinds.h"
+#include "scene/scene.h"
+
+static const double FADE_ROOM = 64;      /* unlimited lights: the range over the distance of the farthest point, at least; the fade is 2 / 64^4 there */
+static const double SHARE = 1.0 / 1024;  /* the threshold over the mean illuminance that all these lights together give without shadows */
+static const double FARTHEST = 0x1p59;   /* the square of a range must be finite */
+
+bool light_is_unlimited(const struct scene_light *light) {
+    return scene_light_shines(light) && light_kinds[light->params.kind].info.has_range && isinf(light->params.range);
+}
+
+static double candela_of(const fnl_light_params *light) {
+    return (double)light->intensity * (double)fmaxf(light->color[0], fmaxf(light->color[1], light->color[2]));
+}
+
+/* The least power of two that is not below `distance` times FADE_ROOM, so that small changes of the scene change no light. */
+static float beyond(double distance) {
+    const double range = exp2(ceil(log2(fmax(distance, 1e-12) * FADE_ROOM)));
+    return (float)(range < FARTHEST ? range : FARTHEST);
+}
+
+static double farthest_in(const struct box *bounds, vec3 from) {
+    if (box_is_empty(bounds)) return 1;
+    const double x = fmax(fabs((double)bounds->low.x - (double)from.x), fabs((double)bounds->high.x - (double)from.x));
+    const double y = fmax(fabs((double)bounds->low.y - (double)from.y), fabs((double)bounds->high.y - (double)from.y));
+    const double z = fmax(fabs((double)bounds->low.z - (double)from.z), fabs((double)bounds->high.z - (double)from.z));
+    return sqrt(x * x + y * y + z * z);
+}
+
+/*
+ * A light of I cd gives a sphere of radius r round it 3 I / r^2 lx on average. The sphere is that round the scene and these lights; the light is the geometric
+ * mean, which a few very bright ones leave nearly as it is. Sums of integers, since the order of the list depends on how the scene was made.
+ */
+static double threshold_of(const fnl_scene *scene, const struct box *bounds) {
+    struct box around = *bounds;
+    int64_t exponents = 0;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->unlimited.count; i++) {
+        const fnl_light_params *light = &scene->lights.data[scene->unlimited.data[i]].params;
+        const double candela = candela_of(light);
+        box_add_point(&around, light->position);
+        if (!(candela > 0)) continue;
+        exponents += llround(log2(candela) * 65536);
+        count++;
+    }
+    if (count == 0) return 1;
+    const double x = (double)around.high.x - (double)around.low.x, y = (double)around.high.y - (double)around.low.y, z = (double)around.high.z - (double)around.low.z;
+    const double radius2 = fmax(0.25 * (x * x + y * y + z * z), 1e-24);
+    return exp2(floor(log2(SHARE * 3 * count / radius2) + (double)exponents / 65536 / count));
+}
+
+double scene_light_threshold(const fnl_scene *scene, const struct box *bounds) {
+    if (scene->cutoff_illuminance > 0) return (double)scene->cutoff_illuminance;
+    return scene->unlimited.count > FNL_UNLIMITED_LIGHTS_MAX ? threshold_of(scene, bounds) : 0;
+}
+
+/* Those that came or moved since it last knew them; what went leaves it as it is. False: it cannot say which. */
+static bool grow_bounds(fnl_scene *scene, struct scene_reach *reach) {
+    if (reach->structure_version < scene->edited_since || reach->transform_version < scene->moved_since) return false;
+    for (int list = 0; list < 2; list++) {
+        const uint32_t count = list ? scene->moved.count : scene->edited.count, *nodes = list ? scene->moved.data : scene->edited.data;
+        for (uint32_t i = 0; i < count; i++) {
+            const struct scene_node *node = &scene->nodes.data[nodes[i]];
+            const bool known = node->moved_version <= reach->transform_version && node->edited_version <= reach->structure_version;
+            if (known || !scene_node_draws(node) || node->staged) continue;
+            for (uint32_t k = 0; k < node->instance_count; k++) {
+                const mat4 world = node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+                const struct box box = box_transform(&scene->meshes.data[node->mesh].bounds, &world);
+                if (!box_is_empty(&box)) box_add_box(&reach->bounds, &box);
+            }
+        }
+    }
+    return true;
+}
+
+static float reach_of(const fnl_scene *scene, const fnl_light_params *light, double threshold) {
+    const float far = beyond(farthest_in(&scene->reach.bounds, light->position));
+    if (scene->cutoff_illuminance > 0) return fnl_light_range(light, scene->cutoff_roughness, scene->cutoff_illuminance);
+    return threshold > 0 ? fminf((float)sqrt(candela_of(light) / threshold), far) : far;
+}
+
+void scene_follow_reach(fnl_scene *scene) {
+    struct scene_reach *reach = &scene->reach;
+    const bool stands = reach->structure_version == scene->structure_version && reach->transform_version == scene->transform_version;
+    if (scene->unlimited.count == 0) {
+        reach->structure_version = UINT64_MAX;
+        return;
+    }
+    if (stands && reach->light_version == scene->light_version) return;
+    const bool anew = reach->structure_version == UINT64_MAX || scene->unlimited.count > FNL_UNLIMITED_LIGHTS_MAX;
+    if (!stands && (anew || !grow_bounds(scene, reach))) reach->bounds = scene_bounds(scene);
+    reach->structure_version = scene->structure_version;
+    reach->transform_version = scene->transform_version;
+    const double threshold = scene_light_threshold(scene, &reach->bounds);
+    for (uint32_t i = 0; i < scene->unlimited.count; i++) {
+        const uint32_t index = scene->unlimited.data[i];
+        const float now = reach_of(scene, &scene->lights.data[index].params, threshold);
+        if (scene->lights.data[index].reach == now) continue;
+        scene->lights.data[index].reach = now;
+        scene_light_changed(scene, index);
+    }
+    reach->light_version = scene->light_version;
+}
