@@ -19,6 +19,7 @@ static const struct {
              {"gbuffer", "gbuffer.layout"},
              {"shadows", "shadows"},
              {"contact-shadows", "shadow.contact-length"},
+             {"energy", "material.energy"},
              {"transparency", "transparency"},
              {"decals", "decals"},
              {"aa", "aa"},

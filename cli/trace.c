@@ -51,6 +51,7 @@ static void print_help(void) {
          "  --roulette                 ends long paths by chance: the same mean in less time, with more noise\n"
          "  --light-sampling on|off    send rays to bright parts of the environment and to glowing surfaces (on): the same\n"
          "                             mean with less noise\n"
+         "  --energy MODEL             energy model: gltf or conserving (gltf)\n"
          "  --seed S                   the random seed (1)\n");
     puts("Scene\n" WORLD_SCENE_HELP "\n"
          "Run\n"
@@ -81,6 +82,7 @@ enum {
     O_SUN_ANGLE,
     O_ROULETTE,
     O_LIGHT_SAMPLING,
+    O_ENERGY,
     O_SEED,
     O_THREADS,
 };
@@ -91,6 +93,7 @@ static bool has_extension(const char *path, const char *extension) {
 }
 
 static const char *tonemap_name(int value) { return fnl_value_name(FNL_ENUM_TONEMAP, (uint32_t)value); }
+static const char *energy_name(int value) { return fnl_value_name(FNL_ENUM_ENERGY, (uint32_t)value); }
 static const char *switch_name(int value) { return value == 0 ? "off" : value == 1 ? "on" : NULL; }
 static const char *aov_name(int value) { return value == 0 ? "visibility" : NULL; }
 
@@ -152,6 +155,10 @@ static bool parse_option(struct trace_options *o, int option, const char *value)
         good = argument_name("light-sampling", value, switch_name, &index);
         p->light_sampling = index == 1;
         break;
+    case O_ENERGY:
+        good = argument_name("energy", value, energy_name, &index);
+        p->energy = (fnl_energy)index;
+        break;
     case O_SEED:
         good = argument_integer("seed", value, 0, INT64_MAX, &integer);
         p->seed = (uint64_t)integer;
@@ -181,6 +188,7 @@ static const struct option long_options[] = {
     {"sun-angle", required_argument, NULL, O_SUN_ANGLE},
     {"roulette", no_argument, NULL, O_ROULETTE},
     {"light-sampling", required_argument, NULL, O_LIGHT_SAMPLING},
+    {"energy", required_argument, NULL, O_ENERGY},
     {"seed", required_argument, NULL, O_SEED},
     {"threads", required_argument, NULL, O_THREADS},
     WORLD_OPTIONS,

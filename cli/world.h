@@ -114,8 +114,7 @@ enum {
     "  --light-scale X            multiplies their radius (1). With one of these three options the N lights of a built-in scene\n" \
     "                             stand at random places too\n"                                                            \
     "  --ies FILE                 points and spots shine as the luminaire of a photometric file (.ies) does\n"              \
-    "  --range-roughness R        lights without a range end where they give 0.05 lx, highlights on surfaces of roughness\n" \
-    "                             R included (no limit for up to 64 of them)\n"                                            \
+    "  --range-roughness R        end lights without a range at 0.05 lx, keep highlights down to roughness R (off)\n"         \
     "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"         \
     "  --time SECONDS             time of the animation (0)\n"                                                              \
     "  --animation NAME|INDEX     which animation (0); or several with their weights: 0:0.3,run:0.7\n"                                                                  \

@@ -1,25 +1,24 @@
 // SPDX-License-Identifier: MIT
 // The metallic-roughness BRDF of glTF 2.0, appendix B: whole dielectric and metal lobes are mixed by metalness, Fresnel by
 // Schlick, Trowbridge-Reitz distribution, separable Smith visibility. Index of refraction and specular follow KHR_materials_ior and
-// KHR_materials_specular.
+// KHR_materials_specular. With LIGHTING_CONSERVING, a white surface in uniform light reflects all of it (energy_prepare() of energy.glsl).
 #ifndef BRDF_GLSL
 #define BRDF_GLSL
 
+#include "lighting/scopes.glsl"
+#include "roughness.glsl"
 #include "surface.glsl"
 
 // 0: the surface is no metal in any part.
 layout(constant_id = HAS_METAL_ID) const uint HAS_METAL = 1u;
-
-// Smallest squared roughness: a perfect mirror would show a point light nowhere.
-const float ALPHA_MIN = 1e-3;
-
-float alpha_of(float roughness) { return max(roughness * roughness, ALPHA_MIN); }
 
 // What does not change from light to light.
 struct brdf_view {
     vec3 to_view;      // unit, away from the surface
     float alpha2;
     float masking;     // |n.v| + sqrt(alpha2 + (1 - alpha2) (n.v)^2), times pi
+    float below;       // fraction of the light that enters the dielectric; only with LIGHTING_CONSERVING
+    vec3 between;      // diffuse reflectance of multiple scattering between microfacets; only with LIGHTING_CONSERVING
 };
 
 brdf_view brdf_prepare(surface s, vec3 to_view) {
@@ -65,18 +64,26 @@ bool brdf_lobes_of(vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes
     return true;
 }
 
-// f(l, v) * cos, of a light's lobes.
-vec3 brdf_cos_of(surface s, brdf_lobes lobes) {
-    precise vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5;
+// The part of a light that gets below the dielectric surface.
+float brdf_below(surface s, brdf_view b, brdf_lobes lobes) {
     precise vec3 taken = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below;
+    precise float below = 1.0 - max_component(taken);
+    return LIGHTING_CONSERVING ? b.below : below;
+}
+
+// f(l, v) * cos, of a light's lobes.
+vec3 brdf_cos_of(surface s, brdf_view b, brdf_lobes lobes) {
+    precise vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5;
+    precise vec3 dielectric = s.base_color * (brdf_below(s, b, lobes) * (1.0 / PI)) + fresnel * lobes.specular;
+    precise vec3 result;
     if (HAS_METAL == 0u) { // what the blend below gives for metalness 0
-        precise vec3 plain = (s.base_color * ((1.0 - max_component(taken)) * (1.0 / PI)) + fresnel * lobes.specular) * lobes.n_l;
-        return plain;
+        result = dielectric * lobes.n_l;
+    } else {
+        precise vec3 metal_fresnel = s.base_color + (1.0 - s.base_color) * lobes.m5;
+        precise vec3 metal = metal_fresnel * lobes.specular;
+        result = (dielectric + (metal - dielectric) * s.metallic) * lobes.n_l;
     }
-    precise vec3 metal_fresnel = s.base_color + (1.0 - s.base_color) * lobes.m5;
-    precise vec3 dielectric = s.base_color * ((1.0 - max_component(taken)) * (1.0 / PI)) + fresnel * lobes.specular;
-    precise vec3 metal = metal_fresnel * lobes.specular;
-    precise vec3 result = (dielectric + (metal - dielectric) * s.metallic) * lobes.n_l;
+    if (LIGHTING_CONSERVING) result += b.between * (lobes.n_l * (1.0 / PI));
     return result;
 }
 
@@ -84,16 +91,18 @@ vec3 brdf_cos_of(surface s, brdf_lobes lobes) {
 vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
     brdf_lobes lobes;
     if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return vec3(0.0);
-    return brdf_cos_of(s, lobes);
+    return brdf_cos_of(s, b, lobes);
 }
 
-// Reflection of light from all around, for the ambient term: analytic fit of the split-sum integral (Karis 2014,
-// "Physically Based Shading on Mobile").
+// Specular reflectance in uniform light, for the ambient term: f0 times x plus f90 times y. x + y is a fit of the reflectance of a white metal, within 0.02
+// except at grazing angles; y is that of Karis 2014, "Physically Based Shading on Mobile".
 vec2 environment_brdf(float roughness, float n_v) {
-    precise vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-    precise float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
-    precise vec2 fit = max(vec2(-1.04, 1.04) * a + r.zw, vec2(0.0)); // it goes below zero for rough surfaces
-    return vec2(fit.x, min(fit.y, 1.0 - fit.x));             // and above one for smooth ones at grazing angles
+    precise float r = roughness, n = n_v;
+    precise float lost = r * r * (1.8003 + n * (-1.9662 + n * (-1.3978 + n * 0.3372)) + r * (-3.8406 + n * (7.0593 + n * 0.6746) + r * (3.0845 - 4.405 * n - 0.6577 * r)));
+    precise float all = 1.0 - clamp(lost, 0.0, 1.0), smoothness = 1.0 - r;
+    precise float a = min(smoothness * smoothness, exp2(-9.28 * n)) * smoothness + 0.0425 - 0.0275 * r;
+    precise float grazing = clamp(1.04 * a + 0.022 * r - 0.04, 0.0, all);
+    return vec2(all - grazing, grazing);
 }
 
 #endif

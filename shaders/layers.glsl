@@ -6,8 +6,7 @@
 #ifndef LAYERS_GLSL
 #define LAYERS_GLSL
 
-#include "brdf.glsl"
-#include "environment.glsl"
+#include "energy.glsl"
 
 // What does not change from light to light; only `base` where the surface has no layers.
 struct layers_view {
@@ -34,17 +33,31 @@ vec3 lit_normal(surface s, vec3 to_light) {
     return lets_through(s) && dot(normal, to_light) < 0.0 ? -normal : normal;
 }
 
+// Reflectances of the dielectric part and of the metal, along the normal and at grazing angles. The film's reflectance serves as both f0 and f90.
+void filmed(surface s, layers_view b, out vec3 f0, out vec3 f90, out vec3 metal_f0, out vec3 metal_f90) {
+    f0 = mix(s.dielectric_f0, b.film_dielectric, s.layers.film);
+    f90 = mix(vec3(s.dielectric_f90), b.film_dielectric, s.layers.film);
+    metal_f0 = mix(s.base_color, b.film_metal, s.layers.film);
+    metal_f90 = mix(vec3(1.0), b.film_metal, s.layers.film);
+}
+
 // ---- lights ----
 
 layers_view layers_prepare(surface s, view_block v, vec3 to_view) {
     layers_view b;
+    if (!LIGHTING_LAYERS || !s.layered) {
+        b.base = energy_view(s, v, to_view);
+        return b;
+    }
     b.base = brdf_prepare(s, to_view);
-    if (!LIGHTING_LAYERS || !s.layered) return b;
     b.n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
     b.coat = coat_view(s, to_view);
     b.below_coat = coat_below(s, v, to_view);
     b.below_sheen = sheen_below(s, v, b.n_v);
     film_reflectances(s, b.n_v, b.film_dielectric, b.film_metal);
+    vec3 f0, f90, metal_f0, metal_f90;
+    filmed(s, b, f0, f90, metal_f0, metal_f90);
+    energy_prepare(s, v, b.n_v, f0, f90, metal_f0, metal_f90, b.base);
     stretched_prepare(s, to_view, b);
     return b;
 }
@@ -53,9 +66,12 @@ layers_view layers_prepare(surface s, view_block v, vec3 to_view) {
 vec3 layered_base_of(surface s, layers_view b, brdf_lobes lobes, vec3 to_light, float n_l) {
     vec3 fresnel = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5, b.film_dielectric, s.layers.film);
     vec3 taken = mix(s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below, b.film_dielectric, s.layers.film);
+    float below = LIGHTING_CONSERVING ? b.base.below : 1.0 - max_component(taken);
     vec3 metal = mix(s.base_color + (1.0 - s.base_color) * lobes.m5, b.film_metal, s.layers.film) * lobes.specular;
-    vec3 dielectric = s.base_color * ((1.0 - max_component(taken)) * (1.0 / PI) * opaque_part(s)) + fresnel * lobes.specular;
-    vec3 base = mix(dielectric, metal, s.metallic) * b.below_sheen;
+    vec3 dielectric = s.base_color * (below * (1.0 / PI) * opaque_part(s)) + fresnel * lobes.specular;
+    vec3 base = mix(dielectric, metal, s.metallic);
+    if (LIGHTING_CONSERVING) base += b.base.between * (1.0 / PI);
+    base *= b.below_sheen;
     if (max_component(s.layers.sheen_color) > 0.0) base += sheen_brdf(s, b.base.to_view, to_light, n_l, b.n_v);
     return base * lobes.n_l;
 }
@@ -115,20 +131,16 @@ vec3 area_cos(light_set_block l, uint light, surface s, layers_view b) {
         }
     }
     if (!(base.n_l > 0.0)) return sum;
-    if (!layered) return brdf_cos_of(s, base);
+    if (!layered) return brdf_cos_of(s, b.base, base);
     if (fans) base.specular = fan / (weights * base.n_l);
     return sum + layered_base_of(s, b, base, base_toward, max(dot(s.normal, base_toward), 1e-4)) * b.below_coat;
 }
 
 // ---- light from all around ----
 
-vec3 radiance_from(view_block v, vec3 direction, float lod) {
-    return LIGHTING_ENVIRONMENT ? environment_radiance(v, direction, lod) : ambient_radiance(v, normalize(direction));
-}
-
 // `through`: the part of what is behind that shows through the base.
 vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through) {
-    vec3 table = environment_reflectance(v, b.n_v, s.roughness), mirrored, around, taken;
+    vec3 table = environment_reflectance(v, b.n_v, s.roughness), mirrored, around;
     surface bent = s, coat = s;
     if (s.layers.anisotropy > 0.0) bent.normal = stretched_normal(s, b);
     coat.normal = s.layers.clearcoat_normal;
@@ -144,9 +156,10 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
                                                                  : radiance_from(v, lobe_direction(bent, b.base.to_view), table.z);
         around = AMBIENT_DIFFUSE(v, s.normal);
     }
-    // The film's reflectance holds for the whole lobe: as f0 and f90 in one.
-    vec3 f0 = mix(s.dielectric_f0, b.film_dielectric, s.layers.film), f90 = mix(vec3(s.dielectric_f90), b.film_dielectric, s.layers.film);
-    vec3 light = environment_lobe(f0, f90, table.xy, mirrored, around, taken);
+    vec3 f0, f90, metal_f0, metal_f90;
+    filmed(s, b, f0, f90, metal_f0, metal_f90);
+    energy_lobe lobe = energy_lobe_of(f0, f90, table.xy);
+    vec3 light = environment_lobe(lobe, mirrored, around);
     vec3 below = s.base_color * around;
     if (s.layers.diffuse_transmission > 0.0) {
         vec3 behind = LIGHTING_REFLECTIONS ? reflections_gather(v, s.position, -s.normal, s.light_mask, -s.normal, 0.0, s.normal, -1.0).diffuse : AMBIENT_DIFFUSE(v, -s.normal);
@@ -155,11 +168,10 @@ vec3 layers_environment(surface s, layers_view b, view_block v, out vec3 through
     through = vec3(0.0);
 #ifdef TRANSMISSION
     below *= 1.0 - s.layers.transmission;
-    through = s.base_color * ((1.0 - max_component(taken)) * (1.0 - s.metallic) * s.layers.transmission * b.below_sheen * b.below_coat);
+    through = s.base_color * ((1.0 - max_component(lobe.once + lobe.again)) * (1.0 - s.metallic) * s.layers.transmission * b.below_sheen * b.below_coat);
 #endif
-    light += below * (1.0 - max_component(taken));
-    f0 = mix(s.base_color, b.film_metal, s.layers.film), f90 = mix(vec3(1.0), b.film_metal, s.layers.film);
-    light = mix(light, environment_lobe(f0, f90, table.xy, mirrored, around, taken), s.metallic) * b.below_sheen;
+    light += below * energy_below(f0, f90, lobe, b.n_v);
+    light = mix(light, environment_lobe(energy_lobe_of(metal_f0, metal_f90, table.xy), mirrored, around), s.metallic) * b.below_sheen;
     light += s.layers.sheen_color * environment_sheen(v, b.n_v, s.layers.sheen_roughness) * around;
     if (s.layers.clearcoat <= 0.0) return light;
     table = environment_reflectance(v, clamp(dot(coat.normal, b.base.to_view), 0.0, 1.0), coat.roughness);

@@ -5,6 +5,7 @@
 
 #include "view.glsl"
 #include "brdf.glsl"
+#include "energy.glsl"
 #include "environment.glsl"
 #include "lighting/visibility.glsl"
 #include "lights/area.glsl"
@@ -31,17 +32,14 @@ vec3 ambient_diffuse(view_block v, vec3 normal) { return LIGHTING_ENVIRONMENT ? 
 #define AMBIENT_DIFFUSE(v, normal) ambient_diffuse(v, normal)
 #endif
 
-// Light from the environment on a lobe with this reflectance (environment_reflectance()). `mirrored`: what the lobe is aimed at; `around`: what a
-// white diffuse surface reflects. Light that is mirrored more than once comes from all around as well, and takes the lobe's colour each time
-// (Fdez-Agueera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting"). `taken`: the part that the lobe reflects.
-vec3 environment_lobe(vec3 f0, vec3 f90, vec2 reflectance, vec3 mirrored, vec3 around, out vec3 taken) {
-    precise vec3 once = f0 * reflectance.x + f90 * reflectance.y;
-    precise float rest = 1.0 - reflectance.x - reflectance.y;
-    precise vec3 mean = f0 + (f90 - f0) * (1.0 / 21.0);
-    precise vec3 again = once * mean * rest / (1.0 - mean * rest);
-    taken = once + again;
-    precise vec3 light = once * mirrored + again * around;
+// Light from the environment on a lobe. `mirrored`: radiance from the lobe's direction; `around`: radiance that a white diffuse surface reflects.
+vec3 environment_lobe(energy_lobe lobe, vec3 mirrored, vec3 around) {
+    precise vec3 light = lobe.once * mirrored + lobe.again * around;
     return light;
+}
+
+vec3 radiance_from(view_block v, vec3 direction, float lod) {
+    return LIGHTING_ENVIRONMENT ? environment_radiance(v, direction, lod) : ambient_radiance(v, normalize(direction));
 }
 
 // Where most of what a surface mirrors comes from: masked and shadowed microfacets bend a wide lobe towards the normal (Lagarde and de Rousiers 2014,
@@ -55,20 +53,21 @@ vec3 lobe_direction(surface s, vec3 to_view) {
 vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
     vec3 table = environment_reflectance(v, n_v, s.roughness);
     vec2 reflectance = table.xy;
-    vec3 mirrored, around, taken;
+    vec3 mirrored, around;
     if (LIGHTING_REFLECTIONS) {
         light_around light = reflections_gather(v, s.position, s.normal, s.light_mask, lobe_direction(s, to_view), table.z, s.normal, -1.0);
         mirrored = light.mirrored;
         around = light.diffuse;
     } else {
-        mirrored = environment_radiance(v, lobe_direction(s, to_view), table.z);
+        mirrored = radiance_from(v, lobe_direction(s, to_view), table.z);
         around = AMBIENT_DIFFUSE(v, s.normal);
     }
-    precise vec3 dielectric = environment_lobe(s.dielectric_f0, vec3(s.dielectric_f90), reflectance, mirrored, around, taken);
-    precise vec3 below = s.base_color * (1.0 - max_component(taken)) * around;
+    energy_lobe lobe = energy_lobe_of(s.dielectric_f0, vec3(s.dielectric_f90), reflectance);
+    precise vec3 dielectric = environment_lobe(lobe, mirrored, around);
+    precise vec3 below = s.base_color * energy_below(s.dielectric_f0, vec3(s.dielectric_f90), lobe, n_v) * around;
     precise vec3 light = dielectric + below;
     if (HAS_METAL == 0u) return light;
-    precise vec3 metal = environment_lobe(s.base_color, vec3(1.0), reflectance, mirrored, around, taken);
+    precise vec3 metal = environment_lobe(energy_lobe_of(s.base_color, vec3(1.0), reflectance), mirrored, around);
     precise vec3 mixed = mix(light, metal, s.metallic);
     return mixed;
 }
@@ -81,7 +80,7 @@ vec3 environment_light(surface s, view_block v, vec3 to_view, float n_v) {
 vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     if (LIGHTING_LAYERS && s.layered) return layers_rest(s, v, to_view, sum);
     float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
-    if (LIGHTING_ENVIRONMENT || LIGHTING_REFLECTIONS) {
+    if (LIGHTING_ENVIRONMENT || LIGHTING_REFLECTIONS || LIGHTING_CONSERVING) {
         precise vec3 lit = sum + environment_light(s, v, to_view, n_v) * s.occlusion + s.emissive;
         return lit;
     }
@@ -89,8 +88,7 @@ vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     precise vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
     precise float f90 = mix(s.dielectric_f90, 1.0, s.metallic);
     // What the dielectric's surface reflects from all around does not get below it.
-    precise float reflected = max_component(s.dielectric_f0 * environment.x + s.dielectric_f90 * environment.y);
-    precise vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - reflected);
+    precise vec3 diffuse = s.base_color * (1.0 - s.metallic) * energy_below(s.dielectric_f0, vec3(s.dielectric_f90), energy_lobe(vec3(0.0), vec3(0.0)), n_v);
     precise vec3 ambient = diffuse * AMBIENT_DIFFUSE(v, s.normal) +
                            (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
     precise vec3 result = sum + ambient * s.occlusion + s.emissive;

@@ -7,10 +7,8 @@
 
 static inline double light_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static inline double light_reference_range(const fnl_light_params *light) {
-    double brightest = fmax(light->color[0], fmax(light->color[1], light->color[2]));
-    return isinf(light->range) ? sqrt(light->intensity * brightest / 0.05) : (double)light->range;
-}
+/* Without a range a light has no limit. */
+static inline double light_reference_range(const fnl_light_params *light) { return isinf(light->range) ? 1e9 : (double)light->range; }
 
 /* side, up and direction, each unit. */
 static inline void light_axes(const fnl_light_params *light, double axes[3][3]) {

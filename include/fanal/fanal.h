@@ -8,6 +8,7 @@
 #include "fanal/compositor.h"
 #include "fanal/decal.h"
 #include "fanal/device.h"
+#include "fanal/energy.h"
 #include "fanal/environment.h"
 #include "fanal/frame.h"
 #include "fanal/gbuffer.h"

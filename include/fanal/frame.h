@@ -3,6 +3,7 @@
 #ifndef FANAL_FRAME_H
 #define FANAL_FRAME_H
 
+#include "fanal/energy.h"
 #include "fanal/gbuffer.h"
 #include "fanal/overlay.h"
 #include "fanal/pixel.h"
@@ -240,6 +241,8 @@ typedef struct fnl_frame {
     fnl_background background;
     /** FNL_BACKGROUND_BLUR: blur angle of the environment, radians, 0 .. pi. Default 0.35 (20 degrees). */
     float background_blur;
+    /** Default gltf. */
+    fnl_energy energy;
     /** Default sorted. */
     fnl_transparency transparency;
     /** Most surfaces in a pixel that show what is behind them (fnl_transmission_params), 1 .. 8: the nearest. Frames draw as many layers as the one

@@ -36,7 +36,7 @@ typedef enum fnl_shadow_update {
     FNL_SHADOW_UPDATE_COUNT
 } fnl_shadow_update;
 
-/** If a scene has more lights without a range, all of these end somewhere (fnl_scene_set_light_cutoff). */
+/** Largest number of lights without a range that stay unlimited; if there are more, all are cut off (fnl_scene_set_light_cutoff). */
 #define FNL_UNLIMITED_LIGHTS_MAX 64
 
 typedef struct fnl_light_params {
@@ -144,13 +144,15 @@ FNL_API fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light
  */
 FNL_API float fnl_light_range(const fnl_light_params *params, float min_roughness, float threshold);
 /**
- * How far lights whose range is INFINITY reach. With a threshold of 0 (the default), up to FNL_UNLIMITED_LIGHTS_MAX of them light everything, at any
- * distance. If a scene has more, each ends where it gives less than a threshold that they share: 1/1024 of the illuminance that all of them together give the
- * scene on average, were there no shadows, rounded down to a power of two. It depends on the scene's bounds and on these lights, and on nothing else;
- * fnl_scene_query_info() has it.
+ * Sets how far lights whose range is INFINITY reach.
  *
- * A threshold above 0, in lux, ends all of them at fnl_light_range() instead. `min_roughness`, 0 .. 1, is the lowest roughness whose highlights must not be
- * cut off; a threshold of 0 ignores it.
+ * Threshold 0, the default: up to FNL_UNLIMITED_LIGHTS_MAX such lights light everything, at any distance. If there are more,
+ * each light ends where its illuminance is below a shared threshold: 1/1024 of their combined average illuminance in the
+ * scene without shadows, rounded down to a power of two. It depends only on these lights and on the scene's bounds.
+ * fnl_scene_query_info() returns it.
+ *
+ * Threshold above 0, in lux: all such lights end at fnl_light_range(). `min_roughness`, 0 .. 1, is the lowest roughness whose
+ * highlights must not be cut off; a threshold of 0 ignores it.
  */
 FNL_API fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold);
 

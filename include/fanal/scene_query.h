@@ -49,7 +49,7 @@ typedef struct fnl_scene_info {
     uint32_t light_count;    /**< of all kinds, including those of hidden nodes */
     uint32_t light_kind_counts[FNL_LIGHT_KIND_COUNT];
     uint32_t unlimited_light_count; /**< lights whose range is INFINITY, including those of hidden nodes */
-    double light_threshold;         /**< the illuminance at which these lights end, lux; 0: they have no limit (fnl_scene_set_light_cutoff) */
+    double light_threshold;         /**< illuminance at which these lights end, lux; 0: they are unlimited (fnl_scene_set_light_cutoff) */
     uint32_t decal_count; /**< of all kinds */
     uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
     uint32_t probe_count;

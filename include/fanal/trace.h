@@ -46,6 +46,7 @@ typedef struct fnl_trace_params {
     bool light_sampling;
     uint64_t seed;     /**< of all chances; default 1 */
     bool visibility;   /**< wants fnl_trace.visibility; default false */
+    fnl_energy energy; /**< as in fnl_frame; default gltf */
     bool studio;       /**< as in fnl_frame, like the next three; default true */
     fnl_ground ground; /**< default auto */
     fnl_background background; /**< default auto */
@@ -63,7 +64,7 @@ typedef struct fnl_trace_params {
 
 static inline fnl_trace_params fnl_trace_params_default(void) {
     const fnl_trace_params params = {1280,  720, fnl_camera_default(),        1,                 0, true, INFINITY, INFINITY, false, true, 1,
-                                     false, true, FNL_GROUND_AUTO, FNL_BACKGROUND_AUTO, 0.35f, FNL_TONEMAP_KHRONOS_NEUTRAL, FNL_EXPOSURE_AUTO, 0, NULL, NULL};
+                                     false, FNL_ENERGY_GLTF, true, FNL_GROUND_AUTO, FNL_BACKGROUND_AUTO, 0.35f, FNL_TONEMAP_KHRONOS_NEUTRAL, FNL_EXPOSURE_AUTO, 0, NULL, NULL};
     return params;
 }
 

@@ -38,6 +38,7 @@ typedef enum fnl_enum {
     FNL_ENUM_ANTIALIASING,     /**< fnl_antialiasing */
     FNL_ENUM_GROUND,           /**< fnl_ground */
     FNL_ENUM_BACKGROUND,       /**< fnl_background */
+    FNL_ENUM_ENERGY,           /**< fnl_energy */
     FNL_ENUM_DEFERRED_PASS,    /**< fnl_deferred_pass */
     FNL_ENUM_GBUFFER,          /**< fnl_gbuffer */
     FNL_ENUM_NORMALS,          /**< fnl_normal_encoding */

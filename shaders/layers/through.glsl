@@ -45,7 +45,8 @@ vec3 layered_behind_of(surface s, layers_view b, brdf_lobes lobes) {
 #ifdef TRANSMISSION
     through = mix(through, s.base_color * lobes.specular * through_left(s, s.layers.thickness), s.layers.transmission);
 #endif
-    return through * ((1.0 - max_component(fresnel)) * (1.0 - s.metallic) * b.below_sheen * lobes.n_l);
+    float below = LIGHTING_CONSERVING ? b.base.below : 1.0 - max_component(fresnel);
+    return through * (below * (1.0 - s.metallic) * b.below_sheen * lobes.n_l);
 }
 
 vec3 layered_behind(surface s, layers_view b, vec3 to_light) {

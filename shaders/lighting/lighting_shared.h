@@ -45,6 +45,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lob
 #define GPU_LIGHTING_LAYERS 0x80000u   /* some surfaces have layers (shaders/layers.glsl) */
 #define GPU_LIGHTING_ENVIRONMENT 0x40000u  /* ambient light comes from the environment (shaders/environment.glsl) */
 #define GPU_LIGHTING_REFLECTIONS 0x200000u /* in the boxes of reflection probes it comes from these (shaders/reflections.glsl) */
+#define GPU_LIGHTING_CONSERVING 0x8000000u /* surfaces conserve energy (FNL_ENERGY_CONSERVING); the environment's table is there */
 #define GPU_LIGHTING_BEHIND_GLASS 0x400000u /* blended surfaces in front of gpu_lighting.glass are left out */
 /* Shadows. With both of the first two, rays find the shadows of lights that have no map. */
 #define GPU_LIGHTING_RAYS 0x400u

@@ -101,6 +101,7 @@ static const struct names enums[] = {
     [FNL_ENUM_ANTIALIASING] = NAMES(fnl_antialiasing, FNL_ANTIALIASING_COUNT, "none", "mlaa", "smaa", "taa", "auto"),
     [FNL_ENUM_GROUND] = NAMES(fnl_ground, FNL_GROUND_COUNT, "off", "on", "auto"),
     [FNL_ENUM_BACKGROUND] = NAMES(fnl_background, FNL_BACKGROUND_COUNT, "auto", "scene", "gradient", "blur"),
+    [FNL_ENUM_ENERGY] = NAMES(fnl_energy, FNL_ENERGY_COUNT, "gltf", "conserving"),
     [FNL_ENUM_DEFERRED_PASS] = NAMES(fnl_deferred_pass, FNL_DEFERRED_PASS_COUNT, "compute", "fragment"),
     [FNL_ENUM_GBUFFER] = NAMES(fnl_gbuffer, FNL_GBUFFER_COUNT, "default", "siege", "killzone2", "frostbite2", "stalker", "clear-sky", "engel",
                                "destiny", "layers"),

@@ -9,8 +9,10 @@ static dvec3 base_cos(const struct ray_surface *s, dvec3 v, dvec3 l, dvec3 h) {
     if (!(n_l > 0)) return none;
     dvec3 fresnel = dvec3_lerp(s->f0, f90, weight), metal = dvec3_lerp(s->base_color, white, weight);
     ray_film_over(s, &fresnel, &metal);
-    dvec3 dielectric = dvec3_add_scaled(dvec3_scale(s->base_color, (1 - dvec3_max(fresnel)) * ray_opaque_part(s) / DPI), fresnel, lobe);
-    return dvec3_scale(dvec3_lerp(dielectric, dvec3_scale(metal, lobe), s->metallic), n_l);
+    const double below = s->conserving ? s->below : 1 - dvec3_max(fresnel);
+    const dvec3 dielectric = dvec3_add_scaled(dvec3_scale(s->base_color, below * ray_opaque_part(s) / DPI), fresnel, lobe);
+    const dvec3 once = dvec3_lerp(dielectric, dvec3_scale(metal, lobe), s->metallic);
+    return dvec3_scale(dvec3_add_scaled(once, s->between, 1 / DPI), n_l);
 }
 
 dvec3 ray_brdf_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
@@ -25,15 +27,16 @@ dvec3 ray_brdf_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
 
 dvec3 ray_ambient(const struct ray_surface *s, dvec3 v, dvec3 sky, dvec3 ground) {
     double n_v = dvec3_dot(s->normal, v), facing = clamp01(n_v);
-    double r = s->roughness, rx = 1 - r, ry = 0.0425 - 0.0275 * r, rz = 1.04 - 0.572 * r, rw = 0.022 * r - 0.04;
-    double a = fmin(rx * rx, exp2(-9.28 * facing)) * rx + ry, scale = fmax(-1.04 * a + rz, 0),
-           bias = fmin(fmax(1.04 * a + rw, 0), 1 - scale);
-    double reflected = dvec3_max(s->f0) * scale + s->f90 * bias, grazing = s->f90 * (1 - s->metallic) + s->metallic;
+    const double r = s->roughness, n = facing, smooth = 1 - r;
+    const double lost = r * r * (1.8003 + n * (-1.9662 + n * (-1.3978 + n * 0.3372)) + r * (-3.8406 + n * (7.0593 + n * 0.6746) + r * (3.0845 - 4.405 * n - 0.6577 * r)));
+    const double all = 1 - clamp01(lost), a = fmin(smooth * smooth, exp2(-9.28 * n)) * smooth + 0.0425 - 0.0275 * r;
+    const double bias = fmin(fmax(1.04 * a + 0.022 * r - 0.04, 0), all), scale = all - bias;
+    const double below = ray_energy_below(s->f0, s->f90, facing), grazing = s->f90 * (1 - s->metallic) + s->metallic;
     dvec3 along_normal = ray_sky(s->normal, sky, ground);
     dvec3 mirrored = ray_sky(dvec3_sub(dvec3_scale(s->normal, 2 * n_v), v), sky, ground);
     dvec3 straight = dvec3_scale(dvec3_lerp(s->f0, s->base_color, s->metallic), scale);
     dvec3 specular = dvec3_add(straight, dvec3_make(grazing * bias, grazing * bias, grazing * bias));
-    dvec3 diffuse = dvec3_scale(s->base_color, (1 - reflected) * (1 - s->metallic));
+    dvec3 diffuse = dvec3_scale(s->base_color, below * (1 - s->metallic));
     return dvec3_scale(dvec3_add(dvec3_mul(diffuse, along_normal), dvec3_mul(specular, mirrored)), s->occlusion);
 }
 
@@ -45,7 +48,7 @@ static double specular_share(const struct ray_surface *s, double n_v) {
     const dvec3 f90 = {s->f90, s->f90, s->f90}, white = {1, 1, 1};
     dvec3 fresnel = dvec3_lerp(s->f0, f90, weight);
     double specular = dvec3_luminance(dvec3_lerp(fresnel, dvec3_lerp(s->base_color, white, weight), s->metallic));
-    double diffuse = dvec3_luminance(s->base_color) * (1 - dvec3_max(fresnel)) * (1 - s->metallic) * ray_opaque_part(s);
+    double diffuse = dvec3_luminance(s->base_color) * (1 - dvec3_max(fresnel)) * (1 - s->metallic) * ray_opaque_part(s) + dvec3_luminance(s->between);
     if (!(specular > 0)) return 0;
     return diffuse > 0 ? CLAMP(specular / (specular + diffuse), 0.1, 0.9) : 1;
 }
@@ -74,7 +77,7 @@ static double density_of(const struct ray_surface *s, const struct lobes *l, dve
 static dvec3 path_cos(const struct ray_surface *s, dvec3 v, dvec3 to_light) {
     const dvec3 none = {0, 0, 0};
     const double n_l = dvec3_dot(s->normal, to_light);
-    if (n_l > 0) return dvec3_add_scaled(ray_brdf_cos(s, v, to_light), s->again, n_l / DPI);
+    if (n_l > 0) return ray_brdf_cos(s, v, to_light);
     if (!s->layered || !(s->layers.diffuse_transmission > 0)) return none;
     struct ray_surface paper = *s;
     paper.layers.transmission = 0;

@@ -8,14 +8,14 @@
 
 #include "ray/layers.h"
 
-/** Fills the tables that layers and environments use. */
+/** Fills the tables that layers, environments and FNL_ENERGY_CONSERVING use. */
 void ray_albedos_fill(struct ray_albedos *out);
 
 /** f(l, v) times the cosine; 0 for light from below, unless some goes through the surface, as through a sheet. The smallest alpha is 0.001, so that mirrors show point lights. */
 dvec3 ray_brdf_cos(const struct ray_surface *surface, dvec3 to_view, dvec3 to_light);
 /**
  * What a surface sends of ambient light that nothing shadows: the light blends from ground to sky by height; the reflected part comes from the
- * mirror direction, through the fit of the environment integral by Karis ("Physically Based Shading on Mobile", 2014).
+ * mirror direction, by a fit of what the specular lobe reflects (environment_brdf() of shaders/brdf.glsl).
  */
 dvec3 ray_ambient(const struct ray_surface *surface, dvec3 to_view, dvec3 sky, dvec3 ground);
 

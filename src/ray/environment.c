@@ -143,21 +143,3 @@ double ray_environment_density(const struct ray_environment *e, dvec3 direction)
     const float *ends = e->ends + (size_t)row * p->width;
     return e->rows[row].density * ((double)ends[column] - (column ? (double)ends[column - 1] : 0));
 }
-
-static dvec3 again_of(dvec3 f0, dvec3 f90, const double albedo[2]) {
-    const double rest = 1 - albedo[0] - albedo[1];
-    const dvec3 once = dvec3_add_scaled(dvec3_scale(f0, albedo[0]), f90, albedo[1]), mean = dvec3_lerp(f0, f90, 1.0 / 21);
-    return dvec3_make(once.x * mean.x * rest / (1 - mean.x * rest), once.y * mean.y * rest / (1 - mean.y * rest), once.z * mean.z * rest / (1 - mean.z * rest));
-}
-
-void ray_environment_again(const struct ray_environment *e, struct ray_surface *s, dvec3 to_view) {
-    if (!ray_environment_is(e)) return;
-    double albedo[2];
-    ray_specular_albedo(e->albedos, s->roughness, dvec3_dot(s->normal, to_view), albedo);
-    dvec3 f0 = s->f0, f90 = {s->f90, s->f90, s->f90}, metal_f0 = s->base_color, metal_f90 = {1, 1, 1};
-    ray_film_over(s, &f0, &metal_f0);
-    ray_film_over(s, &f90, &metal_f90);
-    const dvec3 metal = again_of(metal_f0, metal_f90, albedo), coat = again_of(f0, f90, albedo);
-    const dvec3 dielectric = dvec3_add_scaled(coat, s->base_color, -dvec3_max(coat) * ray_opaque_part(s)); /* does not get below */
-    s->again = dvec3_scale(dvec3_lerp(dielectric, metal, s->metallic), ray_below_layers(s));
-}

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** A scene's environment in double precision: what rays see that leave the scene, and how much of it comes back between microfacets. */
+/** A scene's environment in double precision: what rays see that leave the scene. */
 #ifndef FNL_RAY_ENVIRONMENT_H
 #define FNL_RAY_ENVIRONMENT_H
 
@@ -34,7 +34,5 @@ dvec3 ray_environment_from(const struct ray_environment *e, dvec3 direction);
 double ray_environment_sample(const struct ray_environment *e, const double random[2], dvec3 *direction);
 /** The density with which it returns a unit direction. */
 double ray_environment_density(const struct ray_environment *e, dvec3 direction);
-/** Gives a surface what it reflects of the environment between its microfacets: surface->again (Fdez-Aguera 2019). Layers are prepared. */
-void ray_environment_again(const struct ray_environment *e, struct ray_surface *surface, dvec3 to_view);
 
 #endif

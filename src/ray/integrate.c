@@ -305,7 +305,6 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
     for (uint32_t bounce = 0;; bounce++) {
         double random[3], density;
         ray_samples_next(c->samples);
-        ray_environment_again(c->environment, &s, to_view);
         const bool aims = c->params->light_sampling && !p.within; /* what lies within glass is lit through it */
         if (aims && ray_environment_is(c->environment)) out = dvec3_add(out, dvec3_mul(p.carried, aimed_at_environment(c, &s, to_view)));
         if (aims && c->params->bounces > 0) out = dvec3_add(out, dvec3_mul(p.carried, aimed_at_emitters(c, &s, to_view)));
@@ -352,7 +351,7 @@ static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec
     dvec3 out = dvec3_add(s->emissive, direct_light(c, s, to_view, sum));
     if (s->layered && s->layers.transmission > 0) out = dvec3_add(out, seen_through(c, s, to_view, depth));
     if (c->params->bounces || ray_environment_is(c->environment)) return dvec3_add(out, indirect_light(c, s, to_view, seen_by));
-    if (s->layered) return dvec3_add(out, ray_layers_ambient(c->environment->albedos, s, to_view, c->sky, c->ground));
+    if (s->layered || s->conserving) return dvec3_add(out, ray_layers_ambient(c->environment->albedos, s, to_view, c->sky, c->ground));
     return dvec3_add(out, ray_ambient(s, to_view, c->sky, c->ground));
 }
 

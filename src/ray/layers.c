@@ -102,6 +102,7 @@ bool ray_lets_through(const struct ray_surface *s) { return s->layered && (s->la
 
 /* The part of the light that gets below the surface at a microfacet; dielectric part only. */
 static double below(const struct ray_surface *s, dvec3 v, dvec3 h) {
+    if (s->conserving) return s->below * (1 - s->metallic) * s->layers.below_sheen * s->layers.below_coat;
     const dvec3 f90 = {s->f90, s->f90, s->f90};
     dvec3 fresnel = dvec3_lerp(s->f0, f90, pow(1 - clamp01(dvec3_dot(h, v)), 5));
     fresnel = dvec3_lerp(fresnel, s->layers.film_dielectric, s->layers.film);
@@ -124,6 +125,50 @@ dvec3 ray_behind_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
     dvec3 straight = dvec3_scale(dvec3_mul(s->base_color, attenuated), transmission * ray_specular_lobe(&sheet, v, image, h));
     dvec3 diffuse = dvec3_scale(s->layers.diffuse_transmission_color, s->layers.diffuse_transmission * (1 - s->layers.transmission) / DPI);
     return dvec3_scale(dvec3_add(straight, diffuse), below(s, v, h) * n_l);
+}
+
+/* ---- energy (shaders/energy.glsl) ---- */
+
+/* Reflectance of a specular lobe in uniform light, by single and by multiple scattering (Fdez-Agüera 2019). */
+struct energy_lobe {
+    dvec3 once, again;
+};
+
+static struct energy_lobe energy_lobe(dvec3 f0, dvec3 f90, const double albedo[2], bool conserving) {
+    const double rest = 1 - albedo[0] - albedo[1];
+    const dvec3 once = dvec3_add_scaled(dvec3_scale(f0, albedo[0]), f90, albedo[1]), mean = dvec3_lerp(f0, f90, 1.0 / 21);
+    const dvec3 again = {once.x * mean.x * rest / (1 - mean.x * rest), once.y * mean.y * rest / (1 - mean.y * rest), once.z * mean.z * rest / (1 - mean.z * rest)};
+    return (struct energy_lobe){once, conserving ? again : (dvec3){0, 0, 0}};
+}
+
+/* The part of even light that gets below a dielectric surface. In appendix B it is the mean of 1 - F, here by a fit of the mean of (1 - v.h)^5, within 0.0003. */
+static double energy_below(dvec3 f0, dvec3 f90, struct energy_lobe lobe, double n_v, bool conserving) {
+    const double grazing = exp2(-5.1593 - n_v * (3.8194 + 2.4681 * n_v));
+    return 1 - dvec3_max(conserving ? dvec3_add(lobe.once, lobe.again) : dvec3_lerp(f0, f90, grazing));
+}
+
+double ray_energy_below(dvec3 f0, double f90, double n_v) {
+    return energy_below(f0, dvec3_make(f90, f90, f90), (struct energy_lobe){{0, 0, 0}, {0, 0, 0}}, n_v, false);
+}
+
+/* Reflectances of the dielectric part, and of the metal, along the normal and at grazing angles. */
+static void reflectances(const struct ray_surface *s, dvec3 f0[2], dvec3 f90[2]) {
+    f0[0] = s->f0, f90[0] = dvec3_make(s->f90, s->f90, s->f90);
+    f0[1] = s->base_color, f90[1] = dvec3_make(1, 1, 1);
+    ray_film_over(s, &f0[0], &f0[1]);
+    ray_film_over(s, &f90[0], &f90[1]);
+}
+
+void ray_energy_prepare(const struct ray_albedos *albedos, struct ray_surface *s, dvec3 to_view) {
+    const double n_v = clamp01(dvec3_dot(s->normal, to_view));
+    double albedo[2];
+    dvec3 f0[2], f90[2];
+    ray_specular_albedo(albedos, s->roughness, n_v, albedo);
+    reflectances(s, f0, f90);
+    const struct energy_lobe dielectric = energy_lobe(f0[0], f90[0], albedo, true), metal = energy_lobe(f0[1], f90[1], albedo, true);
+    s->conserving = true;
+    s->below = energy_below(f0[0], f90[0], dielectric, n_v, true);
+    s->between = dvec3_lerp(dielectric.again, metal.again, s->metallic);
 }
 
 /* ---- all ---- */
@@ -176,20 +221,11 @@ static dvec3 lobe_direction(dvec3 normal, double roughness, dvec3 v) {
     return dvec3_normalize(dvec3_lerp(normal, mirrored(normal, v), smooth * (sqrt(smooth) + alpha)));
 }
 
-/* Light of a lobe, of what is mirrored once and more often, and the part of light that it takes. */
-static dvec3 ambient_lobe(dvec3 f0, dvec3 f90, const double albedo[2], dvec3 once_from, dvec3 around, dvec3 *taken) {
-    const double rest = 1 - albedo[0] - albedo[1];
-    const dvec3 once = dvec3_add_scaled(dvec3_scale(f0, albedo[0]), f90, albedo[1]), mean = dvec3_lerp(f0, f90, 1.0 / 21);
-    const dvec3 again = {once.x * mean.x * rest / (1 - mean.x * rest), once.y * mean.y * rest / (1 - mean.y * rest), once.z * mean.z * rest / (1 - mean.z * rest)};
-    *taken = dvec3_add(once, again);
-    return dvec3_add(dvec3_mul(once, once_from), dvec3_mul(again, around));
-}
-
 dvec3 ray_layers_ambient(const struct ray_albedos *albedos, const struct ray_surface *s, dvec3 v, dvec3 sky, dvec3 ground) {
-    const struct ray_layers *l = &s->layers;
+    const struct ray_layers none = {.below_coat = 1, .below_sheen = 1, .clearcoat_normal = s->normal}, *l = s->layered ? &s->layers : &none;
     const double n_v = clamp01(dvec3_dot(s->normal, v));
     double albedo[2];
-    dvec3 normal = s->normal, taken;
+    dvec3 normal = s->normal, f0[2], f90[2];
     if (l->anisotropy > 0) { /* microfacets lean along the tangent, so those nearest to the viewer count */
         const dvec3 across = dvec3_cross(s->normal, l->tangent);
         const double bend = pow(1 - l->anisotropy * (1 - s->roughness), 4);
@@ -197,12 +233,13 @@ dvec3 ray_layers_ambient(const struct ray_albedos *albedos, const struct ray_sur
     }
     ray_specular_albedo(albedos, s->roughness, n_v, albedo);
     const dvec3 around = ray_sky(s->normal, sky, ground), seen = ray_sky(lobe_direction(normal, s->roughness, v), sky, ground);
-    const dvec3 f90 = {s->f90, s->f90, s->f90}, white = {1, 1, 1};
-    dvec3 dielectric = ambient_lobe(dvec3_lerp(s->f0, l->film_dielectric, l->film), dvec3_lerp(f90, l->film_dielectric, l->film), albedo, seen, around, &taken);
+    reflectances(s, f0, f90);
+    const struct energy_lobe coated = energy_lobe(f0[0], f90[0], albedo, s->conserving), metallic = energy_lobe(f0[1], f90[1], albedo, s->conserving);
+    dvec3 dielectric = dvec3_add(dvec3_mul(coated.once, seen), dvec3_mul(coated.again, around));
+    const dvec3 metal = dvec3_add(dvec3_mul(metallic.once, seen), dvec3_mul(metallic.again, around));
     dvec3 base = dvec3_scale(dvec3_mul(s->base_color, around), 1 - l->diffuse_transmission);
     base = dvec3_add_scaled(base, dvec3_mul(l->diffuse_transmission_color, ray_sky(dvec3_scale(s->normal, -1), sky, ground)), l->diffuse_transmission);
-    dielectric = dvec3_add_scaled(dielectric, base, (1 - l->transmission) * (1 - dvec3_max(taken)));
-    const dvec3 metal = ambient_lobe(dvec3_lerp(s->base_color, l->film_metal, l->film), dvec3_lerp(white, l->film_metal, l->film), albedo, seen, around, &taken);
+    dielectric = dvec3_add_scaled(dielectric, base, (1 - l->transmission) * energy_below(f0[0], f90[0], coated, n_v, s->conserving));
     dvec3 light = dvec3_scale(dvec3_lerp(dielectric, metal, s->metallic), l->below_sheen);
     light = dvec3_add(light, dvec3_mul(dvec3_scale(l->sheen_color, ray_sheen_albedo(albedos, l->sheen_roughness, n_v)), around));
     const dvec3 coat = ray_sky(lobe_direction(l->clearcoat_normal, l->clearcoat_roughness, v), sky, ground);

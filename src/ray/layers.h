@@ -16,6 +16,12 @@ void ray_layers_numbers(const struct scene_material *material, struct ray_layers
 /** Fills the members of ray_layers that depend on the viewer. Call it before the functions below. */
 void ray_layers_prepare(const struct ray_albedos *albedos, struct ray_surface *surface, dvec3 to_view);
 
+/** Makes a surface conserve energy (FNL_ENERGY_CONSERVING), for a viewer. Layers are prepared. */
+void ray_energy_prepare(const struct ray_albedos *albedos, struct ray_surface *surface, dvec3 to_view);
+
+/** By appendix B of glTF: the part of even light from all directions that gets below a dielectric surface. */
+double ray_energy_below(dvec3 f0, double f90, double n_v);
+
 /** The part of the light in the base that its own color reflects; the rest passes through. */
 double ray_opaque_part(const struct ray_surface *surface);
 /** The part of the light that gets below the layers over the base. */
@@ -43,7 +49,7 @@ struct ray_layer_lobes ray_layer_lobes(const struct ray_surface *surface);
 double ray_sheen_lobe(double roughness, double n_l, double n_v, double n_h);
 /** Ambient light from a direction. */
 dvec3 ray_sky(dvec3 direction, dvec3 sky, dvec3 ground);
-/** ray_ambient() for a surface with layers, by albedos. */
+/** ray_ambient() by albedos: for surfaces with layers, and those that conserve energy. */
 dvec3 ray_layers_ambient(const struct ray_albedos *albedos, const struct ray_surface *surface, dvec3 to_view, dvec3 sky, dvec3 ground);
 
 #endif

@@ -48,7 +48,8 @@ struct ray_scene {
     struct ray_image *images;
     struct scene_material standard;
     struct ray_environment environment;
-    struct ray_albedos albedos; /* where there is an environment, or a material with layers */
+    bool conserving;
+    struct ray_albedos albedos; /* where there is an environment, or a material with layers, or `conserving` */
     ARRAY(struct ray_part) parts;
     ARRAY(struct ray_mesh) meshes;
     ARRAY(struct ray_instance) instances;

@@ -93,13 +93,14 @@ void ray_filter_shadow(const struct RTCFilterFunctionNArguments *arguments) {
 
 /* ---- life ---- */
 
-fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ray_scene **out) {
+fnl_result ray_scene_create(const fnl_scene *scene, fnl_energy energy, struct jobs *jobs, struct ray_scene **out) {
     struct ray_scene *s = *out = host_allocate_zero(&scene->host, sizeof *s);
     if (!s) return FNL_ERROR_MEMORY;
     s->scene = scene;
     s->standard = scene_material_default();
+    s->conserving = energy == FNL_ENERGY_CONSERVING;
     fnl_result result = ray_environment_create(&scene->host, &scene->environment, &s->albedos, &s->environment);
-    bool wants_albedos = ray_environment_is(&s->environment);
+    bool wants_albedos = s->conserving || ray_environment_is(&s->environment);
     for (uint32_t i = 0; i < scene->materials.count; i++) wants_albedos |= scene_material_layered(&scene->materials.data[i]);
     if (wants_albedos) ray_albedos_fill(&s->albedos);
     if (result == FNL_OK) result = ray_scene_build(s, jobs);

@@ -3,6 +3,7 @@
 #ifndef FNL_RAY_SCENE_H
 #define FNL_RAY_SCENE_H
 
+#include "fanal/energy.h"
 #include "ray/brdf.h"
 #include "ray/environment.h"
 #include "ray/light.h"
@@ -11,7 +12,7 @@
 struct ray_scene;
 
 /** `scene` must stay as it is until the end. */
-fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ray_scene **out);
+fnl_result ray_scene_create(const fnl_scene *scene, fnl_energy energy, struct jobs *jobs, struct ray_scene **out);
 void ray_scene_destroy(struct ray_scene **scene);
 
 const fnl_host *ray_scene_host(const struct ray_scene *scene);

@@ -261,5 +261,6 @@ struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hi
         ray_layers_prepare(&s->albedos, &out, dvec3_scale(direction, -1));
         out.emissive = dvec3_scale(out.emissive, out.layers.below_coat);
     }
+    if (s->conserving) ray_energy_prepare(&s->albedos, &out, dvec3_scale(direction, -1));
     return out;
 }

@@ -36,7 +36,11 @@ struct ray_surface {
     bool layered;  /* `layers` is valid */
     struct ray_layers layers;
     bool lamps_shine_through; /* rays to lamps go straight through sheets and volumes: these send none of that light themselves */
-    dvec3 again;   /* additional diffuse reflectance, for light of paths: ray_environment_again(); else 0 */
+    /* FNL_ENERGY_CONSERVING, for one viewer (ray_energy_prepare): the part of the light that gets below the dielectric surface, and the diffuse
+       reflectance of light that is reflected more than once between microfacets. */
+    bool conserving;
+    double below;
+    dvec3 between;
 };
 
 #endif

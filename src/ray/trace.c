@@ -32,6 +32,7 @@ static fnl_result check(const struct call *call, const fnl_trace_params *p) {
     TRY(check_count(call, "bounces", p->bounces, 0, 1024));
     if (!(p->light_radius == INFINITY)) TRY(check_range(call, "light_radius", (double)p->light_radius, 0, infinite, " metres"));
     if (!(p->sun_angle == INFINITY)) TRY(check_range(call, "sun_angle", (double)p->sun_angle, 0, 1, " radians"));
+    TRY(check_enum(call, "energy", (int)p->energy, FNL_ENERGY_COUNT, "fnl_energy"));
     TRY(check_enum(call, "ground", (int)p->ground, FNL_GROUND_COUNT, "fnl_ground"));
     TRY(check_enum(call, "background", (int)p->background, FNL_BACKGROUND_COUNT, "fnl_background"));
     TRY(check_range(call, "background_blur", (double)p->background_blur, 0, (double)PI, " radians"));
@@ -160,7 +161,7 @@ static fnl_result run(struct trace *t, const fnl_scene *scene, struct jobs *jobs
                  counts_size = (size_t)t->tiles_x * t->tiles_y * sizeof *t->counts;
     t->sums = host_allocate_zero(&scene->host, sums_size);
     t->counts = host_allocate_zero(&scene->host, counts_size);
-    fnl_result result = t->sums && t->counts ? ray_scene_create(scene, jobs, &t->scene) : FNL_ERROR_MEMORY;
+    fnl_result result = t->sums && t->counts ? ray_scene_create(scene, p->energy, jobs, &t->scene) : FNL_ERROR_MEMORY;
     if (result == FNL_OK) {
         out->unseen = ray_scene_unseen(t->scene);
         out->complete = trace_all(t, jobs);

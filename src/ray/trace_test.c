@@ -606,7 +606,7 @@ static void test_lights_that_reach_a_point_are_found(void **state) {
     assert_int_equal(fnl_scene_scatter_light_shapes(scene, &scatter), FNL_OK);
     assert_int_equal(fnl_scene_add_light(scene, &sun, &id), FNL_OK);
     assert_int_equal(jobs_create(&host, &jobs), FNL_OK);
-    assert_int_equal(ray_scene_create(scene, jobs, &rays), FNL_OK);
+    assert_int_equal(ray_scene_create(scene, FNL_ENERGY_GLTF, jobs, &rays), FNL_OK);
     struct random_state random = {1};
     uint64_t found = 0, reaching = 0;
     for (int k = 0; k < 500; k++) {

@@ -162,6 +162,7 @@ fnl_result frame_declare(const fnl_renderer *r, const struct frame_input *input)
     graph_set_role(input->graph, GRAPH_ROLE_GEOMETRY);
     TRY(device_scene_add(input->user, input->graph, &parts.scene));
     shared->lighting = (struct lighting){.lights = parts.scene.lights, .layered = parts.scene.layered, .environment = parts.scene.environment};
+    shared->lighting.environment.conserving = frame->energy == FNL_ENERGY_CONSERVING;
     graph_set_role(input->graph, GRAPH_ROLE_REST);
     TRY(send_constants(shared));
     TRY(steps_begin_frame(shared));

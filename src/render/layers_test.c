@@ -102,15 +102,16 @@ static double difference(const fnl_image *a, const fnl_image *b, int ball) {
 
 /* ---- the same as in double precision ---- */
 
-static void test_layers_are_those_of_rays_MA_1(void **state) {
-    UNUSED(state);
+static void compare_with_rays(fnl_energy energy) {
     static const char *const names[BALLS] = {"core", "clearcoat", "sheen", "film on plastic", "film on metal", "anisotropy", "all"};
     fnl_scene *scene = balls(true);
     add_lights(scene);
     struct stage s = open_balls(scene);
     s.frame.shading = FNL_SHADING_FORWARD;
+    s.frame.energy = energy;
     struct shot shot = stage_shoot(&s, &s.frame);
     fnl_trace_params p = trace_plain();
+    p.energy = energy;
     p.width = s.frame.width, p.height = s.frame.height, p.camera = s.frame.camera;
     p.shadows = false;
     fnl_trace trace;
@@ -123,6 +124,11 @@ static void test_layers_are_those_of_rays_MA_1(void **state) {
     fnl_trace_free(&s.scene->host, &trace);
     shot_free(&shot);
     stage_close(&s);
+}
+
+static void test_layers_are_those_of_rays_MA_1(void **state) {
+    UNUSED(state);
+    for (int energy = 0; energy < FNL_ENERGY_COUNT; energy++) compare_with_rays((fnl_energy)energy);
 }
 
 /* ---- energy ---- */
@@ -150,6 +156,7 @@ static void test_layers_keep_a_white_furnace_white_MA_2(void **state) {
         assert_int_equal(fnl_scene_set_environment(scene, &even), FNL_OK);
         struct stage s = open_balls(scene);
         s.frame.width = s.frame.height = 40;
+        s.frame.energy = FNL_ENERGY_CONSERVING;
         s.frame.camera.position.z = 2;
         struct shot shot = stage_shoot(&s, &s.frame);
         const float *pixels = shot.radiance.pixels;

@@ -86,6 +86,7 @@ static const struct row rows[] = {
     NAME("ground", ground, FNL_ENUM_GROUND, EVERY, EVERY, "a floor under the scene that catches its shadows"),
     NAME("background", background, FNL_ENUM_BACKGROUND, EVERY, EVERY, "what is seen where no surface is"),
     NUMBER("background-blur", background_blur, 0, (double)3.14159274f, "radians", EVERY, EVERY, "background=blur: the angle over which the environment is blurred"),
+    NAME("material.energy", energy, FNL_ENUM_ENERGY, EVERY, EVERY, "energy model: glTF's formulas, or white surfaces that reflect all light"),
     NAME("transparency", transparency, FNL_ENUM_TRANSPARENCY, ~PATH(INFERRED), EVERY,
          "how blended surfaces that overlap are composited"),
     COUNT("transmission-layers", transmission_layers, 1, 8, "layers", EVERY, EVERY,

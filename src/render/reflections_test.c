@@ -188,6 +188,7 @@ static void test_a_white_room_is_a_furnace_EN_21_MP_12(void **state) {
         add_probe(scene, &probe);
         assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){0}, (fnl_vec3){0}), FNL_OK);
         struct stage s = look(scene, vec3_make(0, 0, 2.5f), vec3_make(0, 0, 0));
+        s.frame.energy = FNL_ENERGY_CONSERVING;
         struct shot shot = stage_shoot(&s, &s.frame);
         for (uint32_t k = 0; k < 64 * 48; k++)
             for (int c = 0; c < 3; c++) worst[i] = fmax(worst[i], fabs((double)at(&shot.radiance, k)[c] - 1));

@@ -230,6 +230,7 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->scene_user.wants_previous = temporal_needs_motion(frame);
     const fnl_camera head = frame->viewer ? *frame->viewer : stereo_head_camera(frame);
     scene_choose_levels(r->scene, &head);
+    r->device_scene->conserves |= frame->energy == FNL_ENERGY_CONSERVING;
     TRY(device_scene_prepare(r->device_scene));
     frame->occlusion = frame_choose_occlusion(r, frame);
     renderer_choose(r, frame);

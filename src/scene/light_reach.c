@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How far lights without a range reach in their scene. Up to FNL_UNLIMITED_LIGHTS_MAX of them have no limit: their range is so far beyond everything that its
- * fade shows nowhere. Of more, each ends where its illuminance falls below a threshold that all share.
+ * The reach of lights without a range. Up to FNL_UNLIMITED_LIGHTS_MAX of them are unlimited: their range is so large that its fade is invisible in the scene.
+ * If there are more, each light ends where its illuminance falls below a shared threshold.
  */
 #include "scene/light_kinds.h"
 #include "scene/scene.h"
 
-static const double FADE_ROOM = 64;      /* unlimited lights: the range over the distance of the farthest point, at least; the fade is 2 / 64^4 there */
-static const double SHARE = 1.0 / 1024;  /* the threshold over the mean illuminance that all these lights together give without shadows */
-static const double FARTHEST = 0x1p59;   /* the square of a range must be finite */
+static const double FADE_ROOM = 64;     /* unlimited lights: least ratio of the range to the distance of the farthest point; the fade is 2 / 64^4 there */
+static const double SHARE = 1.0 / 1024; /* the threshold, as a part of the mean illuminance of all these lights without shadows */
+static const double FARTHEST = 0x1p59;  /* the square of a range must be finite */
 
 bool light_is_unlimited(const struct scene_light *light) {
     return scene_light_shines(light) && light_kinds[light->params.kind].info.has_range && isinf(light->params.range);
@@ -33,8 +33,8 @@ static double farthest_in(const struct box *bounds, vec3 from) {
 }
 
 /*
- * A light of I cd gives a sphere of radius r round it 3 I / r^2 lx on average. The sphere is that round the scene and these lights; the light is the geometric
- * mean, which a few very bright ones leave nearly as it is. Sums of integers, since the order of the list depends on how the scene was made.
+ * In a sphere of radius r, a light of I cd at the center gives 3 I / r^2 lx on average. The sphere encloses the scene and these lights. The intensity is the
+ * geometric mean, so a few very bright lights change it little. Integer sums make the result independent of the order of the list.
  */
 static double threshold_of(const fnl_scene *scene, const struct box *bounds) {
     struct box around = *bounds;
@@ -59,7 +59,7 @@ double scene_light_threshold(const fnl_scene *scene, const struct box *bounds) {
     return scene->unlimited.count > FNL_UNLIMITED_LIGHTS_MAX ? threshold_of(scene, bounds) : 0;
 }
 
-/* Those that came or moved since it last knew them; what went leaves it as it is. False: it cannot say which. */
+/* Adds the boxes of nodes that were added or moved since the last update; removed nodes do not shrink the bounds. False: the lists of edits do not reach back so far. */
 static bool grow_bounds(fnl_scene *scene, struct scene_reach *reach) {
     if (reach->structure_version < scene->edited_since || reach->transform_version < scene->moved_since) return false;
     for (int list = 0; list < 2; list++) {

@@ -272,18 +272,18 @@ struct scene_light {
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
     uint32_t slot;           /* of a local light, from when it is added until it is removed; else SCENE_NONE */
-    uint32_t unlimited_at;   /* its place in fnl_scene.unlimited; else SCENE_NONE */
-    float reach;             /* metres; instead of a range, see scene_follow_reach() */
+    uint32_t unlimited_at;   /* index in fnl_scene.unlimited, or SCENE_NONE */
+    float reach;             /* meters; takes the place of a range, see scene_follow_reach() */
     uint32_t shadow_request; /* fnl_shadow_update: another number is another request */
     bool removed;
     bool staged;   /* `removed` for all public calls, but it shines: a part of the stage */
     bool animated; /* within animation_apply: it has new values */
 };
 
-/* What scene_follow_reach() knew of the scene. */
+/* Scene state at the last scene_follow_reach(). */
 struct scene_reach {
     struct box bounds;
-    uint64_t structure_version, transform_version, light_version; /* structure_version UINT64_MAX: nothing */
+    uint64_t structure_version, transform_version, light_version; /* structure_version UINT64_MAX: no state yet */
 };
 
 /* A place in the array of local lights on the device. Caches may key on the place and its light's generation. */
@@ -576,13 +576,13 @@ void scene_node_edited(fnl_scene *scene, uint32_t node);
 struct box scene_tree_bounds(const fnl_scene *scene, uint32_t root, bool alone);
 /** World-space bounds of all active instances (skinned meshes by their bind pose moved by the joints' boxes). */
 struct box scene_bounds(const fnl_scene *scene);
-/** Finds how far lights without a range reach in the scene as it is now, and marks those for which this changes. Costs nothing when all stays. */
+/** Updates the reach of lights without a range, and marks lights whose reach changes. Free if nothing changed. */
 void scene_follow_reach(fnl_scene *scene);
-/** The illuminance at which lights without a range end, in lux, in a scene with these bounds; 0: they have no end. */
+/** Illuminance at which lights without a range end in a scene with these bounds, lux; 0: they are unlimited. */
 double scene_light_threshold(const fnl_scene *scene, const struct box *bounds);
-/** Whether it shines and has no range. */
+/** True if the light is on and has no range. */
 bool light_is_unlimited(const struct scene_light *light);
-/** The distance beyond which a light gives nothing: its range, or its reach. */
+/** Distance from which a light contributes nothing: its range or its reach, meters. */
 float light_effective_range(const struct scene_light *light);
 /** `up` at right angles to a unit direction, unit; where it is parallel, another axis. */
 vec3 light_up(vec3 direction, vec3 up);

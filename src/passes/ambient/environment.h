@@ -45,10 +45,12 @@ struct environment_light {
     graph_buffer blocks; /* of the cube, where it is compressed and filtered in this frame (passes/compress/bc6h.h) */
     graph_buffer texels; /* of the cube, as environment_maps_shared.h lays them out; id 0 in frames that do not filter */
     struct environment_reflections reflections;
+    bool conserving; /* surfaces conserve energy (FNL_ENERGY_CONSERVING), by the table */
 };
 /** What shaders are told of it: bits beside the kind of a list. */
 static inline uint32_t environment_kind(const struct environment_light *light) {
-    return (light->cube.id ? GPU_LIGHTING_ENVIRONMENT : 0) | (light->reflections.set ? GPU_LIGHTING_REFLECTIONS : 0);
+    return (light->cube.id ? GPU_LIGHTING_ENVIRONMENT : 0) | (light->reflections.set ? GPU_LIGHTING_REFLECTIONS : 0) |
+           (light->conserving ? GPU_LIGHTING_CONSERVING : 0);
 }
 
 /** Sides of the cube map for a picture of this width: a power of two, 128 .. 1024. */

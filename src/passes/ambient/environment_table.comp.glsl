@@ -4,7 +4,7 @@
 // What the specular lobe of brdf.glsl reflects of light that is the same all around, in two parts, which f0 and f90 are multiplied by
 // (Karis 2013, "Real Shading in Unreal Engine 4"); which mip of the environment it is aimed at; and what white fibres (sheen.glsl) reflect.
 #include "passes/ambient/environment_texels.glsl"
-#include "brdf.glsl"
+#include "roughness.glsl"
 #include "layers/sheen_lobe.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

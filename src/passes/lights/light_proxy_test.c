@@ -31,7 +31,7 @@ static fnl_light_params random_light(struct random_state *random, uint32_t i) {
     l.direction = i % 4 == 3 ? vec3_make(0, -1, 0) : random_vector(random, 1);
     l.up = i % 4 == 3 ? vec3_make(0, 1, 0) : random_vector(random, 1); /* parallel: another one is taken */
     l.intensity = exp2f(random_range(random, -3, 6));
-    l.range = i % 3 == 0 ? INFINITY : exp2f(random_range(random, -3, 4));
+    l.range = i % 3 == 0 ? fnl_light_range(&l, 1, 0.05f) : exp2f(random_range(random, -3, 4));
     l.outer_cone_angle = random_range(random, 0.01f, 1) * (i % 2 ? 0.2f : PI / 2);
     l.inner_cone_angle = l.outer_cone_angle * (i % 8 == 1 ? 1 : random_range(random, 0, 1));
     l.length = i % 10 == 2 ? 0 : exp2f(random_range(random, -4, 4));

@@ -86,6 +86,7 @@ static void test_white_furnace_MB_7(void **state) {
             frame.width = 81;
             frame.height = 45;
             frame.mobile.layout = FNL_MOBILE_METALLIC_256;
+            frame.energy = FNL_ENERGY_CONSERVING;
             double mean = 0;
             float ambient = brightest(&stage, frame, &mean), suns = 0;
             if (roughness >= 2) { /* smooth surfaces show each sun */
@@ -104,11 +105,8 @@ static void test_white_furnace_MB_7(void **state) {
             }
             print_message("metalness %g, roughness %g: %g of ambient light, %g of suns, %g in the mean\n",
                           (double)furnace_metallic, (double)furnace_roughness, (double)ambient, (double)suns, mean);
-            /* glTF's dielectric takes from diffuse light what is reflected at the half vector, less than is reflected on the whole where
-               one looks along the surface: it gains there, a hundredth on the whole. */
-            assert_true(ambient <= 1.001f && mean <= (metallic == 2 ? 1.001 : 1.02) &&
-                        suns <= (metallic == 2 ? 1.1f : 1.3f));
-            if (roughness >= 2) assert_true(mean > 0.3);
+            assert_true(ambient <= 1.01f && mean <= 1.01 && suns <= 1.2f);
+            if (roughness >= 2) assert_true(mean > 0.9);
             stage_close(&stage);
         }
 }

@@ -35,9 +35,9 @@ void main() {
     if (LIGHTING_SHADOWED)
         illuminance *= light_visibility(push.lighting, push.lighting.scope.lights.directional_count + in_light, shadowed_point_of(push.lighting, s.position, s.normal), to_light, false);
     count_rays(push.view, push.counters);
-    brdf_view b = brdf_prepare(s, to_viewer(push.view, s.position));
+    brdf_view b = energy_view(s, push.view, to_viewer(push.view, s.position));
     brdf_lobes lobes;
     vec3 sum = vec3(0.0);
-    if (light_brdf_lobes(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, s.position, s.normal, b, to_light, lobes)) sum = illuminance * brdf_cos_of(s, lobes);
+    if (light_brdf_lobes(lights_of(push.lighting), push.lighting.scope.lights.directional_count + in_light, s.position, s.normal, b, to_light, lobes)) sum = illuminance * brdf_cos_of(s, b, lobes);
     out_sum = vec4(mobile_scaled(push.view, sum), 0.0);
 }

@@ -49,11 +49,10 @@ surface surface_at(ivec2 pixel, float view_depth, bool is_shared, ivec2 first, u
 // ---- parts of the light ----
 
 // The BRDF of brdf.glsl, by base colour and rest; both are linear in it.
-coarse_light brdf_parts(surface s, brdf_lobes lobes) {
+coarse_light brdf_parts(surface s, brdf_view b, brdf_lobes lobes) {
     coarse_light f = coarse_light(vec3(0.0), vec3(0.0));
     vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5;
-    vec3 taken = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5_below;
-    float diffuse = (1.0 - max_component(taken)) * (1.0 / PI) * (1.0 - s.metallic);
+    float diffuse = brdf_below(s, b, lobes) * (1.0 / PI) * (1.0 - s.metallic);
     float metal = s.metallic * lobes.specular;
     if (SPLIT == COARSE_SPLIT_ALBEDO) {
         f.by_color = vec3((diffuse + metal * (1.0 - lobes.m5)) * lobes.n_l);
@@ -62,6 +61,7 @@ coarse_light brdf_parts(surface s, brdf_lobes lobes) {
         f.by_color = s.base_color * (diffuse * lobes.n_l);
         f.rest = (fresnel * (lobes.specular * (1.0 - s.metallic)) + (s.base_color + (1.0 - s.base_color) * lobes.m5) * metal) * lobes.n_l;
     }
+    if (LIGHTING_CONSERVING) f.rest += b.between * (lobes.n_l * (1.0 / PI));
     return f;
 }
 
@@ -86,7 +86,7 @@ bool has_edge(uint light) {
 coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     view_block v = push.gbuffer.view;
     vec3 to_view = to_viewer(v, s.position);
-    brdf_view b = brdf_prepare(s, to_view);
+    brdf_view b = energy_view(s, v, to_view);
     coarse_light sum = coarse_light(vec3(0.0), vec3(0.0));
     float diffuse_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts & PART_SLOW) : 1.0;
     float rest_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts >> 1u & 1u) : 1.0;
@@ -97,7 +97,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     for (uint i = 0u; i < directional_count; i++) {
         vec3 to_sun, color = sun_reach(lights_of(push.lighting), i, LIGHT_MASK_ALL, to_sun);
         if (!brdf_lobes_of(s.normal, b, to_sun, lobes)) continue;
-        coarse_light f = brdf_parts(s, lobes);
+        coarse_light f = brdf_parts(s, b, lobes);
         if (LIGHTING_SHADOWED) color *= light_visibility(push.lighting, i, shadowed, to_sun, true);
         sum.by_color += color * f.by_color * diffuse_weight;
         sum.rest += color * f.rest * rest_weight;
@@ -113,7 +113,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
             if (LIGHTING_SHADOWED) illuminance *= light_visibility(push.lighting, light, shadowed, to_light, false);
             if (COUNT_LIGHTS == 1u) useful++;
             if (!light_brdf_lobes(lights_of(push.lighting), light, s.position, s.normal, b, to_light, lobes)) continue;
-            coarse_light f = brdf_parts(s, lobes);
+            coarse_light f = brdf_parts(s, b, lobes);
             sum.by_color += illuminance * f.by_color * diffuse_weight;
             sum.rest += illuminance * f.rest * rest_weight;
         }

@@ -74,6 +74,6 @@ void main() {
     } else {
         for (uint k = 0u; k < TARGETS; k++) sums.at[k] /= suits;
     }
-    vec3 radiance = shade_rest(s, v, to_viewer(v, s.position), light_sums_reflect(s, sums));
+    vec3 radiance = shade_rest(s, v, to_viewer(v, s.position), light_sums_reflect(s, v, sums));
     out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
 }

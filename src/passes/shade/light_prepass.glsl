@@ -42,7 +42,7 @@ void light_sums_add(inout light_sums sums, light_surface s, brdf_lobes lobes, ve
         sums.at[0] = sum;
     } else if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) {
         precise float reflected = s.greatest_f0 + (s.dielectric_f90 - s.greatest_f0) * lobes.m5_below;
-        precise vec3 kept = sums.at[0].rgb + diffuse * (1.0 - reflected);
+        precise vec3 kept = sums.at[0].rgb + diffuse * (LIGHTING_CONSERVING ? 1.0 : 1.0 - reflected);
         precise vec3 mirrored = sums.at[1].rgb + specular * (s.f0 + (vec3(s.f90) - s.f0) * lobes.m5);
         sums.at[0].rgb = kept;
         sums.at[1].rgb = mirrored;
@@ -95,18 +95,23 @@ light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_a
 // What a material makes of it. RGBA knows neither the half vectors nor the colours of highlights: reflectance is that of normal
 // incidence, and highlights take the hue of the diffuse light. Right for reflectances without Fresnel's rise (F90 = F0) under white
 // lights.
-vec3 light_sums_reflect(surface s, light_sums sums) {
+vec3 light_sums_reflect(surface s, view_block v, light_sums sums) {
     float greatest = max_component(s.dielectric_f0);
     vec3 albedo = s.base_color * (1.0 - s.metallic);
+    brdf_view b;
+    if (LIGHTING_CONSERVING) b = energy_view(s, v, to_viewer(v, s.position));
     vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
     if (LIGHT_BUFFER == LIGHT_BUFFER_RGBA) {
         vec3 diffuse = sums.at[0].rgb;
         vec3 hue = diffuse / max(luminance(diffuse), 1e-20);
+        if (LIGHTING_CONSERVING) return (albedo * b.below + b.between) * diffuse + f0 * hue * sums.at[0].a;
         return albedo * (1.0 - greatest) * diffuse + f0 * hue * sums.at[0].a;
     }
+    if (LIGHT_BUFFER == LIGHT_BUFFER_TWO && LIGHTING_CONSERVING) return (albedo * b.below + b.between) * sums.at[0].rgb + sums.at[1].rgb;
     if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) return albedo * sums.at[0].rgb + sums.at[1].rgb;
     vec3 rise = mix(vec3(s.dielectric_f90), vec3(1.0), s.metallic) - f0;
     vec3 diffuse = sums.at[0].rgb * (1.0 - greatest) - sums.at[1].rgb * (s.dielectric_f90 - greatest);
+    if (LIGHTING_CONSERVING) return (albedo * b.below + b.between) * sums.at[0].rgb + max(f0 * sums.at[2].rgb + rise * sums.at[3].rgb, vec3(0.0));
     return albedo * max(diffuse, vec3(0.0)) + max(f0 * sums.at[2].rgb + rise * sums.at[3].rgb, vec3(0.0));
 }
 

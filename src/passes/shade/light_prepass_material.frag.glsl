@@ -94,6 +94,6 @@ void main() {
     } else
         for (uint i = 0u; i < target_count(); i++) sums.at[i] = texelFetch(textures[push.targets[i]], pixel, 0);
     view_block v = push.geometry.view;
-    vec3 radiance = shade_rest(s, v, to_viewer(v, s.position), light_sums_reflect(s, sums));
+    vec3 radiance = shade_rest(s, v, to_viewer(v, s.position), light_sums_reflect(s, v, sums));
     out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)), 1.0);
 }

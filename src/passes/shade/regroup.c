@@ -73,7 +73,7 @@ struct draw_data {
 
 /* What the shaders know of the list and of its lights. */
 static uint32_t bits_of(const struct draw_data *d) {
-    return GPU_LIST_ITEMS | (d->bits & (GPU_LIGHTING_SHADOWED | GPU_LIGHTING_ENVIRONMENT | GPU_LIGHTING_REFLECTIONS | GPU_LIGHTING_LAYERS | GPU_LIGHTING_MASKS | GPU_LIGHTING_PROFILES | GPU_LIGHTING_AREA_LIGHTS));
+    return GPU_LIST_ITEMS | (d->bits & (GPU_LIGHTING_SHADOWED | GPU_LIGHTING_ENVIRONMENT | GPU_LIGHTING_REFLECTIONS | GPU_LIGHTING_LAYERS | GPU_LIGHTING_CONSERVING | GPU_LIGHTING_MASKS | GPU_LIGHTING_PROFILES | GPU_LIGHTING_AREA_LIGHTS));
 }
 
 static struct gpu_regroup_draw_push push_of(const struct graph_context *context, const struct draw_data *d) {

@@ -122,7 +122,7 @@ static fnl_result prepare(struct device_scene *d, const struct panorama *p) {
     return keeps ? environment_keep(d->device, &d->environment) : FNL_OK;
 }
 
-static bool needs_table(const struct device_scene *d) { return device_has_layers(d) || scene_has_reflections(d->scene); }
+static bool needs_table(const struct device_scene *d) { return d->conserves || device_has_layers(d) || scene_has_reflections(d->scene); }
 
 fnl_result device_environment_prepare(struct device_scene *d) {
     const struct scene_environment *e = &d->scene->environment;

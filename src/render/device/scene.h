@@ -213,6 +213,7 @@ struct device_scene {
     struct device_structures structures; /* for ray queries, once some frame has asked for them */
 
     struct environment_maps environment;
+    bool conserves; /* some frame conserved energy: the environment's table is there */
     uint64_t environment_version; /* of the scene, when its picture was sent; UINT64_MAX: never */
     uint64_t environment_key;     /* of what is kept of it between runs */
     /* What the last frame that was declared does for its maps. */

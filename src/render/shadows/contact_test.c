@@ -84,7 +84,7 @@ static void compare_with_rays(bool lamp, bool orthographic) {
     struct ray_walk walk = {0};
     struct jobs *jobs;
     assert_int_equal(jobs_create(gpu_host(harness_device()), &jobs), FNL_OK);
-    assert_int_equal(ray_scene_create(stage.scene, jobs, &rays), FNL_OK);
+    assert_int_equal(ray_scene_create(stage.scene, FNL_ENERGY_GLTF, jobs, &rays), FNL_OK);
     uint32_t hidden = 0, found = 0, open = 0, kept = 0;
     for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
         const float *p = at(&with.position, i), *n = at(&with.normal, i);
