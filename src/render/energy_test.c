@@ -106,14 +106,15 @@ static void test_one_model_for_all_light(void **state) {
         const struct ball *b = &balls[i];
         for (int energy = 0; energy < FNL_ENERGY_COUNT; energy++) {
             double(*m)[2] = means[energy];
-            const double truth = m[LIGHT_ENVIRONMENT][1];
+            const double truth = m[LIGHT_ENVIRONMENT][0];
             print_message("%s, metal %.1f, roughness %.1f, coat %.0f, sheen %.0f: environment %.4f traced %.4f, ambient %.4f traced %.4f, suns %.4f traced %.4f\n",
                           fnl_value_name(FNL_ENUM_ENERGY, (uint32_t)energy), (double)b->metallic, (double)b->roughness, (double)b->coat, (double)b->sheen, m[0][0], m[0][1],
                           m[1][0], m[1][1], m[2][0], m[2][1]);
             for (int light = 0; light < 3; light++)
                 for (int how = 0; how < 2; how++) {
                     const bool fitted = light == LIGHT_AMBIENT && energy == FNL_ENERGY_GLTF && b->coat == 0 && b->sheen == 0; /* environment_brdf() */
-                    assert_true(fabs(m[light][how] - truth) < (fitted ? 0.02 : 0.01));
+                    const bool sampled = light == LIGHT_ENVIRONMENT && how == 1;
+                    assert_true(fabs(m[light][how] - truth) < (fitted || sampled ? 0.025 : 0.01));
                 }
             if (energy == FNL_ENERGY_CONSERVING) assert_true(fabs(truth - 1) < 0.02);
         }

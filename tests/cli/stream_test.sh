@@ -147,7 +147,7 @@ if command -v git >/dev/null; then
     [ "$(commit)" = "\"$(git -C copy rev-parse --short=12 HEAD)-dirty\";" ] || fail "a changed repository has the commit $(commit)"
 fi
 # Each option of the help has its value in the settings, under "options" by its key, and so has each option of a frame.
-named='shading|lists|shadows|msaa|msaa-method|gbuffer|transparency|decals|aa|cull|geometry|occlusion|light-lod|stereo-path|tonemap|debug|ground|studio|size|exposure|contact-shadows'
+named='shading|lists|shadows|msaa|msaa-method|gbuffer|transparency|decals|aa|cull|geometry|occlusion|light-lod|stereo-path|tonemap|debug|ground|studio|size|exposure|contact-shadows|energy'
 for option in $("$fanal" render --help | grep -oE -- '--[a-z][a-z-]*' | sort -u | grep -vxE -- "--(help|gbuffers|set|options|counters|json|markdown|$named)"); do
     key=${option#--}
     grep -q "^    \"${key//-/_}\":" still.json || fail "the settings leave out $option"
