@@ -171,13 +171,13 @@ static bool show_kind(fnl_light_params *light) {
 }
 
 static bool show_range(fnl_light_params *light) {
-    bool edited = false, derived = isinf(light->range);
-    if (ui_checkbox("no range limit", &derived)) {
-        light->range = derived ? INFINITY : fmaxf(fnl_light_range(light, 1, 0.05f), 1e-3f);
+    bool edited = false, unlimited = isinf(light->range);
+    if (ui_checkbox("no range limit", &unlimited)) {
+        light->range = unlimited ? INFINITY : fmaxf(fnl_light_range(light, 1, 0.05f), 1e-3f);
         edited = true;
     }
     ui_tooltip("The light reaches everything; off: it ends at the range below");
-    return edited | (!derived && show_number("range, m", &light->range, 1e-3f, FLT_MAX, "%.3g"));
+    return edited | (!unlimited && show_number("range, m", &light->range, 1e-3f, FLT_MAX, "%.3g"));
 }
 
 static bool show_value(const fnl_light_member *m, uint32_t i, float *value, float high) {

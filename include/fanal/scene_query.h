@@ -48,7 +48,7 @@ typedef struct fnl_scene_info {
     uint64_t instance_count; /**< visible instances that have a mesh */
     uint32_t light_count;    /**< of all kinds, including those of hidden nodes */
     uint32_t light_kind_counts[FNL_LIGHT_KIND_COUNT];
-    uint32_t unlimited_light_count; /**< lights whose range is INFINITY, including those of hidden nodes */
+    uint32_t unlimited_light_count; /**< lights whose range is INFINITY, hidden ones included */
     double light_threshold;         /**< illuminance at which these lights end, lux; 0: they are unlimited (fnl_scene_set_light_cutoff) */
     uint32_t decal_count; /**< of all kinds */
     uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];

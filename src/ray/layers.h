@@ -19,7 +19,7 @@ void ray_layers_prepare(const struct ray_albedos *albedos, struct ray_surface *s
 /** Makes a surface conserve energy (FNL_ENERGY_CONSERVING), for a viewer. Layers are prepared. */
 void ray_energy_prepare(const struct ray_albedos *albedos, struct ray_surface *surface, dvec3 to_view);
 
-/** By appendix B of glTF: the part of even light from all directions that gets below a dielectric surface. */
+/** Fraction of uniform light that enters a dielectric, by appendix B of glTF. */
 double ray_energy_below(dvec3 f0, double f90, double n_v);
 
 /** The part of the light in the base that its own color reflects; the rest passes through. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** The energy model of materials: white balls in even white light, which comes from the environment, from a room's probe, from two ambient colors, or from suns all around. */
+/** The energy model of materials: white balls in uniform white light from an environment, from ambient light or from suns all around. */
 #include "tests/coarse_cases.h"
 #include "tests/render_test.h"
 
@@ -122,7 +122,7 @@ static void test_one_model_for_all_light(void **state) {
     }
 }
 
-/* The table that tells what is lost is there, whatever the frames before were and whatever was warmed up. */
+/* Frames with either model may follow each other, and conserving ones can be warmed up: the reflectance table exists in time. */
 static void test_the_model_may_change_between_frames(void **state) {
     UNUSED(state);
     const struct ball ball = {1, 1, 0, 0};

@@ -92,8 +92,13 @@ void scene_follow_reach(fnl_scene *scene) {
         return;
     }
     if (stands && reach->light_version == scene->light_version) return;
-    const bool anew = reach->structure_version == UINT64_MAX || scene->unlimited.count > FNL_UNLIMITED_LIGHTS_MAX;
-    if (!stands && (anew || !grow_bounds(scene, reach))) reach->bounds = scene_bounds(scene);
+    const bool exact = scene->unlimited.count > FNL_UNLIMITED_LIGHTS_MAX;
+    if (exact ? !stands || reach->grown : !stands && (reach->structure_version == UINT64_MAX || !grow_bounds(scene, reach))) {
+        reach->bounds = scene_bounds(scene);
+        reach->grown = false;
+    } else {
+        reach->grown |= !stands;
+    }
     reach->structure_version = scene->structure_version;
     reach->transform_version = scene->transform_version;
     const double threshold = scene_light_threshold(scene, &reach->bounds);

@@ -150,6 +150,17 @@ static void test_the_threshold_scales_and_forgets(void **state) {
     place.m[12] = 0;
     assert_int_equal(fnl_scene_set_instance_transform(usual.scene, usual.triangle, &place), FNL_OK);
     for (uint32_t i = 0; i < COUNT; i++) assert_true(reach_of(&usual, i) == reach_of(&dim, i));
+    /* Nor what it was while its lights were unlimited. */
+    struct world few = crowd(1, 1, 1, false);
+    assert_true(reach_of(&few, 0) > 0);
+    for (int k = 1; k >= 0; k--) {
+        place.m[12] = 1000 * (float)k;
+        assert_int_equal(fnl_scene_set_instance_transform(few.scene, few.triangle, &place), FNL_OK);
+        assert_true(reach_of(&few, 0) > 0);
+    }
+    for (uint32_t i = 1; i < COUNT; i++) add_light(&few, (float)i / 256, (float)(1 + i % 3));
+    for (uint32_t i = 0; i < COUNT; i++) assert_true(reach_of(&few, i) == reach_of(&dim, i));
+    fnl_scene_destroy(&few.scene);
     fnl_scene_destroy(&usual.scene);
     fnl_scene_destroy(&backwards.scene);
     fnl_scene_destroy(&dim.scene);

@@ -283,6 +283,7 @@ struct scene_light {
 /* Scene state at the last scene_follow_reach(). */
 struct scene_reach {
     struct box bounds;
+    bool grown; /* the bounds may be larger than the scene's: enough for unlimited lights, not for a threshold */
     uint64_t structure_version, transform_version, light_version; /* structure_version UINT64_MAX: no state yet */
 };
 
