@@ -28,7 +28,7 @@
 #define NORMALS_STEREOGRAPHIC 6u
 #define NORMALS_VIEW 7u
 #define NORMALS_BEST_FIT 8u
-#define NORMALS_FLOAT 9u /* in a target of its own, the last: what the others are compared with */
+#define NORMALS_FLOAT 9u /* in a target of its own, after those of the layout: what the others are compared with */
 #define NORMALS_COUNT 10u
 
 /* How the targets are packed: layout | encoding of normals << 8 | flags. A specialisation constant with this id, or gpu_gbuffer.form where
@@ -39,6 +39,7 @@
 #define GBUFFER_FORM_LAYOUT(form) ((form) & 255u)
 #define GBUFFER_FORM_NORMALS(form) ((form) >> 8 & 255u)
 #define GBUFFER_FORM_CHROMA 0x10000u /* base colour as Y'CbCr, one of Cb and Cr a pixel */
+#define GBUFFER_FORM_GEOMETRIC 0x40000u /* geometric normal stored in the last target (GBUFFER_LAYERS: its zw); otherwise unknown */
 #define GBUFFER_FORM_MASK 0x20000u   /* some pixels are lit by a forward pass: see gpu_gbuffer.mask */
 
 /* What layouts with a material ID look up: the same for all pixels of a material. */

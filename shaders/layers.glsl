@@ -79,8 +79,9 @@ vec3 layered_base_of(surface s, layers_view b, brdf_lobes lobes, vec3 to_light, 
 vec3 layered_base(surface s, layers_view b, vec3 to_light) {
     brdf_lobes lobes;
     if (!brdf_lobes_of(s.normal, b.base, to_light, lobes)) return vec3(0.0);
-    if (s.layers.anisotropy > 0.0) lobes.specular = stretched_lobe(s, b, to_light, lobes.n_l);
-    return layered_base_of(s, b, lobes, to_light, lobes.n_l);
+    float n_l = dot(s.normal, to_light);
+    if (s.layers.anisotropy > 0.0) lobes.specular = stretched_lobe(s, b, to_light, n_l);
+    return layered_base_of(s, b, lobes, to_light, n_l);
 }
 
 // f(l, v) times the cosine, as brdf_cos().

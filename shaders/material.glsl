@@ -9,6 +9,7 @@
 
 #ifdef MATERIAL_GRADIENTS
 vec3 in_position, in_normal;
+vec3 in_geometric; // as surface.geometric
 vec4 in_tangent, in_uv, in_color;
 vec4 in_uv_dx, in_uv_dy; // of in_uv, per pixel to the right and down
 uvec3 in_ids;
@@ -24,11 +25,12 @@ layout(constant_id = HAS_NORMAL_MAP_ID) const uint HAS_NORMAL_MAP = 1u;
 // same factor.
 layout(location = 0) centroid in vec4 in_place;
 #define in_position (in_place.xyz / in_place.w)
+#define in_geometric (in_ids.z == 2u ? vec3(0.0) : geometric_of(dFdx(in_position), dFdy(in_position)))
 layout(location = 1) centroid in vec3 in_normal;
 layout(location = 2) centroid in vec4 in_tangent;
 layout(location = 3) centroid in vec4 in_uv;
 layout(location = 4) centroid in vec4 in_color;
-layout(location = 5) flat in uvec3 in_ids; // material, item, 1 when the instance mirrors
+layout(location = 5) flat in uvec3 in_ids; // material, item; 1: the instance mirrors, 2: not a triangle
 #define in_front_facing gl_FrontFacing
 const uint HAS_TEXTURES = 1u, HAS_NORMAL_MAP = 1u;
 #endif
@@ -184,6 +186,7 @@ surface material_surface(material_array materials, uint material, out bool hole)
     surface s;
     s.light_mask = LIGHT_MASK_ALL;
     s.position = in_position;
+    s.geometric = in_geometric;
     s.alpha = (materials.at[material].flags & GPU_MATERIAL_BLEND) != 0u ? clamp(base.a, 0.0, 1.0) : 1.0;
 
     vec4 metallic_roughness = sample_slot(materials, material, TEXTURE_METALLIC_ROUGHNESS);

@@ -8,6 +8,7 @@
 struct surface {
     vec3 position;        // world space
     vec3 normal;          // world space, unit, shading normal on the viewer's side of double-sided surfaces
+    vec3 geometric;       // world space, geometric normal, any length, either side; 0 or NaN if unknown
     vec3 base_color;      // linear
     float alpha;
     float metallic;
@@ -20,5 +21,8 @@ struct surface {
     bool layered;         // the rest holds
     surface_layers layers;
 };
+
+// Geometric normal from two edge vectors of any length; NaN if one is zero.
+vec3 geometric_of(vec3 a, vec3 b) { return cross(a * inversesqrt(dot(a, a)), b * inversesqrt(dot(b, b))); }
 
 #endif

@@ -24,12 +24,15 @@ static void to(dvec3 v, double out[3]) {
     out[2] = v.z;
 }
 
+static double dot3(const double v[3]) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
 enum { RECTANGLE_STEPS = 48 }; /* points on a side that stand for all */
 
 void reference_shade(const struct reference_surface *s, const double to_view[3], const fnl_light_params *lights,
                      uint32_t light_count, fnl_vec3 ambient_sky, fnl_vec3 ambient_ground, double out[3]) {
     struct ray_surface surface = {.position = from(s->position),
                                   .normal = from(s->normal),
+                                  .geometric = from(dot3(s->geometric) > 0 ? s->geometric : s->normal),
                                   .base_color = from(s->base_color),
                                   .metallic = s->metallic,
                                   .roughness = s->roughness,

@@ -9,6 +9,7 @@
 
 struct reference_surface {
     double position[3], normal[3]; /* world space, unit */
+    double geometric[3];           /* the same; 0: `normal` */
     double base_color[3];
     double metallic, roughness, occlusion;
     double emissive[3];

@@ -13,7 +13,8 @@ extern "C" {
 
 /**
  * Layouts of the G-buffer: Fanal's own, and published ones (docs/techniques/gbuffer.md). All give the same picture within their quantisation:
- * materials that a layout cannot hold are shaded forward in the same frame.
+ * materials that a layout cannot hold are shaded forward in the same frame. Scenes with smooth normals, normal maps or decals add 4 bytes
+ * per pixel for the geometric normal.
  */
 typedef enum fnl_gbuffer {
     FNL_GBUFFER_DEFAULT = 0, /**< 16 bytes per pixel; holds every material without layers. In scenes with clearcoat or anisotropy that FNL_GBUFFER_LAYERS

@@ -8,6 +8,7 @@ const vec3 COAT_F0 = vec3(0.04);
 brdf_view coat_view(surface s, vec3 to_view) {
     surface coat;
     coat.normal = s.layers.clearcoat_normal;
+    coat.geometric = s.geometric;
     coat.roughness = s.layers.clearcoat_roughness;
     return brdf_prepare(coat, to_view);
 }

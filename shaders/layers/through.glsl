@@ -30,13 +30,14 @@ vec3 through_radiance(surface s, view_block v, vec3 to_view); // what is behind;
 
 // A light behind the surface: its mirror image in front determines what gets in and where the transmitted lobe lies.
 brdf_view behind_view(surface s, layers_view b) {
+    brdf_view view = b.base;
 #ifdef TRANSMISSION
     surface sheet = s;
     sheet.roughness = sqrt(through_alpha(s));
-    return brdf_prepare(sheet, b.base.to_view);
-#else
-    return b.base;
+    view = brdf_prepare(sheet, b.base.to_view);
 #endif
+    view.geometric = 2.0 * dot(b.base.geometric, s.normal) * s.normal - b.base.geometric; // the back side's geometric normal, mirrored by the shading normal
+    return view;
 }
 
 vec3 layered_behind_of(surface s, layers_view b, brdf_lobes lobes) {

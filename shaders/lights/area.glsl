@@ -158,11 +158,12 @@ bool area_lobes_of(light_set_block l, uint light, vec3 position, vec3 normal, br
         precise vec3 direction = (mean * inversesqrt(max(dot(mean, mean), 1e-30))) * to_frame; // the frame's transpose turns back
         flux[k] = sum;
         middle[k] = direction;
-        brdf_lobes_of(normal, b, direction, at[k]);
+        brdf_lobes_shaded(normal, b, direction, at[k]);
     }
     if (!(flux[0].z > 0.0)) return false;
     toward = middle[0];
-    precise float n_l = flux[0].z * PI / area_share(l, light, position);
+    precise float n_l = flux[0].z * PI / area_share(l, light, position) * brdf_facing(b, toward);
+    if (!(n_l > 0.0)) return false;
     lobes.n_l = n_l;
     lobes.m5_below = lobes.m5 = at[0].m5;
     if (!(flux[1].z > 0.0)) return true;

@@ -12,7 +12,7 @@ static dvec3 base_cos(const struct ray_surface *s, dvec3 v, dvec3 l, dvec3 h) {
     const double below = s->conserving ? s->below : 1 - dvec3_max(fresnel);
     const dvec3 dielectric = dvec3_add_scaled(dvec3_scale(s->base_color, below * ray_opaque_part(s) / DPI), fresnel, lobe);
     const dvec3 once = dvec3_lerp(dielectric, dvec3_scale(metal, lobe), s->metallic);
-    return dvec3_scale(dvec3_add_scaled(once, s->between, 1 / DPI), n_l);
+    return dvec3_scale(dvec3_add_scaled(once, s->between, 1 / DPI), n_l * ray_facing(s->geometric, s->normal, l));
 }
 
 dvec3 ray_brdf_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
@@ -115,7 +115,7 @@ dvec3 ray_brdf_sample(const struct ray_surface *s, dvec3 to_view, const double r
 /* By visible normals: of what they mirror, all but what is shadowed arrives. */
 static void specular_albedo(double roughness, double n_v, float out[2]) {
     enum { SIDE = 24 };
-    struct ray_surface s = {.normal = {0, 0, 1}, .base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness};
+    struct ray_surface s = {.normal = {0, 0, 1}, .geometric = {0, 0, 1}, .base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness};
     const dvec3 v = {sqrt(1 - n_v * n_v), 0, n_v};
     double sum[2] = {0, 0};
     for (int i = 0; i < SIDE * SIDE; i++) {

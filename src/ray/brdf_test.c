@@ -62,6 +62,26 @@ static void test_samples_integrate_the_brdf(void **state) {
     }
 }
 
+/* Zero behind the triangle, one where both normals agree, a smooth rise between. */
+static void test_leaning_normals_fade(void **state) {
+    UNUSED(state);
+    const dvec3 geometric = {0, 0, 1}, normal = {0.8, 0, 0.6};
+    double last = 0, steepest = 0;
+    for (int i = 0; i <= 1000; i++) {
+        const double angle = DPI * i / 1000;
+        const dvec3 l = {cos(angle), 0, sin(angle)};
+        assert_true(fabs(ray_facing(geometric, geometric, l) - (l.z > 1e-4 ? 1 : 0)) < 1e-6);
+        const double part = ray_facing(geometric, normal, l);
+        if (dvec3_dot(normal, l) <= 0) break;
+        assert_true(part >= last && part <= 1);
+        steepest = fmax(steepest, part - last);
+        last = part;
+    }
+    assert_true(last == 1 && steepest < 0.02);
+    assert_true(ray_facing(geometric, normal, dvec3_make(1, 0, 0)) == 0 && ray_facing(geometric, normal, dvec3_make(0.8, 0, -0.6)) == 0);
+    assert_true(fabs(ray_facing(geometric, normal, dvec3_make(0.96, 0, 0.28)) - 0.784) < 1e-9); /* 0.28 of 0.4 */
+}
+
 /* The same with layers; and however they are stacked, what they take from below is what they send. */
 static void test_layers_are_sampled_and_keep_energy_MA_2(void **state) {
     UNUSED(state);
@@ -198,6 +218,7 @@ static void test_meter_reads_grey(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_leaning_normals_fade),
         cmocka_unit_test(test_layers_are_sampled_and_keep_energy_MA_2), cmocka_unit_test(test_thin_films_vanish_MA_1),
         cmocka_unit_test(test_samples_integrate_the_brdf), cmocka_unit_test(test_ambient_is_close_to_the_integral),
         cmocka_unit_test(test_matt_samples_are_exact),     cmocka_unit_test(test_brdf_is_reciprocal),

@@ -11,19 +11,26 @@ void ray_layers_numbers(const struct scene_material *m, struct ray_layers *out) 
 #undef COLOR
 }
 
+double ray_facing(dvec3 geometric, dvec3 normal, dvec3 to_light) {
+    const double g_l = dvec3_dot(geometric, to_light);
+    if (!(g_l > 0)) return 0;
+    const double lean = dvec3_dot(geometric, normal), part = fmin(2 * g_l / sqrt(fmax(1 - lean * lean, 1e-8)), 1);
+    return part * part * (3 - 2 * part);
+}
+
 /* ---- coat ---- */
 
 static const double coat_f0 = 0.04;
 
 static struct ray_surface coat_of(const struct ray_surface *s) {
-    return (struct ray_surface){.normal = s->layers.clearcoat_normal, .roughness = s->layers.clearcoat_roughness};
+    return (struct ray_surface){.normal = s->layers.clearcoat_normal, .geometric = s->geometric, .roughness = s->layers.clearcoat_roughness};
 }
 
 static double coat_lobe(const struct ray_surface *s, dvec3 v, dvec3 l, dvec3 h) {
     const struct ray_surface coat = coat_of(s);
     const double n_l = dvec3_dot(coat.normal, l);
     if (!(s->layers.clearcoat > 0 && n_l > 0)) return 0;
-    return s->layers.clearcoat * (coat_f0 + (1 - coat_f0) * pow(1 - clamp01(dvec3_dot(h, v)), 5)) * ray_specular_lobe(&coat, v, l, h) * n_l;
+    return s->layers.clearcoat * (coat_f0 + (1 - coat_f0) * pow(1 - clamp01(dvec3_dot(h, v)), 5)) * ray_specular_lobe(&coat, v, l, h) * n_l * ray_facing(coat.geometric, coat.normal, l);
 }
 
 static double coat_albedo(const struct ray_albedos *albedos, double roughness, double n_v) {
@@ -124,7 +131,7 @@ dvec3 ray_behind_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
     const double transmission = s->lamps_shine_through ? 0 : s->layers.transmission;
     dvec3 straight = dvec3_scale(dvec3_mul(s->base_color, attenuated), transmission * ray_specular_lobe(&sheet, v, image, h));
     dvec3 diffuse = dvec3_scale(s->layers.diffuse_transmission_color, s->layers.diffuse_transmission * (1 - s->layers.transmission) / DPI);
-    return dvec3_scale(dvec3_add(straight, diffuse), below(s, v, h) * n_l);
+    return dvec3_scale(dvec3_add(straight, diffuse), below(s, v, h) * n_l * ray_facing(dvec3_scale(s->geometric, -1), dvec3_scale(s->normal, -1), l));
 }
 
 /* ---- energy (shaders/energy.glsl) ---- */
@@ -192,7 +199,7 @@ dvec3 ray_layers_over(const struct ray_surface *s, dvec3 v, dvec3 l, dvec3 h, dv
     base = dvec3_scale(base, layers->below_sheen);
     if (n_l > 0 && dvec3_max(layers->sheen_color) > 0) {
         double lobe = ray_sheen_lobe(layers->sheen_roughness, n_l, clamp01(dvec3_dot(s->normal, v)), clamp01(dvec3_dot(s->normal, h)));
-        base = dvec3_add_scaled(base, layers->sheen_color, lobe * n_l);
+        base = dvec3_add_scaled(base, layers->sheen_color, lobe * n_l * ray_facing(s->geometric, s->normal, l));
     }
     const double coat = coat_lobe(s, v, l, h);
     return dvec3_add(dvec3_scale(base, layers->below_coat), dvec3_make(coat, coat, coat));

@@ -11,6 +11,12 @@
 
 struct scene_material;
 
+/**
+ * Factor on a light for the geometric normal: 0 behind the triangle, 1 where both normals agree, smooth between. Matches brdf_facing() in
+ * shaders/brdf.glsl. All vectors are unit.
+ */
+double ray_facing(dvec3 geometric, dvec3 normal, dvec3 to_light);
+
 /** The numbers of a material, before textures. */
 void ray_layers_numbers(const struct scene_material *material, struct ray_layers *out);
 /** Fills the members of ray_layers that depend on the viewer. Call it before the functions below. */

@@ -89,6 +89,7 @@ static void add_list(struct frame_state *f) {
                                      .in_gbuffer = decals_in_gbuffer(f),
                                      .mip_fix = f->frame->decal_mip_fix};
     geometry->features |= all->mesh_count ? GPU_FEATURE_MESH_DECALS : 0;
+    if (all->count + all->mesh_count) geometry->features |= GPU_FEATURE_LEANING; /* their normal maps */
     const graph_buffer uses[] = {d->buffers.decals, d->buffers.mesh_ranges, d->buffers.mesh_ids};
     memcpy(geometry->feature_buffers, uses, sizeof uses);
     if (!needs_list(f)) return;

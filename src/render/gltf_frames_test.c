@@ -324,7 +324,7 @@ static void test_scales_of_any_size(void **state) {
             begin();
             snprintf(text, sizeof text, "\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":3}]}],\"nodes\":[{\"mesh\":0,\"scale\":[%g,%g,%g]}]",
                      attributes[flat], scales[i] < 0 ? -1.0 : 1.0, 1.0, 1.0);
-            expect_same(scene, finish(text), what, flat ? 12 : 2); /* at edges of flat faces a rounded corner decides */
+            expect_same(scene, finish(text), what, 12); /* at edges of faces a rounded corner decides */
         }
 }
 

@@ -22,7 +22,7 @@ void shading_begin(struct frame_state *f) {
 
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
     uint64_t bytes = gbuffer_bytes(surfaces_layout(f), f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
-                     (f->stored.gbuffer.mask.id ? 1 : 0) + extra_bytes;
+                     (f->stored.gbuffer.form & GBUFFER_FORM_GEOMETRIC ? 4 : 0) + (f->stored.gbuffer.mask.id ? 1 : 0) + extra_bytes;
     counters_note(f, "gbuffer.bytes", bytes * f->frame->width * f->frame->height * f->frame->msaa);
 }
 

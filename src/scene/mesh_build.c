@@ -180,6 +180,28 @@ fnl_result mesh_complete_by(struct arena *arena, struct scene_primitive *primiti
 
 fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive) { return mesh_complete_by(arena, primitive, 0, NULL); }
 
+/* Direction between two points, scaled to a largest component of 1: meshes may be of any size. */
+static vec3 way(vec3 from, vec3 to) {
+    const vec3 d = vec3_sub(to, from);
+    const float most = fmaxf(fmaxf(fabsf(d.x), fabsf(d.y)), fabsf(d.z));
+    return most > 0 ? vec3_make(d.x / most, d.y / most, d.z / most) : d;
+}
+
+bool primitive_leans(const struct scene_primitive *p) {
+    const float agrees = 0.9999f; /* cosine: some files have 8 or 16 bits per component */
+    if (p->topology != SCENE_TOPOLOGY_TRIANGLES || !p->normals) return false;
+    const uint32_t count = p->indices ? p->index_count : p->vertex_count;
+    for (uint32_t i = 0; i + 2 < count; i += 3) {
+        uint32_t v[3];
+        for (uint32_t k = 0; k < 3; k++) v[k] = p->indices ? p->indices[i + k] : i + k;
+        const vec3 across = vec3_cross(way(p->positions[v[0]], p->positions[v[1]]), way(p->positions[v[0]], p->positions[v[2]]));
+        const float size = vec3_length(across);
+        for (uint32_t k = 0; k < 3 && size > 0; k++)
+            if (!(vec3_dot(across, p->normals[v[k]]) >= agrees * size * vec3_length(p->normals[v[k]]))) return true;
+    }
+    return false;
+}
+
 /** Weights are taken to stay in 0..1; each vertex then reaches at most the sum of its displacements of one sign. */
 struct box primitive_bounds(const struct scene_primitive *primitive) {
     struct box box = box_empty();

@@ -26,6 +26,34 @@ static vec3 xyz(vec4 v) { return vec3_make(v.x, v.y, v.z); }
 /* ---- meshes ---- */
 
 /** A triangle soup of a cube has 12 faces; each normal is an axis, and each face gets its own vertices. */
+/* Whatever the size of the mesh. Of lines no normal is that of a triangle. */
+static void test_normals_that_lean(void **state) {
+    UNUSED(state);
+    static const float sizes[] = {1, 1e-15f, 1e15f};
+    static const vec3 leaning = {0, 0.1f, 0.995f};
+    for (uint32_t i = 0; i < COUNT_OF(sizes); i++) {
+        vec3 positions[4] = {{0, 0, 0}, {sizes[i], 0, 0}, {sizes[i], sizes[i], 0}, {0, sizes[i], 0}}, normals[4] = {{0, 0, 1}, {0, 0, 2}, {0, 0, 1}, {0, 0, 1}};
+        static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+        struct scene_primitive p = {.vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices};
+        assert_false(primitive_leans(&p));
+        p.normals = normals;
+        assert_false(primitive_leans(&p));
+        for (int k = 0; k < 4; k++) {
+            const vec3 kept = normals[k];
+            normals[k] = leaning;
+            assert_true(primitive_leans(&p));
+            normals[k] = vec3_scale(kept, -1);
+            assert_true(primitive_leans(&p));
+            normals[k] = kept;
+        }
+        positions[3] = positions[2]; /* a triangle without a plane has no normal to lean from */
+        assert_false(primitive_leans(&p));
+        normals[0] = leaning;
+        p.topology = SCENE_TOPOLOGY_LINES;
+        assert_false(primitive_leans(&p));
+    }
+}
+
 static void test_flat_normals_split_vertices(void **state) {
     UNUSED(state);
     fnl_scene *scene = new_scene();
@@ -414,6 +442,7 @@ static void test_scattered_lights_overlap_eightfold(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_normals_that_lean),
         cmocka_unit_test(test_flat_normals_split_vertices),
         cmocka_unit_test(test_flat_normals_of_any_size_and_of_targets),
         cmocka_unit_test(test_missing_indices_are_numbered),

@@ -184,6 +184,7 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
         struct scene_primitive *primitive = &scene->primitives.data[scene->primitives.count++];
         *primitive = primitives[i];
         primitive->bounds = primitive_bounds(primitive);
+        primitive->leans = primitive_leans(primitive);
         box_add_box(&mesh.bounds, &primitive->bounds);
         mesh.morph_target_count = MAX(mesh.morph_target_count, primitive->morph_target_count);
     }

@@ -145,6 +145,7 @@ struct scene_primitive {
     const struct scene_morph_target *morph_targets;
     uint32_t morph_target_count;
     struct box bounds; /* of the base vertices grown by all morph targets */
+    bool leans;        /* some vertex normal differs from the geometric normal of its triangle */
     uint32_t version, shape_version; /* count the changes of all arrays; of positions and indices among them */
     uint32_t source; /* its number in the mesh of its file, of whose primitives some may have been left out */
     struct arena memory; /* holds the arrays that fnl_scene_set_mesh has replaced; empty: the scene's does */
@@ -649,6 +650,8 @@ uint64_t mesh_complete_bytes(const struct scene_primitive *primitive);
 uint64_t mesh_made_target_bytes(const struct scene_primitive *primitive);
 uint64_t mesh_vertex_bytes(const struct scene_primitive *primitive);
 struct box primitive_bounds(const struct scene_primitive *primitive);
+/** scene_primitive.leans. */
+bool primitive_leans(const struct scene_primitive *primitive);
 
 /** Sets what an animation sets, at a time (animation.c); then scene_update_transforms. */
 fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds);

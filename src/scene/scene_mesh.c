@@ -119,6 +119,7 @@ static void take_arrays(struct scene_primitive *to, const struct scene_primitive
 static void update_bounds(fnl_scene *scene, uint32_t index, struct scene_primitive *changed) {
     struct scene_mesh *mesh = &scene->meshes.data[index];
     changed->bounds = primitive_bounds(changed);
+    changed->leans = primitive_leans(changed);
     mesh->bounds = box_empty();
     for (uint32_t i = 0; i < mesh->primitive_count; i++)
         box_add_box(&mesh->bounds, &scene->primitives.data[mesh->first_primitive + i].bounds);

@@ -24,6 +24,7 @@ surface read_surface(uint flags) {
     surface s;
     s.position = target(0u).xyz;
     s.normal = target(1u).xyz;
+    s.geometric = target(6u).xyz;
     s.base_color = target(2u).rgb;
     s.roughness = target(2u).a;
     s.dielectric_f0 = target(3u).rgb;

@@ -10,7 +10,7 @@
 #define INSPECT_NONE 0x7fffffffu
 
 /* Texels of what the surface is drawn into: see inspect_surface.frag.glsl. */
-#define INSPECT_TARGETS 6u
+#define INSPECT_TARGETS 7u
 
 /* gpu_inspected.flags */
 #define INSPECT_HIT 1u
@@ -69,7 +69,7 @@ struct gpu_inspect_push {
     uvec2 pixel;
     uint counter_stride;
     uint skips_layered; /* 1: layered surfaces were shaded by another list */
-    uint targets[6];    /* sampled: INSPECT_TARGETS */
+    uint targets[7];    /* sampled: INSPECT_TARGETS */
     uint layers[SURFACE_LAYERS_VECTORS];
 };
 

@@ -24,6 +24,7 @@ layout(location = 2) out vec4 out_base_color; // roughness
 layout(location = 3) out vec4 out_f0;         // f90
 layout(location = 4) out vec4 out_emissive;   // metallic
 layout(location = 5) out vec4 out_rest;       // occlusion, flags, light mask
+layout(location = 6) out vec4 out_geometric;
 #endif
 
 void main() {
@@ -38,6 +39,7 @@ void main() {
     if (s.layered) out_layers = layers_pack(s.layers);
 #else
     out_position = vec4(s.position, float(in_ids.y + 1u));
+    out_geometric = vec4(s.geometric, 0.0);
     out_normal = vec4(s.normal, view_depth_of(push.view, gl_FragCoord.z));
     out_base_color = vec4(s.base_color, s.roughness);
     out_f0 = vec4(s.dielectric_f0, s.dielectric_f90);

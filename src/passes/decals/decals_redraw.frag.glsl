@@ -45,6 +45,7 @@ void main() {
     s.light_mask = in_light_mask;
     s.layered = false;
     s.position = in_position;
+    s.geometric = geometric_of(p.dx, p.dy);
     s.normal = decal_normal(decals, in_decal, sampler_index, place, p, p.facing);
     s.base_color = color.rgb / color.a;
     s.alpha = color.a;

@@ -20,7 +20,7 @@ layout(location = 7) centroid out vec3 out_bind; // position before the mesh def
 layout(location = 3) centroid out vec4 out_uv; // uv0, uv1
 layout(location = 4) centroid out vec4 out_color;
 #endif
-layout(location = 5) flat out uvec3 out_ids; // material, item, 1 when the instance mirrors
+layout(location = 5) flat out uvec3 out_ids; // material, item; 1: the instance mirrors, 2: not a triangle
 #ifndef NO_CORNER
 layout(location = 6) flat out uint out_corner; // tells triangles of an item apart
 #endif

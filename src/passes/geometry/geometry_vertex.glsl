@@ -13,7 +13,7 @@ struct geometry_vertex {
     vec4 tangent;
     vec4 uv; // uv0, uv1
     vec4 color;
-    uvec3 ids; // material, item, 1 when the instance mirrors
+    uvec3 ids; // material, item; 1: the instance mirrors, 2: not a triangle
     vec3 bind; // position before the mesh deforms, in its own space
 };
 
@@ -40,7 +40,7 @@ geometry_vertex geometry_vertex_of(uint item_index, uint vertex) {
     gpu_primitive primitive = push.scene.scene.primitives.at[item.primitive];
     v.bind = vec3(0.0);
     if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) v.bind = push.scene.scene.positions.at[int(vertex) + primitive.bind_offset];
-    v.ids = uvec3(primitive.material, item_index, uint(mirror < 0.0 && primitive.corners == 3u));
+    v.ids = uvec3(primitive.material, item_index, primitive.corners != 3u ? 2u : uint(mirror < 0.0));
     return v;
 }
 

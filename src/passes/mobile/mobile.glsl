@@ -109,15 +109,26 @@ bool mobile_is_sky(mobile_texel g) {
 #endif
 }
 
+// World space.
+vec3 mobile_position(mobile_texel g, view_block v, ivec2 pixel) {
+#ifdef MOBILE_WIDE
+    return vec3(g.t[0].x, g.t[1].x, g.t[2].x);
+#else
+    vec2 ndc = ndc_of_pixel(v, vec2(pixel) + 0.5);
+    return (v.view.view_to_world * vec4(view_position_of(v, ndc, view_depth_of(v, g.t[1].x)), 1.0)).xyz;
+#endif
+}
+
 // The surface of a pixel that shows one, without its glow, which is in the light already.
 surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view_depth) {
     surface s;
     s.light_mask = LIGHT_MASK_ALL;
     s.layered = false;
+    s.geometric = vec3(0.0); // mobile_geometric() finds it
+    s.position = mobile_position(g, v, pixel);
     vec3 color, normal, f0 = vec3(MOBILE_F0);
     float metallic = 0.0;
 #ifdef MOBILE_WIDE
-    s.position = vec3(g.t[0].x, g.t[1].x, g.t[2].x);
     view_depth = -(v.view.world_to_view * vec4(s.position, 1.0)).z;
 #ifdef MOBILE_METALLIC
     normal = vec3(g.t[4].y, g.t[5].xy);
@@ -132,8 +143,6 @@ surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view
 #endif
 #else
     view_depth = view_depth_of(v, g.t[1].x);
-    vec2 ndc = ndc_of_pixel(v, vec2(pixel) + 0.5);
-    s.position = (v.view.view_to_world * vec4(view_position_of(v, ndc, view_depth), 1.0)).xyz;
     normal = g.t[2].xyz * 2.0 - 1.0;
     s.roughness = g.t[2].w;
     color = mobile_decode(g.t[3].rgb);
@@ -162,6 +171,14 @@ surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view
 }
 
 #ifdef MOBILE_READS
+// Geometric normal from derivatives of the position in a quad, because tile targets can only be read at their own pixel. 0 if a derivative is too steep against the
+// shading normal to lie on the surface.
+vec3 mobile_geometric(vec3 right, vec3 down, vec3 normal) {
+    const float STEEPEST = 0.85; // sine
+    vec2 off = abs(vec2(dot(right, normal), dot(down, normal))) * inversesqrt(vec2(dot(right, right), dot(down, down)));
+    return all(lessThan(off, vec2(STEEPEST))) ? geometric_of(right, down) : vec3(0.0);
+}
+
 // The targets at this pixel. MOBILE_READS: 1, light and place alone; 2, all.
 #ifdef MOBILE_LOCAL
 layout(input_attachment_index = 0, set = 1, binding = 0) uniform subpassInput target_0;

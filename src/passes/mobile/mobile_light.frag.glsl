@@ -18,10 +18,12 @@ void main() {
     mobile_texel g;
     MOBILE_LOAD_ALL(g)
     vec3 light = mobile_light(g);
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 position = mobile_position(g, push.view, pixel), right = dFdx(position), down = dFdy(position);
     if (!mobile_is_sky(g)) {
-        ivec2 pixel = ivec2(gl_FragCoord.xy);
         float view_depth;
         surface s = mobile_surface(g, push.view, pixel, view_depth);
+        s.geometric = mobile_geometric(right, down, s.normal);
         vec3 sum = shade_surface(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
         light = min(light + mobile_scaled(push.view, sum), vec3(push.view.view.frame.frame.light_max));
     }

@@ -22,9 +22,11 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     mobile_texel g;
     MOBILE_LOAD_ALL(g)
+    vec3 position = mobile_position(g, push.view, pixel), right = dFdx(position), down = dFdy(position);
     if (mobile_is_sky(g)) discard;
     float view_depth;
     surface s = mobile_surface(g, push.view, pixel, view_depth);
+    s.geometric = mobile_geometric(right, down, s.normal);
     if (BOUND_DEPTHS == 1u && (view_depth < in_depths.x || view_depth > in_depths.y)) discard;
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);

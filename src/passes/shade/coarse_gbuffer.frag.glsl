@@ -22,15 +22,16 @@ layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_color;
 layout(location = 2) out vec4 out_normal;
 layout(location = 3) out vec4 out_dielectric;
+layout(location = 4) out vec4 out_geometric;
 #ifdef COARSE_IDS
-layout(location = 4) out uvec2 out_ids; // item + 1, triangle
-layout(location = 5) out vec4 out_coarse_color;
-#elif defined(COARSE_BOUNDS) // the normal in numbers of which ranges mean something
-layout(location = 4) out float out_azimuth; // -pi .. pi round the y axis
-layout(location = 5) out float out_height;  // its cosine with that axis
+layout(location = 5) out uvec2 out_ids; // item + 1, triangle
 layout(location = 6) out vec4 out_coarse_color;
+#elif defined(COARSE_BOUNDS) // the normal in numbers of which ranges mean something
+layout(location = 5) out float out_azimuth; // -pi .. pi round the y axis
+layout(location = 6) out float out_height;  // its cosine with that axis
+layout(location = 7) out vec4 out_coarse_color;
 #else
-layout(location = 4) out vec4 out_coarse_color;
+layout(location = 5) out vec4 out_coarse_color;
 #endif
 
 // The base colour as a pixel of LEVEL_BIAS times the size sees it.
@@ -59,11 +60,12 @@ void main() {
     if (hole) discard;
     gpu_material_entry entry;
     gbuffer_place place; // octahedral normals need none
-    gbuffer g = gbuffer_pack(GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL), s, place, 0u, entry, vec3(0.0), ivec2(gl_FragCoord.xy));
+    gbuffer g = gbuffer_pack(GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL) | GBUFFER_FORM_GEOMETRIC, s, place, 0u, entry, vec3(0.0), ivec2(gl_FragCoord.xy));
     out_radiance = vec4(min(s.emissive, vec3(v.view.frame.frame.hdr_max)), 1.0);
     out_color = g.targets[0];
     out_normal = g.targets[1];
     out_dielectric = g.targets[2];
+    out_geometric = g.targets[3];
     if (LEVEL_BIAS >= 0.0) out_coarse_color = vec4(gbuffer_encode_color(coarse_color), 1.0);
 #ifdef COARSE_IDS
     out_ids = uvec2(in_ids.y + 1u, uint(gl_PrimitiveID));

@@ -49,6 +49,7 @@ surface mean_surface(ivec2 pixel, uint samples, vec3 position) {
     // Below that length only rounding differs.
     if (METHOD == MSAA_AGGREGATE && r2 < 0.99999) others.x += 2.0 * (1.0 - r2) / max(r * (3.0 - r2), 1e-4);
     mean.normal = r > 1e-3 ? normal / r : first_normal;
+    if (r2 < 0.99999) mean.geometric = vec3(0.0);
     mean.base_color = color.rgb;
     mean.metallic = color.a;
     mean.dielectric_f0 = f0.rgb;

@@ -32,7 +32,7 @@ void main() {
     gpu_gbuffer_case c = push.cases.at[index];
     surface s;
     s.position = vec3(0.0);
-    s.normal = c.normal;
+    s.normal = s.geometric = c.normal;
     s.base_color = c.base_color;
     s.alpha = 1.0;
     s.metallic = c.metallic;

@@ -19,8 +19,8 @@ static void execute_surfaces(const struct graph_context *context, const void *da
     struct gpu_graphics_params state = {.fragment = &shader_inferred_surfaces_frag,
                                         .constant_count = STIPPLED_ID + 1,
                                         .constants = {[LIGHT_BUFFER_ID] = LIGHT_BUFFER_FOUR},
-                                        .color_count = 2,
-                                        .color_formats = {NORMAL_FORMAT, ITEM_FORMAT},
+                                        .color_count = d->scene->features & GPU_FEATURE_LEANING ? 3 : 2,
+                                        .color_formats = {NORMAL_FORMAT, ITEM_FORMAT, d->scene->features & GPU_FEATURE_LEANING ? LIGHT_GEOMETRIC_FORMAT : 0},
                                         .depth_format = GEOMETRY_DEPTH_FORMAT,
                                         .depth_test = true,
                                         .depth_write = true,
@@ -41,6 +41,11 @@ struct inferred inferred_surfaces_add(struct graph *graph, const struct shade_in
     image.name = "inferred items";
     image.format = ITEM_FORMAT;
     inferred.items = graph_create_image(graph, &image);
+    if (low->scene->features & GPU_FEATURE_LEANING) {
+        image.name = "inferred geometric normals";
+        image.format = LIGHT_GEOMETRIC_FORMAT;
+        inferred.surfaces.geometric = graph_create_image(graph, &image);
+    }
     image.name = "inferred depth";
     image.format = GEOMETRY_DEPTH_FORMAT;
     inferred.surfaces.depth = graph_create_image(graph, &image);
@@ -52,6 +57,7 @@ struct inferred inferred_surfaces_add(struct graph *graph, const struct shade_in
     static const float zero[4];
     graph_color(pass, inferred.surfaces.normal, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_color(pass, inferred.items, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+    if (inferred.surfaces.geometric.id) graph_color(pass, inferred.surfaces.geometric, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_depth(pass, inferred.surfaces.depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
     return inferred;
 }

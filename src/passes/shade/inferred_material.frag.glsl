@@ -43,6 +43,7 @@ void main() {
     light_surface own;
     own.position = s.position;
     own.normal = s.normal;
+    own.geometric = s.geometric;
     own.roughness = s.roughness;
     float view_depth = -(v.view.world_to_view * vec4(s.position, 1.0)).z;
     float spread = v.view.orthographic > 0.5 ? 1.0 : view_depth;

@@ -14,6 +14,7 @@ layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out uint out_item;
+layout(location = 2) out vec4 out_geometric; // where there is such a target
 
 void main() {
     material_array materials = push.scene.scene.materials;
@@ -25,5 +26,6 @@ void main() {
     if (STIPPLED == 1u && ((texel.y & 1u) * 2u + (texel.x & 1u)) != INFERRED_PLACE(in_ids.y)) discard;
     vec4 reflectance;
     out_normal = light_surface_pack(s, reflectance);
+    out_geometric = vec4(geometric_encode(s), 0.0, 0.0);
     out_item = in_ids.y + 1u;
 }

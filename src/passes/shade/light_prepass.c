@@ -29,30 +29,34 @@ static graph_image create_image(struct graph *graph, const struct shade_input *i
 
 struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade_input *input, bool prepass, uint32_t buffer,
                                          graph_image depth) {
-    bool reflects = buffer == LIGHT_BUFFER_TWO;
+    const bool reflects = buffer == LIGHT_BUFFER_TWO, leaning = input->scene->features & GPU_FEATURE_LEANING;
     uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
     struct light_surfaces surfaces = {.depth = depth, .samples = samples, .layers.count = 1};
     surfaces.normal = create_image(graph, input, "light normals", VK_FORMAT_R16G16B16A16_UNORM, samples);
     if (reflects)
         surfaces.reflectance = create_image(graph, input, "light reflectance", VK_FORMAT_R8G8B8A8_UNORM, samples);
+    if (leaning) surfaces.geometric = create_image(graph, input, "light geometric normals", LIGHT_GEOMETRIC_FORMAT, samples);
     struct surfaces_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_light_prepass_surfaces_frag,
-        .constant_count = SURFACE_HOLES_ARE_CUT_ID + 1,
-        .constants = {[HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [SURFACE_HOLES_ARE_CUT_ID] = prepass && samples > 1},
-        .color_count = reflects ? 2 : 1,
-        .color_formats = {VK_FORMAT_R16G16B16A16_UNORM, reflects ? VK_FORMAT_R8G8B8A8_UNORM : 0},
+        .constant_count = MAX(SURFACE_HOLES_ARE_CUT_ID, LIGHT_BUFFER_ID) + 1,
+        .constants = {[HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [LIGHT_BUFFER_ID] = buffer, [SURFACE_HOLES_ARE_CUT_ID] = prepass && samples > 1},
+        .color_count = 1,
+        .color_formats = {VK_FORMAT_R16G16B16A16_UNORM},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
         .depth_test = true,
         .depth_write = !prepass,
         .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
         .samples = samples};
+    if (reflects) data.state.color_formats[data.state.color_count++] = VK_FORMAT_R8G8B8A8_UNORM;
+    if (leaning) data.state.color_formats[data.state.color_count++] = LIGHT_GEOMETRIC_FORMAT;
     struct graph_pass *pass =
         graph_add_pass(graph, "light surfaces", GRAPH_QUEUE_GRAPHICS, execute_surfaces, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     static const float zero[4];
     graph_color(pass, surfaces.normal, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     if (reflects) graph_color(pass, surfaces.reflectance, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+    if (leaning) graph_color(pass, surfaces.geometric, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     if (prepass)
         graph_depth_read_only(pass, depth);
     else
@@ -64,6 +68,7 @@ void light_surfaces_use(struct graph_pass *pass, const struct light_surfaces *su
     graph_use_image(pass, surfaces->depth, use);
     graph_use_image(pass, surfaces->normal, use);
     if (surfaces->reflectance.id) graph_use_image(pass, surfaces->reflectance, use);
+    if (surfaces->geometric.id) graph_use_image(pass, surfaces->geometric, use);
 }
 
 struct gpu_light_surfaces light_surfaces_handles(const struct graph_context *context,
@@ -71,7 +76,8 @@ struct gpu_light_surfaces light_surfaces_handles(const struct graph_context *con
     return (struct gpu_light_surfaces){.depth = graph_sampled(context, surfaces->depth),
                                        .normal = graph_sampled(context, surfaces->normal),
                                        .reflectance =
-                                           surfaces->reflectance.id ? graph_sampled(context, surfaces->reflectance) : 0};
+                                           surfaces->reflectance.id ? graph_sampled(context, surfaces->reflectance) : 0,
+                                       .geometric = surfaces->geometric.id ? graph_sampled(context, surfaces->geometric) : UINT32_MAX};
 }
 
 struct gbuffer light_surfaces_normals(const struct light_surfaces *surfaces) {
@@ -136,6 +142,7 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
     const bool counts = input->counters.id;
     struct gpu_light_prepass_push push = {.view = input->view,
                                           .lighting = input->lighting->address,
+                                          .surfaces.geometric = UINT32_MAX,
                                           .scale = sums->scale,
                                           .width = sums->width,
                                           .height = sums->height};
@@ -156,6 +163,7 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
                            graph_samples(&push.surfaces.normal, surfaces->normal),
                            graph_row_if(surfaces->reflectance.id,
                                         graph_samples(&push.surfaces.reflectance, surfaces->reflectance)),
+                           graph_row_if(surfaces->geometric.id, graph_samples(&push.surfaces.geometric, surfaces->geometric)),
                            graph_row_if(sums->layers > 1, graph_reads(&push.words, surfaces->layers.surfaces)),
                            graph_row_if(sums->samples.id, graph_stores(&push.samples, sums->samples)),
                            graph_row_if(counts, graph_changes(&push.counters, input->counters)))});

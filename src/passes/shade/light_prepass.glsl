@@ -8,6 +8,7 @@
 
 #include "shade.glsl"
 #include "scene.glsl"
+#include "gbuffer_layouts.glsl"
 #include "passes/shade/light_prepass_shared.h"
 
 layout(constant_id = LIGHT_BUFFER_ID) const uint LIGHT_BUFFER = LIGHT_BUFFER_TWO;
@@ -22,6 +23,7 @@ struct light_sums {
 struct light_surface {
     vec3 position;
     vec3 normal;
+    vec3 geometric; // as surface.geometric
     float roughness;
     float greatest_f0, dielectric_f90; // LIGHT_BUFFER_TWO, as the next
     vec3 f0;                           // of both lobes together
@@ -60,6 +62,7 @@ void light_sums_add(inout light_sums sums, light_surface s, brdf_lobes lobes, ve
 light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_array counters, uvec2 pixel, float view_depth) {
     surface shape;
     shape.normal = s.normal;
+    shape.geometric = s.geometric;
     shape.roughness = s.roughness;
     brdf_view b = brdf_prepare(shape, to_viewer(v, s.position));
     light_sums sums = light_sums_none();
@@ -133,6 +136,8 @@ light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, int at, vec
     vec4 normal = light_surface_texel(from.normal, pixel, at);
     s.position = position;
     s.normal = octahedral_decode(normal.xy * 2.0 - 1.0);
+    s.geometric = vec3(0.0);
+    if (from.geometric != 0xffffffffu) s.geometric = geometric_decode(light_surface_texel(from.geometric, pixel, at).xy);
     s.roughness = normal.z;
     s.greatest_f0 = s.dielectric_f90 = s.f90 = 0.0;
     s.f0 = vec3(0.0);
@@ -152,6 +157,7 @@ light_surface light_surface_from(surface m) {
     light_surface s;
     s.position = m.position;
     s.normal = m.normal;
+    s.geometric = m.geometric;
     s.roughness = m.roughness;
     s.greatest_f0 = max_component(m.dielectric_f0);
     s.dielectric_f90 = m.dielectric_f90;

@@ -12,8 +12,11 @@
 #include "passes/shade/light_prepass_shared.h"
 #include "passes/shade/surface_layers.h"
 
+#define LIGHT_GEOMETRIC_FORMAT VK_FORMAT_R16G16_UNORM
+
 struct light_surfaces {
     graph_image depth, normal, reflectance; /* reflectance: id 0 but with LIGHT_BUFFER_TWO */
+    graph_image geometric;                  /* id 0 without GPU_FEATURE_LEANING */
     uint32_t samples;                       /* of a pixel */
     struct surface_layers layers;           /* of light_surfaces_split; else one */
 };

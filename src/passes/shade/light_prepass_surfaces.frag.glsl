@@ -12,7 +12,8 @@ layout(constant_id = SURFACE_HOLES_ARE_CUT_ID) const uint HOLES_ARE_CUT = 0u; //
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 layout(location = 0) out vec4 out_normal;
-layout(location = 1) out vec4 out_reflectance; // where there is such a target
+layout(location = 1) out vec4 out_1; // reflectance, or the geometric normal without reflectance
+layout(location = 2) out vec4 out_2;
 
 void main() {
     material_array materials = push.scene.scene.materials;
@@ -20,5 +21,8 @@ void main() {
     surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.view, push.scene);
     if (HOLES_ARE_CUT == 0u && hole) discard;
-    out_normal = light_surface_pack(s, out_reflectance);
+    vec4 reflectance, geometric = vec4(geometric_encode(s), 0.0, 0.0);
+    out_normal = light_surface_pack(s, reflectance);
+    out_1 = LIGHT_BUFFER == LIGHT_BUFFER_TWO ? reflectance : geometric;
+    out_2 = geometric;
 }

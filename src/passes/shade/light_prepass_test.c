@@ -20,7 +20,7 @@ static void check_equal(struct stage *stage, const char *what) {
         assert_int_equal(shot.stats.evaluations, deferred.stats.evaluations);
         uint64_t pixels = (uint64_t)stage->frame.width * stage->frame.height;
         assert_int_equal(counter(&shot.stats, "light-buffer.bytes"),
-                         pixels * (b == FNL_LIGHT_BUFFER_TWO ? 12 + 32 : 8 + 64)); /* sums of 32-bit floats */
+                         pixels * (b == FNL_LIGHT_BUFFER_TWO ? 16 + 32 : 12 + 64)); /* sums of 32-bit floats */
         stage->frame.gbuffer.prepass = true;
         struct shot again = order_shoot(stage, FNL_SHADING_LIGHT_PREPASS, FNL_LISTS_TILED);
         assert_int_equal(count_differing(&shot.radiance, &again.radiance), 0);

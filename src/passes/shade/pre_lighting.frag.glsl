@@ -48,6 +48,7 @@ void main() {
     count_rays(v, push.head.counters);
     surface shape;
     shape.normal = s.normal;
+    shape.geometric = s.geometric;
     shape.roughness = s.roughness;
     light_sums sums = light_sums_none();
     brdf_lobes lobes;

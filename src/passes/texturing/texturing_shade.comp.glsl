@@ -42,6 +42,14 @@ vec3 position_at(vec2 point, float depth) {
 #include "passes/texturing/texturing_derive.glsl"
 #endif
 
+// By the slopes of depth in the triangle, where the geometry pass has stored them.
+vec3 geometric_at(vec2 point, float depth, vec2 slopes) {
+    const float STEP = 0.125; // of a pixel: there depth is still positive
+    if ((FORM & TEXTURING_SLOPES) == 0u) return vec3(0.0); // shading normals are those of the triangles
+    vec2 there = depth * max(1.0 + slopes * STEP, 0.01);
+    return geometric_of(position_at(point + vec2(STEP, 0.0), there.x) - in_position, position_at(point + vec2(0.0, STEP), there.y) - in_position);
+}
+
 // Fills what material.glsl and decals_raster.glsl read, of a sample of a pixel; the surface is lit at `point`.
 void fill(ivec2 pixel, int at, vec2 point, float depth) {
     in_position = position_at(point, depth);
@@ -67,6 +75,7 @@ void fill(ivec2 pixel, int at, vec2 point, float depth) {
     vec2 slopes = vec2(0.0);
     if ((FORM & TEXTURING_SLOPES) != 0u) slopes = unpackHalf2x16(HAS_SAMPLES ? target(TARGET_ID, pixel, at).y
                                                                              : target(TARGET_SLOPES, pixel, at).x);
+    in_geometric = geometric_at(point, depth, slopes);
 #ifndef MATERIAL_TEXEL
     if ((FORM & TEXTURING_GRADIENTS) != 0u) {
         uvec4 g = target(TARGET_GRADIENTS, pixel, at);

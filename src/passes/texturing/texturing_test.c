@@ -150,7 +150,7 @@ static void test_every_kind_of_surface(void **state) {
     static const struct {
         uint32_t kinds, stored, derived; /* bytes of a pixel; 0: not tried */
     } cases[] = {
-        {0, 26, 22},          {WITH_UV1, 42, 0},         {WITH_COLORS, 34, 0},
+        {0, 30, 22},          {WITH_UV1, 46, 0},         {WITH_COLORS, 38, 0},
         {WITH_DECALS, 30, 0}, {WITH_MESH_DECALS, 54, 0}, {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 78, 62}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++)
         for (int derived = 0; derived < (cases[i].derived ? 2 : 1); derived++) {
@@ -279,9 +279,9 @@ static void test_derived_at_seams(void **state) {
 /* With an atlas: the textures of each material have the same coordinates, as it demands. */
 static void test_every_kind_by_the_atlas(void **state) {
     UNUSED(state);
-    static const uint32_t cases[][2] = {{0, 8},
-                                        {WITH_UV1, 8},
-                                        {WITH_COLORS, 16},
+    static const uint32_t cases[][2] = {{0, 12},
+                                        {WITH_UV1, 12},
+                                        {WITH_COLORS, 20},
                                         {WITH_DECALS, 14},
                                         {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 46}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
@@ -300,7 +300,7 @@ static void test_every_kind_with_samples(void **state) {
     UNUSED(state);
     static const struct {
         uint32_t kinds, bytes, paged; /* bytes of a sample */
-    } cases[] = {{0, 28, 8}, {WITH_UV1, 44, 8}, {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 80, 48}};
+    } cases[] = {{0, 32, 16}, {WITH_UV1, 48, 16}, {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 80, 48}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++)
         for (int paged = 0; paged < 2; paged++) {
             fnl_scene *scene = variety(cases[i].kinds | (paged ? WITH_LIKE_NORMALS : 0));

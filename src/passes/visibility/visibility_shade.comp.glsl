@@ -63,9 +63,10 @@ void interpolate_at(triangle t, vec2 pixel) {
     vec3 wy = triangle_weights(t, push.view, corner + vec2(0.0, 1.0)) - first;
     in_front_facing = triangle_front_facing(t, push.view);
     interpolate(t, triangle_weights(t, push.view, pixel), wx, wy);
+    in_geometric = geometric_of(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]); // meaningless for lines and points
 }
 
-// The same from what the id pass has stored: positions are not looked at, but for decals. False where it has stored nothing.
+// The same from what the id pass has stored. Fetches positions only for decals and leaning normals. False if the id pass stored nothing.
 bool interpolate_stored(inout triangle t, uint number, ivec2 pixel) {
     vec2 stored = texelFetch(textures[push.weights], pixel, 0).xy;
     if (stored.y < -1.0) return false;
@@ -78,6 +79,7 @@ bool interpolate_stored(inout triangle t, uint number, ivec2 pixel) {
     float view_depth = view_depth_of(push.view, texelFetch(textures[push.depth], pixel, 0).r);
     vec3 seen = view_position_of(push.view, ndc_of_pixel(push.view, vec2(pixel) + 0.5), view_depth);
     in_position = (push.view.view.view_to_world * vec4(seen, 1.0)).xyz;
+    in_geometric = geometric_of(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]); // meaningless if positions were not fetched
     in_front_facing = (floatBitsToUint(stored.x) & 0x80000000u) == 0u;
     return true;
 }

@@ -92,6 +92,7 @@ static fnl_result upload_positions(struct device_scene *d, const struct scene_pr
 static fnl_result upload_attributes(struct device_scene *d, const struct scene_primitive *p, uint32_t first) {
     struct gpu_attributes packed[256];
     if (p->colors) d->color_bits |= GEOMETRY_COLORS;
+    if (p->leans) d->leaning = true;
     for (uint32_t v = 0; v < p->vertex_count;) {
         uint32_t count = MIN(p->vertex_count - v, COUNT_OF(packed));
         for (uint32_t i = 0; i < count; i++) packed[i] = pack_attributes(p, v + i);

@@ -79,6 +79,7 @@ static void free_structure(struct device_scene *d) {
     d->ray_structure = UINT64_MAX;
     d->ray_key = 0;
     device_structures_forget(d);
+    d->leaning = false;
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
 
@@ -315,7 +316,7 @@ fnl_result device_scene_add(struct device_scene_user *user, struct graph *graph,
                                             .most_triangles = d->most_triangles,
                                             .material_count = d->material_count,
                                             .material_classes = d->material_classes,
-                                            .features = d->scene->has_light_masks ? GPU_FEATURE_LIGHT_MASKS : 0,
+                                            .features = (d->scene->has_light_masks ? GPU_FEATURE_LIGHT_MASKS : 0) | (d->leaning || d->mapped ? GPU_FEATURE_LEANING : 0),
                                             .gradient_taps = gpu_isotropic_gradients(d->device) ? d->scene->anisotropy : 1,
                                             .group_count = d->group_count,
                                             .unit_count = d->unit_count,

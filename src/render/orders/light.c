@@ -21,6 +21,8 @@ static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
     return buffer == FNL_LIGHT_BUFFER_AUTO ? automatic : (uint32_t)buffer;
 }
 
+static uint64_t geometric_bytes(const struct light_surfaces *surfaces) { return surfaces->geometric.id ? 4 : 0; }
+
 /* Bytes of the targets of sums, and with them of the surfaces that they were made for. */
 static void note_light_bytes(struct frame_state *f, const struct light_sums *sums, uint64_t surface_bytes) {
     uint32_t texel = graph_image_info(f->graph, sums->targets[0]).format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8;
@@ -47,7 +49,7 @@ static void add_light_sums(struct frame_state *f, struct shade_input *input, boo
     light_sums_add(f->graph, input, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
     uint32_t texel_bytes = buffer == LIGHT_BUFFER_TWO ? 12 : 8;
-    note_light_bytes(f, &sums, (uint64_t)texel_bytes * surfaces.samples * input->width * input->height);
+    note_light_bytes(f, &sums, (texel_bytes + geometric_bytes(&surfaces)) * surfaces.samples * input->width * input->height);
 }
 
 static void add_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -77,7 +79,7 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
     struct volumes volumes = order_prepare_volumes(f, VOLUME_QUADS);
     pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
-    note_light_bytes(f, &sums, 12ull * surfaces.samples * input->width * input->height);
+    note_light_bytes(f, &sums, (12 + geometric_bytes(&surfaces)) * surfaces.samples * input->width * input->height);
     if (!surfaces_have_blend(f)) order_count_volumes(f, &volumes);
 }
 
@@ -152,7 +154,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     if (blend) shading_add_sky(f);
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
     f->done.blended = blend;
-    note_light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
+    note_light_bytes(f, &sums, (16 + geometric_bytes(&inferred.surfaces)) * low.width * low.height); /* its depth is not the frame's */
     if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS || frame->pixel.asked)
         f->lights = f->blend_lights; /* the view would look for pixels where there are texels */
 }
