@@ -23,14 +23,6 @@ struct brdf_view {
     float rise;        // 2 / sine of the angle between both normals; scales the cosine in brdf_facing()
 };
 
-// surface.geometric as a unit vector on the viewer's side.
-vec3 geometric_or(vec3 geometric, vec3 normal, vec3 to_view) {
-    precise float length2 = dot(geometric, geometric);
-    if (!(length2 > 1e-20)) return normal;
-    precise vec3 unit_normal = geometric * inversesqrt(length2);
-    return dot(unit_normal, to_view) < 0.0 ? -unit_normal : unit_normal;
-}
-
 brdf_view brdf_prepare(surface s, vec3 to_view) {
     brdf_view b;
     precise float alpha = alpha_of(s.roughness);
@@ -39,7 +31,9 @@ brdf_view brdf_prepare(surface s, vec3 to_view) {
     b.to_view = to_view;
     b.alpha2 = alpha2;
     b.masking = PI * (n_v + sqrt(alpha2 + (1.0 - alpha2) * n_v * n_v));
-    b.geometric = geometric_or(s.geometric, s.normal, to_view);
+    b.geometric = geometric_unit(s);
+    // Shading normals, which stand in for unknown ones, may face away from the viewer.
+    if (dot(b.geometric, to_view) < 0.0 && b.geometric != s.normal) b.geometric = -b.geometric;
     precise float lean = dot(b.geometric, s.normal), sine2 = 1.0 - lean * lean;
     b.rise = 2.0 * inversesqrt(max(sine2, 1e-8));
     return b;
@@ -53,16 +47,18 @@ struct brdf_lobes {
     float m5_below; // the same, for what gets below the surface: another one only for lights of some size (lights/area.glsl)
 };
 
-// Factor on a light for the geometric normal: 0 behind the triangle, 1 where both normals agree. Rises smoothly until the cosine above the triangle is half the
-// sine of the angle between the normals, so bumps do not end in a hard line. Coarse triangles show only near the end of the light; with the factor of Chiang, Li
-// and Burley 2019, "Taming the Shadow Terminator", they show in full light too.
+// Factor on a light for the geometric normal: 0 behind the triangle, 1 where both normals agree. Rises smoothly until
+// the cosine above the triangle is half the sine of the angle between the normals, so bumps do not end in a hard line.
+// Coarse triangles show only near the end of the light; with the factor of Chiang, Li and Burley 2019, "Taming the
+// Shadow Terminator", they show in full light too.
 float brdf_facing(brdf_view b, vec3 to_light) {
     precise float part = clamp(dot(b.geometric, to_light) * b.rise, 0.0, 1.0);
     precise float facing = part * part * (3.0 - 2.0 * part);
     return facing;
 }
 
-// Uses only the shading normal. False for light from behind (NaN too); `to_light` is unit and points away from the surface.
+// Uses only the shading normal. False for light from behind (NaN too); `to_light` is unit and points away from the
+// surface.
 bool brdf_lobes_shaded(vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes) {
     precise float n_l = dot(normal, to_light);
     lobes = brdf_lobes(0.0, 0.0, 0.0, 0.0);

@@ -46,26 +46,21 @@ struct gbuffer_place {
     vec3 view_position;
 };
 
-// Where NORMALS_FLOAT is, and where GBUFFER_FORM_GEOMETRIC is.
-uint gbuffer_float_target(uint form) {
+uint gbuffer_layout_targets(uint form) {
     const uint counts[GBUFFER_LAYOUTS] = uint[](3u, 4u, 3u, 3u, 3u, 2u, 3u, 2u, 5u);
     return counts[GBUFFER_FORM_LAYOUT(form)];
 }
-uint gbuffer_geometric_target(uint form) {
-    return GBUFFER_FORM_LAYOUT(form) == GBUFFER_LAYERS ? GBUFFER_TARGETS - 1u : gbuffer_float_target(form) + uint(GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT);
-}
 uint gbuffer_target_count(uint form) {
-    if ((form & GBUFFER_FORM_GEOMETRIC) != 0u) return gbuffer_geometric_target(form) + 1u;
-    return gbuffer_float_target(form) + uint(GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT);
+    uint count = gbuffer_layout_targets(form);
+    if (GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT) count++;
+    if ((form & GBUFFER_FORM_GEOMETRIC) != 0u && GBUFFER_FORM_LAYOUT(form) != GBUFFER_LAYERS) count++;
+    return count;
 }
 
 // ---- normals ----
 
 // surface.geometric in two components of 0 .. 1.
-vec2 geometric_encode(surface s) {
-    float length2 = dot(s.geometric, s.geometric);
-    return octahedral_encode(length2 > 1e-20 ? s.geometric * inversesqrt(length2) : s.normal) * 0.5 + 0.5;
-}
+vec2 geometric_encode(surface s) { return octahedral_encode(geometric_unit(s)) * 0.5 + 0.5; }
 vec3 geometric_decode(vec2 stored) { return octahedral_decode(stored * 2.0 - 1.0); }
 
 vec3 gbuffer_encode_normal(uint kind, vec3 n, gbuffer_place at) {
@@ -241,7 +236,6 @@ gbuffer gbuffer_pack(uint form, surface s, gbuffer_place at, uint id, gpu_materi
             vec3 read = gbuffer_decode_normal(normals, round(e * 65535.0) / 65535.0, at);
             g.targets[4] = vec4(gbuffer_pack_anisotropy(s.layers, read), 0.0, 0.0);
         }
-        if (layout_kind == GBUFFER_LAYERS && (form & GBUFFER_FORM_GEOMETRIC) != 0u) g.targets[4].zw = geometric_encode(s);
         break;
     case GBUFFER_SIEGE:
         g.targets[0] = vec4(e, 0.0);
@@ -279,14 +273,18 @@ gbuffer gbuffer_pack(uint form, surface s, gbuffer_place at, uint id, gpu_materi
         g.targets[1] = vec4(gbuffer_encode_smooth_normal(s.normal, smoothness), id8);
         break;
     }
-    if (normals == NORMALS_FLOAT) g.targets[gbuffer_float_target(form)] = vec4(s.normal, 0.0);
-    if ((form & GBUFFER_FORM_GEOMETRIC) != 0u && layout_kind != GBUFFER_LAYERS) g.targets[gbuffer_geometric_target(form)] = vec4(geometric_encode(s), 0.0, 0.0);
+    if (normals == NORMALS_FLOAT) g.targets[gbuffer_layout_targets(form)] = vec4(s.normal, 0.0);
+    if ((form & GBUFFER_FORM_GEOMETRIC) != 0u) {
+        uint last = gbuffer_target_count(form) - 1u;
+        if (layout_kind == GBUFFER_LAYERS) g.targets[last].zw = geometric_encode(s);
+        else g.targets[last].xy = geometric_encode(s);
+    }
     return g;
 }
 
 // The code of the normal, 0 .. 1 a component, from the target that holds it.
 uint gbuffer_normal_target(uint form) {
-    if (GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT) return gbuffer_float_target(form);
+    if (GBUFFER_FORM_NORMALS(form) == NORMALS_FLOAT) return gbuffer_layout_targets(form);
     const uint SECOND = 1u << GBUFFER_DEFAULT | 1u << GBUFFER_STALKER | 1u << GBUFFER_DESTINY | 1u << GBUFFER_LAYERS; // of these layouts target 1, else target 0
     return SECOND >> GBUFFER_FORM_LAYOUT(form) & 1u;
 }
@@ -342,7 +340,7 @@ surface gbuffer_unpack(uint form, gbuffer g, gbuffer_place at, gpu_material_entr
     s.normal = gbuffer_unpack_normal(form, g.targets[gbuffer_normal_target(form)], at);
     s.geometric = vec3(0.0);
     if ((form & GBUFFER_FORM_GEOMETRIC) != 0u) {
-        vec4 stored = g.targets[gbuffer_geometric_target(form)];
+        vec4 stored = g.targets[gbuffer_target_count(form) - 1u];
         s.geometric = geometric_decode(GBUFFER_FORM_LAYOUT(form) == GBUFFER_LAYERS ? stored.zw : stored.xy);
     }
     s.alpha = 1.0;

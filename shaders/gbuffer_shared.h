@@ -39,8 +39,8 @@
 #define GBUFFER_FORM_LAYOUT(form) ((form) & 255u)
 #define GBUFFER_FORM_NORMALS(form) ((form) >> 8 & 255u)
 #define GBUFFER_FORM_CHROMA 0x10000u /* base colour as Y'CbCr, one of Cb and Cr a pixel */
-#define GBUFFER_FORM_GEOMETRIC 0x40000u /* geometric normal stored in the last target (GBUFFER_LAYERS: its zw); otherwise unknown */
 #define GBUFFER_FORM_MASK 0x20000u   /* some pixels are lit by a forward pass: see gpu_gbuffer.mask */
+#define GBUFFER_FORM_GEOMETRIC 0x40000u /* geometric normal in the last target (GBUFFER_LAYERS: its zw); else unknown */
 
 /* What layouts with a material ID look up: the same for all pixels of a material. */
 struct gpu_material_entry {

@@ -32,7 +32,8 @@
 #define GPU_FEATURE_MESH_DECALS 2u /* some instance has decals of its own, in the space of its mesh */
 #define GPU_FEATURES_DECALS (GPU_FEATURE_DECALS | GPU_FEATURE_MESH_DECALS)
 #define GPU_FEATURE_LIGHT_MASKS 8u /* lights have masks: items that lack bits are shaded forward where the item is not known */
-#define GPU_FEATURE_LEANING 16u    /* shading normals may differ from geometric normals; deferred paths store surface.geometric */
+/* Shading normals may differ from geometric normals; deferred paths store surface.geometric. */
+#define GPU_FEATURE_LEANING 16u
 #define GPU_FEATURE_COMPACTED 4u   /* draws leave out triangles: passes/geometry/clusters.h */
 
 /* Vertex data apart from the position, which is a stream of its own (3 floats). */

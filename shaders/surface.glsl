@@ -22,6 +22,13 @@ struct surface {
     surface_layers layers;
 };
 
+// The geometric normal as a unit vector; the shading normal if unknown.
+vec3 geometric_unit(surface s) {
+    precise float length2 = dot(s.geometric, s.geometric);
+    precise vec3 unit_normal = s.geometric * inversesqrt(length2);
+    return length2 > 1e-20 ? unit_normal : s.normal;
+}
+
 // Geometric normal from two edge vectors of any length; NaN if one is zero.
 vec3 geometric_of(vec3 a, vec3 b) { return cross(a * inversesqrt(dot(a, a)), b * inversesqrt(dot(b, b))); }
 

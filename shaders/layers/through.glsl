@@ -36,7 +36,8 @@ brdf_view behind_view(surface s, layers_view b) {
     sheet.roughness = sqrt(through_alpha(s));
     view = brdf_prepare(sheet, b.base.to_view);
 #endif
-    view.geometric = 2.0 * dot(b.base.geometric, s.normal) * s.normal - b.base.geometric; // the back side's geometric normal, mirrored by the shading normal
+    // The back side's geometric normal, mirrored by the shading normal.
+    view.geometric = 2.0 * dot(b.base.geometric, s.normal) * s.normal - b.base.geometric;
     return view;
 }
 

@@ -30,7 +30,8 @@ static double coat_lobe(const struct ray_surface *s, dvec3 v, dvec3 l, dvec3 h) 
     const struct ray_surface coat = coat_of(s);
     const double n_l = dvec3_dot(coat.normal, l);
     if (!(s->layers.clearcoat > 0 && n_l > 0)) return 0;
-    return s->layers.clearcoat * (coat_f0 + (1 - coat_f0) * pow(1 - clamp01(dvec3_dot(h, v)), 5)) * ray_specular_lobe(&coat, v, l, h) * n_l * ray_facing(coat.geometric, coat.normal, l);
+    return s->layers.clearcoat * (coat_f0 + (1 - coat_f0) * pow(1 - clamp01(dvec3_dot(h, v)), 5)) * ray_specular_lobe(&coat, v, l, h) * n_l *
+           ray_facing(coat.geometric, coat.normal, l);
 }
 
 static double coat_albedo(const struct ray_albedos *albedos, double roughness, double n_v) {
@@ -131,7 +132,8 @@ dvec3 ray_behind_cos(const struct ray_surface *s, dvec3 v, dvec3 l) {
     const double transmission = s->lamps_shine_through ? 0 : s->layers.transmission;
     dvec3 straight = dvec3_scale(dvec3_mul(s->base_color, attenuated), transmission * ray_specular_lobe(&sheet, v, image, h));
     dvec3 diffuse = dvec3_scale(s->layers.diffuse_transmission_color, s->layers.diffuse_transmission * (1 - s->layers.transmission) / DPI);
-    return dvec3_scale(dvec3_add(straight, diffuse), below(s, v, h) * n_l * ray_facing(dvec3_scale(s->geometric, -1), dvec3_scale(s->normal, -1), l));
+    const double facing = ray_facing(dvec3_scale(s->geometric, -1), dvec3_scale(s->normal, -1), l);
+    return dvec3_scale(dvec3_add(straight, diffuse), below(s, v, h) * n_l * facing);
 }
 
 /* ---- energy (shaders/energy.glsl) ---- */

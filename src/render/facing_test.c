@@ -5,7 +5,18 @@
 
 enum { SIDE = 16 };
 
-enum surface { SURFACE_VERTICES, SURFACE_MAP, SURFACE_MIRRORED, SURFACE_BACK, SURFACE_COAT, SURFACE_PAPER, SURFACE_COUNT, SURFACE_FLAT = SURFACE_COUNT };
+enum surface {
+    SURFACE_VERTICES,
+    SURFACE_MAP,
+    SURFACE_MIRRORED,
+    SURFACE_BACK,
+    SURFACE_COAT,
+    SURFACE_PAPER,
+    SURFACE_COUNT,
+    SURFACE_FLAT = SURFACE_COUNT,
+    SURFACE_COAT_MAP, /* only the coat leans */
+    SURFACE_DECAL     /* by its normal map */
+};
 
 enum place { PLACE_BEHIND, PLACE_FAR_BEHIND, PLACE_GRAZING, PLACE_FRONT, PLACE_COUNT }; /* behind the triangle; and behind its normals too */
 
@@ -24,6 +35,14 @@ static fnl_light_params lamp(fnl_light_kind kind, enum place place) {
     return light;
 }
 
+static fnl_image_id add_normal_map(fnl_scene *scene) {
+    uint8_t texel[4] = {230, 128, 204, 255}; /* (0.8, 0, 0.6), nearly */
+    fnl_image image = {1, 1, FNL_PIXEL_FORMAT_RGBA8, texel};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &image, false, &id), FNL_OK);
+    return id;
+}
+
 /* A wall that fills the picture and faces the viewer; its shading normal is (0.8, 0, 0.6). */
 static void add_wall(fnl_scene *scene, enum surface kind) {
     static const float positions[12] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0}, flat[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1},
@@ -37,10 +56,10 @@ static void add_wall(fnl_scene *scene, enum surface kind) {
     fnl_instance_id instance;
     material.metallic = 0;
     material.roughness = 0.6f;
-    if (kind == SURFACE_MAP) {
-        uint8_t texel[4] = {230, 128, 204, 255}; /* (0.8, 0, 0.6), nearly */
-        fnl_image image = {1, 1, FNL_PIXEL_FORMAT_RGBA8, texel};
-        assert_int_equal(fnl_scene_add_image(scene, &image, false, &material.normal_image), FNL_OK);
+    if (kind == SURFACE_COAT || kind == SURFACE_COAT_MAP) material.clearcoat = (fnl_clearcoat_params){.strength = 1, .roughness = 0.4f};
+    if (kind == SURFACE_MAP) material.normal_image = add_normal_map(scene);
+    if (kind == SURFACE_COAT_MAP) material.clearcoat.normal_image = add_normal_map(scene);
+    if (kind == SURFACE_MAP || kind >= SURFACE_FLAT) {
         mesh.normals = flat;
         mesh.tangents = tangents;
     }
@@ -49,12 +68,17 @@ static void add_wall(fnl_scene *scene, enum surface kind) {
         if (kind == SURFACE_BACK) matrix.m[10] = -1;
         material.double_sided = kind == SURFACE_BACK;
     }
-    if (kind == SURFACE_FLAT) mesh.normals = flat;
-    if (kind == SURFACE_COAT) material.clearcoat = (fnl_clearcoat_params){.strength = 1, .roughness = 0.4f};
     if (kind == SURFACE_PAPER) material.diffuse_transmission = (fnl_diffuse_transmission_params){.strength = 0.7f, .color = {1, 0.5f, 0.2f}};
     assert_int_equal(fnl_scene_add_material(scene, &material, &mesh.material), FNL_OK);
     assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &id), FNL_OK);
     assert_int_equal(fnl_scene_add_instance(scene, id, &matrix, &instance), FNL_OK);
+    if (kind != SURFACE_DECAL) return;
+    fnl_decal_params decal = fnl_decal_params_default();
+    fnl_decal_id decal_id;
+    decal.transform.m[0] = decal.transform.m[5] = 4;
+    decal.normal_image = add_normal_map(scene);
+    decal.channels = FNL_DECAL_NORMAL;
+    assert_int_equal(fnl_scene_add_decal(scene, &decal, &decal_id), FNL_OK);
 }
 
 static struct stage open_wall(enum surface kind, fnl_light_id *light) {
@@ -156,12 +180,37 @@ static void test_paths_and_layouts(void **state) {
         expect_places(&s, light, FNL_LIGHT_POINT, 0.02, fnl_value_name(FNL_ENUM_SHADING, several[i]), truth);
     }
     s.frame.msaa = 1;
+    s.frame.shading = FNL_SHADING_VISIBILITY;
+    s.frame.visibility.barycentrics = true;
+    expect_places(&s, light, FNL_LIGHT_POINT, 0.02, "stored barycentrics", truth);
     s.frame.shading = FNL_SHADING_DEFERRED;
     for (uint32_t layout = 0; layout < FNL_GBUFFER_COUNT; layout++) {
         s.frame.gbuffer.layout = (fnl_gbuffer)layout;
         expect_places(&s, light, FNL_LIGHT_POINT, 0.04, fnl_value_name(FNL_ENUM_GBUFFER, layout), truth);
     }
     stage_close(&s);
+}
+
+/* A coat or a decal alone makes deferred paths keep the geometric normal. */
+static void test_flat_walls_with_bumps(void **state) {
+    UNUSED(state);
+    static const fnl_shading paths[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED, FNL_SHADING_TEXTURING};
+    for (int surface = SURFACE_COAT_MAP; surface <= SURFACE_DECAL; surface++) {
+        fnl_light_id light;
+        struct stage s = open_wall((enum surface)surface, &light);
+        double first[PLACE_COUNT] = {0};
+        for (uint32_t i = 0; i < COUNT_OF(paths); i++)
+            for (int place = 0; place < PLACE_COUNT; place++) {
+                const fnl_light_params params = lamp(FNL_LIGHT_POINT, (enum place)place);
+                assert_int_equal(fnl_scene_set_light(s.scene, light, &params), FNL_OK);
+                s.frame.shading = paths[i];
+                const double frame = drawn(&s);
+                print_message("surface %d, path %u, place %d: %.6f\n", surface, i, place, frame);
+                if (i == 0) first[place] = frame;
+                assert_true(place <= PLACE_FAR_BEHIND ? frame == 0 : fabs(frame / first[place] - 1) < 0.02);
+            }
+        stage_close(&s);
+    }
 }
 
 /* Flat meshes take no target for normals that they have already. Edits that let normals lean, by the mesh or by the material, are followed. */
@@ -180,10 +229,8 @@ static void test_edits_are_followed(void **state) {
         assert_int_equal(fnl_scene_query_entity(flat.scene, FNL_ENTITY_MATERIAL, 0, &material), FNL_OK);
         if (by_map) {
             fnl_material_params params;
-            uint8_t texel[4] = {230, 128, 204, 255};
-            fnl_image image = {1, 1, FNL_PIXEL_FORMAT_RGBA8, texel};
             assert_int_equal(fnl_scene_query_material(flat.scene, 0, &params), FNL_OK);
-            assert_int_equal(fnl_scene_add_image(flat.scene, &image, false, &params.normal_image), FNL_OK);
+            params.normal_image = add_normal_map(flat.scene);
             assert_int_equal(fnl_scene_set_material(flat.scene, material.id.material, &params), FNL_OK);
         } else {
             fnl_mesh_info info;
@@ -247,6 +294,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_surfaces_of_all_kinds, harness_check),
         cmocka_unit_test_teardown(test_paths_and_layouts, harness_check),
+        cmocka_unit_test_teardown(test_flat_walls_with_bumps, harness_check),
         cmocka_unit_test_teardown(test_edits_are_followed, harness_check),
         cmocka_unit_test_teardown(test_coarse_balls_fade, harness_check),
     };

@@ -44,13 +44,17 @@ static fnl_result number_vertices(struct arena *arena, struct scene_primitive *p
     return FNL_OK;
 }
 
+/* Unit; no unit vector without area. */
+static vec3 face_normal(vec3 a, vec3 b, vec3 c) {
+    const vec3 e1 = vec3_sub(b, a), e2 = vec3_sub(c, a), n = vec3_normalize(vec3_cross(e1, e2));
+    if (vec3_dot(n, n) > 0.5f) return n;
+    return vec3_normalize(vec3_cross(vec3_normalize(e1), vec3_normalize(e2))); /* too large or small a product */
+}
+
 /* Of triangles whose corners follow each other. */
 static void find_flat_normals(const vec3 *positions, uint32_t count, vec3 *normals) {
     for (uint32_t i = 0; i + 2 < count; i += 3) {
-        const vec3 *corner = positions + i;
-        const vec3 e1 = vec3_sub(corner[1], corner[0]), e2 = vec3_sub(corner[2], corner[0]);
-        vec3 n = vec3_normalize(vec3_cross(e1, e2));
-        if (!(vec3_dot(n, n) > 0.5f)) n = vec3_normalize(vec3_cross(vec3_normalize(e1), vec3_normalize(e2))); /* too large or small a product */
+        vec3 n = face_normal(positions[i], positions[i + 1], positions[i + 2]);
         if (!(vec3_dot(n, n) > 0.5f)) n = vec3_make(0, 1, 0); /* a face without area is never seen */
         for (uint32_t k = 0; k < 3; k++) normals[i + k] = n;
     }
@@ -180,24 +184,18 @@ fnl_result mesh_complete_by(struct arena *arena, struct scene_primitive *primiti
 
 fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive) { return mesh_complete_by(arena, primitive, 0, NULL); }
 
-/* Direction between two points, scaled to a largest component of 1: meshes may be of any size. */
-static vec3 way(vec3 from, vec3 to) {
-    const vec3 d = vec3_sub(to, from);
-    const float most = fmaxf(fmaxf(fabsf(d.x), fabsf(d.y)), fabsf(d.z));
-    return most > 0 ? vec3_make(d.x / most, d.y / most, d.z / most) : d;
-}
-
 bool primitive_leans(const struct scene_primitive *p) {
     const float agrees = 0.9999f; /* cosine: some files have 8 or 16 bits per component */
     if (p->topology != SCENE_TOPOLOGY_TRIANGLES || !p->normals) return false;
+    if (p->joint_count || p->morph_target_count) return true; /* what bends faces does not turn their normals alike */
     const uint32_t count = p->indices ? p->index_count : p->vertex_count;
     for (uint32_t i = 0; i + 2 < count; i += 3) {
         uint32_t v[3];
         for (uint32_t k = 0; k < 3; k++) v[k] = p->indices ? p->indices[i + k] : i + k;
-        const vec3 across = vec3_cross(way(p->positions[v[0]], p->positions[v[1]]), way(p->positions[v[0]], p->positions[v[2]]));
-        const float size = vec3_length(across);
-        for (uint32_t k = 0; k < 3 && size > 0; k++)
-            if (!(vec3_dot(across, p->normals[v[k]]) >= agrees * size * vec3_length(p->normals[v[k]]))) return true;
+        const vec3 face = face_normal(p->positions[v[0]], p->positions[v[1]], p->positions[v[2]]);
+        if (!(vec3_dot(face, face) > 0.5f)) continue; /* no area */
+        for (uint32_t k = 0; k < 3; k++)
+            if (!(vec3_dot(face, vec3_normalize(p->normals[v[k]])) >= agrees)) return true;
     }
     return false;
 }

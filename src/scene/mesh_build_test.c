@@ -48,6 +48,8 @@ static void test_normals_that_lean(void **state) {
         }
         positions[3] = positions[2]; /* a triangle without a plane has no normal to lean from */
         assert_false(primitive_leans(&p));
+        p.joint_count = 4; /* bones bend flat faces */
+        assert_true(primitive_leans(&p));
         normals[0] = leaning;
         p.topology = SCENE_TOPOLOGY_LINES;
         assert_false(primitive_leans(&p));

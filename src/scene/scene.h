@@ -145,7 +145,7 @@ struct scene_primitive {
     const struct scene_morph_target *morph_targets;
     uint32_t morph_target_count;
     struct box bounds; /* of the base vertices grown by all morph targets */
-    bool leans;        /* some vertex normal differs from the geometric normal of its triangle */
+    bool leans;        /* some vertex normal may differ from the geometric normal of its triangle */
     uint32_t version, shape_version; /* count the changes of all arrays; of positions and indices among them */
     uint32_t source; /* its number in the mesh of its file, of whose primitives some may have been left out */
     struct arena memory; /* holds the arrays that fnl_scene_set_mesh has replaced; empty: the scene's does */

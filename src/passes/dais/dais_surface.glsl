@@ -41,13 +41,12 @@ float dais_interpolate(view_block v, uint_array pool, uint reference, vec2 pixel
     at += 3u;
     in_position = (v.view.view_to_world * vec4(view_position_of(v, ndc, depth), 1.0)).xyz;
     in_position_dx = in_position_dy = in_bind = in_bind_dx = in_bind_dy = vec3(0.0);
-    vec3 from = view_position_of(v, first, depth_first);
-    vec3 along = mat3(v.view.view_to_world) * (view_position_of(v, right, depth_right) - from);
-    vec3 across = mat3(v.view.view_to_world) * (view_position_of(v, down, depth_down) - from);
-    in_geometric = geometric_of(along, across);
+    in_geometric = vec3(0.0);
     if (FEATURES != 0u) {
-        in_position_dx = along;
-        in_position_dy = across;
+        vec3 from = view_position_of(v, first, depth_first);
+        in_position_dx = mat3(v.view.view_to_world) * (view_position_of(v, right, depth_right) - from);
+        in_position_dy = mat3(v.view.view_to_world) * (view_position_of(v, down, depth_down) - from);
+        in_geometric = geometric_of(in_position_dx, in_position_dy);
     }
     in_normal = linear3(pool, at, ndc) * w;
     at += 9u;

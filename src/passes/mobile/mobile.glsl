@@ -171,8 +171,8 @@ surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view
 }
 
 #ifdef MOBILE_READS
-// Geometric normal from derivatives of the position in a quad, because tile targets can only be read at their own pixel. 0 if a derivative is too steep against the
-// shading normal to lie on the surface.
+// Geometric normal from derivatives of the position in a quad, because tile targets can only be read at their own pixel.
+// 0 if a derivative is too steep against the shading normal to lie on the surface.
 vec3 mobile_geometric(vec3 right, vec3 down, vec3 normal) {
     const float STEEPEST = 0.85; // sine
     vec2 off = abs(vec2(dot(right, normal), dot(down, normal))) * inversesqrt(vec2(dot(right, right), dot(down, down)));

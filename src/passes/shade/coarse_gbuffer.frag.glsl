@@ -60,7 +60,8 @@ void main() {
     if (hole) discard;
     gpu_material_entry entry;
     gbuffer_place place; // octahedral normals need none
-    gbuffer g = gbuffer_pack(GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL) | GBUFFER_FORM_GEOMETRIC, s, place, 0u, entry, vec3(0.0), ivec2(gl_FragCoord.xy));
+    const uint FORM = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL) | GBUFFER_FORM_GEOMETRIC;
+    gbuffer g = gbuffer_pack(FORM, s, place, 0u, entry, vec3(0.0), ivec2(gl_FragCoord.xy));
     out_radiance = vec4(min(s.emissive, vec3(v.view.frame.frame.hdr_max)), 1.0);
     out_color = g.targets[0];
     out_normal = g.targets[1];

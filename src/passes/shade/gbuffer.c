@@ -32,11 +32,12 @@ static void create_targets(struct graph *graph, const struct shade_input *input,
                            struct gbuffer *gbuffer) {
     const struct gbuffer_layout *layout = &gbuffer_layouts[input->layout];
     struct graph_image_params params = {.width = input->width, .height = input->height, .layers = layers, .samples = samples};
+    const bool geometric = gbuffer->form & GBUFFER_FORM_GEOMETRIC, widens = geometric && input->layout == FNL_GBUFFER_LAYERS;
     gbuffer->target_count = layout->target_count;
     for (uint32_t i = 0; i < layout->target_count; i++) {
         params.name = layout->targets[i].name;
         params.format = i == layout->color_target && input->chroma ? VK_FORMAT_R8G8_UNORM : layout->targets[i].format;
-        if (input->layout == FNL_GBUFFER_LAYERS && i + 1 == GBUFFER_TARGETS && gbuffer->form & GBUFFER_FORM_GEOMETRIC) params.format = VK_FORMAT_R16G16B16A16_UNORM;
+        if (widens && i + 1 == layout->target_count) params.format = VK_FORMAT_R16G16B16A16_UNORM;
         gbuffer->targets[i] = graph_create_image(graph, &params);
     }
     gbuffer->normal = gbuffer->targets[layout->normal_target];
@@ -45,7 +46,7 @@ static void create_targets(struct graph *graph, const struct shade_input *input,
         params.format = VK_FORMAT_R32G32B32A32_SFLOAT;
         gbuffer->normal = gbuffer->targets[gbuffer->target_count++] = graph_create_image(graph, &params);
     }
-    if (gbuffer->form & GBUFFER_FORM_GEOMETRIC && input->layout != FNL_GBUFFER_LAYERS) {
+    if (geometric && !widens) {
         params.name = "gbuffer geometric normal";
         params.format = VK_FORMAT_R16G16_UNORM;
         gbuffer->targets[gbuffer->target_count++] = graph_create_image(graph, &params);
@@ -84,8 +85,10 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
     const struct graph_image_params like = graph_image_info(graph, depth);
     const uint32_t samples = MAX(like.samples, 1u);
     const bool views = input->draws->view_mask;
-    /* Float normals in the largest layout leave no target free. Paths that add targets have it in all scenes, so that theirs keep their numbers. */
-    const bool full = input->normals == FNL_NORMALS_FLOAT && gbuffer_layouts[input->layout].target_count + 1 == GBUFFER_TARGETS;
+    /* Float normals in the largest layout leave no target free. Paths that add targets have it in all scenes, so that
+       theirs keep their numbers. */
+    const bool full =
+        input->normals == FNL_NORMALS_FLOAT && gbuffer_layouts[input->layout].target_count + 1 == GBUFFER_TARGETS;
     if ((input->scene->features & GPU_FEATURE_LEANING || extras) && !full) gbuffer.form |= GBUFFER_FORM_GEOMETRIC;
     create_targets(graph, input, samples, like.layers, &gbuffer);
     if (extras) create_extras(graph, input, extras, &gbuffer);

@@ -19,13 +19,14 @@ static void execute_surfaces(const struct graph_context *context, const void *da
     struct gpu_graphics_params state = {.fragment = &shader_inferred_surfaces_frag,
                                         .constant_count = STIPPLED_ID + 1,
                                         .constants = {[LIGHT_BUFFER_ID] = LIGHT_BUFFER_FOUR},
-                                        .color_count = d->scene->features & GPU_FEATURE_LEANING ? 3 : 2,
-                                        .color_formats = {NORMAL_FORMAT, ITEM_FORMAT, d->scene->features & GPU_FEATURE_LEANING ? LIGHT_GEOMETRIC_FORMAT : 0},
+                                        .color_count = 2,
+                                        .color_formats = {NORMAL_FORMAT, ITEM_FORMAT},
                                         .depth_format = GEOMETRY_DEPTH_FORMAT,
                                         .depth_test = true,
                                         .depth_write = true,
                                         .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL,
                                         .samples = 1};
+    if (d->scene->features & GPU_FEATURE_LEANING) state.color_formats[state.color_count++] = LIGHT_GEOMETRIC_FORMAT;
     struct gpu_geometry_push push = {.view = d->view};
     geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, NULL, push);
     if (!d->blend) return;
@@ -57,7 +58,8 @@ struct inferred inferred_surfaces_add(struct graph *graph, const struct shade_in
     static const float zero[4];
     graph_color(pass, inferred.surfaces.normal, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_color(pass, inferred.items, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
-    if (inferred.surfaces.geometric.id) graph_color(pass, inferred.surfaces.geometric, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+    if (inferred.surfaces.geometric.id)
+        graph_color(pass, inferred.surfaces.geometric, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_depth(pass, inferred.surfaces.depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
     return inferred;
 }

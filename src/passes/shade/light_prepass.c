@@ -35,12 +35,16 @@ struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade
     surfaces.normal = create_image(graph, input, "light normals", VK_FORMAT_R16G16B16A16_UNORM, samples);
     if (reflects)
         surfaces.reflectance = create_image(graph, input, "light reflectance", VK_FORMAT_R8G8B8A8_UNORM, samples);
-    if (leaning) surfaces.geometric = create_image(graph, input, "light geometric normals", LIGHT_GEOMETRIC_FORMAT, samples);
+    if (leaning)
+        surfaces.geometric = create_image(graph, input, "light geometric normals", LIGHT_GEOMETRIC_FORMAT, samples);
     struct surfaces_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_light_prepass_surfaces_frag,
         .constant_count = MAX(SURFACE_HOLES_ARE_CUT_ID, LIGHT_BUFFER_ID) + 1,
-        .constants = {[HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [LIGHT_BUFFER_ID] = buffer, [SURFACE_HOLES_ARE_CUT_ID] = prepass && samples > 1},
+        .constants = {[HAS_LIGHTS_ID] = 1,
+                      [HAS_METAL_ID] = 1,
+                      [LIGHT_BUFFER_ID] = buffer,
+                      [SURFACE_HOLES_ARE_CUT_ID] = prepass && samples > 1},
         .color_count = 1,
         .color_formats = {VK_FORMAT_R16G16B16A16_UNORM},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -77,7 +81,8 @@ struct gpu_light_surfaces light_surfaces_handles(const struct graph_context *con
                                        .normal = graph_sampled(context, surfaces->normal),
                                        .reflectance =
                                            surfaces->reflectance.id ? graph_sampled(context, surfaces->reflectance) : 0,
-                                       .geometric = surfaces->geometric.id ? graph_sampled(context, surfaces->geometric) : UINT32_MAX};
+                                       .geometric = surfaces->geometric.id ? graph_sampled(context, surfaces->geometric)
+                                                                           : GPU_NO_INDEX};
 }
 
 struct gbuffer light_surfaces_normals(const struct light_surfaces *surfaces) {
@@ -142,7 +147,7 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
     const bool counts = input->counters.id;
     struct gpu_light_prepass_push push = {.view = input->view,
                                           .lighting = input->lighting->address,
-                                          .surfaces.geometric = UINT32_MAX,
+                                          .surfaces.geometric = GPU_NO_INDEX,
                                           .scale = sums->scale,
                                           .width = sums->width,
                                           .height = sums->height};
@@ -163,7 +168,8 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
                            graph_samples(&push.surfaces.normal, surfaces->normal),
                            graph_row_if(surfaces->reflectance.id,
                                         graph_samples(&push.surfaces.reflectance, surfaces->reflectance)),
-                           graph_row_if(surfaces->geometric.id, graph_samples(&push.surfaces.geometric, surfaces->geometric)),
+                           graph_row_if(surfaces->geometric.id,
+                                        graph_samples(&push.surfaces.geometric, surfaces->geometric)),
                            graph_row_if(sums->layers > 1, graph_reads(&push.words, surfaces->layers.surfaces)),
                            graph_row_if(sums->samples.id, graph_stores(&push.samples, sums->samples)),
                            graph_row_if(counts, graph_changes(&push.counters, input->counters)))});

@@ -58,13 +58,17 @@ void light_sums_add(inout light_sums sums, light_surface s, brdf_lobes lobes, ve
     }
 }
 
-// All lights of a point, by the frame's lists.
-light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_array counters, uvec2 pixel, float view_depth) {
+brdf_view light_surface_view(light_surface s, view_block v) {
     surface shape;
     shape.normal = s.normal;
     shape.geometric = s.geometric;
     shape.roughness = s.roughness;
-    brdf_view b = brdf_prepare(shape, to_viewer(v, s.position));
+    return brdf_prepare(shape, to_viewer(v, s.position));
+}
+
+// All lights of a point, by the frame's lists.
+light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_array counters, uvec2 pixel, float view_depth) {
+    brdf_view b = light_surface_view(s, v);
     light_sums sums = light_sums_none();
     shadowed_point shadowed = shadowed_point_of(l, s.position, s.normal);
     uint directional_count = l.scope.lights.directional_count;
@@ -137,7 +141,8 @@ light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, int at, vec
     s.position = position;
     s.normal = octahedral_decode(normal.xy * 2.0 - 1.0);
     s.geometric = vec3(0.0);
-    if (from.geometric != 0xffffffffu) s.geometric = geometric_decode(light_surface_texel(from.geometric, pixel, at).xy);
+    if (from.geometric != GPU_TEXTURE_NONE)
+        s.geometric = geometric_decode(light_surface_texel(from.geometric, pixel, at).xy);
     s.roughness = normal.z;
     s.greatest_f0 = s.dielectric_f90 = s.f90 = 0.0;
     s.f0 = vec3(0.0);

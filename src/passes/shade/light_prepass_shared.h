@@ -16,7 +16,7 @@ struct gpu_light_surfaces {
     uint depth;
     uint normal;      /* RGBA16 UNORM: octahedral normal, roughness, two bytes: root of the greatest dielectric F0, dielectric F90 */
     uint reflectance; /* RGBA8 UNORM: root of F0, F90; with LIGHT_BUFFER_TWO alone */
-    uint geometric;   /* RG16 UNORM: octahedral; 0xffffffff without GPU_FEATURE_LEANING */
+    uint geometric;   /* RG16 UNORM: octahedral; GPU_TEXTURE_NONE without GPU_FEATURE_LEANING */
 };
 
 struct gpu_light_prepass_push {

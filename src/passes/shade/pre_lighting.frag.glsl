@@ -46,13 +46,9 @@ void main() {
     if (LIGHTING_SHADOWED)
         illuminance *= light_visibility(push.head.lighting, push.head.lighting.scope.lights.directional_count + in_light, shadowed_point_of(push.head.lighting, position, s.normal), to_light, false);
     count_rays(v, push.head.counters);
-    surface shape;
-    shape.normal = s.normal;
-    shape.geometric = s.geometric;
-    shape.roughness = s.roughness;
     light_sums sums = light_sums_none();
     brdf_lobes lobes;
-    if (light_brdf_lobes(lights_of(push.head.lighting), push.head.lighting.scope.lights.directional_count + in_light, position, s.normal, brdf_prepare(shape, to_viewer(v, position)), to_light, lobes))
+    if (light_brdf_lobes(lights_of(push.head.lighting), push.head.lighting.scope.lights.directional_count + in_light, position, s.normal, light_surface_view(s, v), to_light, lobes))
         light_sums_add(sums, s, lobes, illuminance);
     out_diffuse = min(sums.at[0], MOST);
     out_specular = min(sums.at[1], MOST);

@@ -17,7 +17,10 @@ static uint32_t form_of(const struct geometry_scene *scene, bool is_virtual, boo
     if (!is_virtual && scene->attributes & GEOMETRY_UV1) form |= TEXTURING_UV1;
     if (scene->attributes & GEOMETRY_COLORS) form |= TEXTURING_COLORS;
     if (scene->features & GPU_FEATURES_DECALS) form |= TEXTURING_ITEMS | TEXTURING_SLOPES;
-    if (scene->features & GPU_FEATURE_LEANING) form |= TEXTURING_SLOPES | (samples > 1 && is_virtual ? TEXTURING_ITEMS : 0); /* with samples, slopes are stored with the item */
+    if (scene->features & GPU_FEATURE_LEANING) {
+        form |= TEXTURING_SLOPES;
+        if (is_virtual && samples > 1) form |= TEXTURING_ITEMS; /* which slopes are stored with then */
+    }
     if (scene->features & GPU_FEATURE_MESH_DECALS) form |= TEXTURING_BIND;
     if (samples > 1) form |= TEXTURING_SAMPLES;
     return form;

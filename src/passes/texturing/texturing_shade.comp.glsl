@@ -47,7 +47,8 @@ vec3 geometric_at(vec2 point, float depth, vec2 slopes) {
     const float STEP = 0.125; // of a pixel: there depth is still positive
     if ((FORM & TEXTURING_SLOPES) == 0u) return vec3(0.0); // shading normals are those of the triangles
     vec2 there = depth * max(1.0 + slopes * STEP, 0.01);
-    return geometric_of(position_at(point + vec2(STEP, 0.0), there.x) - in_position, position_at(point + vec2(0.0, STEP), there.y) - in_position);
+    vec3 right = position_at(point + vec2(STEP, 0.0), there.x), below = position_at(point + vec2(0.0, STEP), there.y);
+    return geometric_of(right - in_position, below - in_position);
 }
 
 // Fills what material.glsl and decals_raster.glsl read, of a sample of a pixel; the surface is lit at `point`.

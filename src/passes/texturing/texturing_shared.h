@@ -15,7 +15,7 @@
 #define TEXTURING_GRADIENTS 2u /* how coordinates change to the right and down: 4 or, with UV1, 8 halves */
 #define TEXTURING_SLOPES 4u    /* how depth changes to the right and down, as parts of itself: 2 halves */
 #define TEXTURING_COLORS 8u    /* the vertex colour: 4 x 16 bits */
-#define TEXTURING_ITEMS 16u    /* surfaces have decals, which ask for the item; or slopes with samples and virtual texturing, stored beside it */
+#define TEXTURING_ITEMS 16u    /* the item, for decals, and where slopes are stored with it */
 #define TEXTURING_BIND 32u     /* of decals of meshes: position before deforming (3 floats), its changes (6 halves); two targets */
 /* Virtual texturing: the tangent frame has 32 bits, coordinates are a place in the atlas, 2 x 16 bits; no gradients; a number only with
    ITEMS. */

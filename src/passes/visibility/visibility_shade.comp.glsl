@@ -21,6 +21,11 @@ layout(constant_id = STORED_WEIGHTS_ID) const uint STORED_WEIGHTS = 0u; // 1: th
 
 vec3 unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-37)); }
 
+// 0 or NaN, which means unknown, for lines and points and where positions were not fetched.
+vec3 geometric_of_triangle(triangle t) {
+    return geometric_of(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]);
+}
+
 // Fills what material.glsl reads, from weights of the three corners and how they change to the right and down.
 void interpolate(triangle t, vec3 w, vec3 wx, vec3 wy) {
     in_position_dx = t.positions[0] * wx.x + t.positions[1] * wx.y + t.positions[2] * wx.z;
@@ -63,10 +68,11 @@ void interpolate_at(triangle t, vec2 pixel) {
     vec3 wy = triangle_weights(t, push.view, corner + vec2(0.0, 1.0)) - first;
     in_front_facing = triangle_front_facing(t, push.view);
     interpolate(t, triangle_weights(t, push.view, pixel), wx, wy);
-    in_geometric = geometric_of(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]); // meaningless for lines and points
+    in_geometric = geometric_of_triangle(t);
 }
 
-// The same from what the id pass has stored. Fetches positions only for decals and leaning normals. False if the id pass stored nothing.
+// The same from what the id pass has stored. Fetches positions only for decals and leaning normals. False if the id pass
+// stored nothing.
 bool interpolate_stored(inout triangle t, uint number, ivec2 pixel) {
     vec2 stored = texelFetch(textures[push.weights], pixel, 0).xy;
     if (stored.y < -1.0) return false;
@@ -79,7 +85,7 @@ bool interpolate_stored(inout triangle t, uint number, ivec2 pixel) {
     float view_depth = view_depth_of(push.view, texelFetch(textures[push.depth], pixel, 0).r);
     vec3 seen = view_position_of(push.view, ndc_of_pixel(push.view, vec2(pixel) + 0.5), view_depth);
     in_position = (push.view.view.view_to_world * vec4(seen, 1.0)).xyz;
-    in_geometric = geometric_of(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]); // meaningless if positions were not fetched
+    in_geometric = geometric_of_triangle(t);
     in_front_facing = (floatBitsToUint(stored.x) & 0x80000000u) == 0u;
     return true;
 }

@@ -199,7 +199,8 @@ fnl_result device_materials_upload(struct device_scene *d, bool *out_regroup) {
     for (uint32_t i = 0; i < count && result == FNL_OK; i++) {
         const struct scene_material *m = i + 1 < count ? &d->scene->materials.data[i] : &standard;
         materials[i] = device_material(d, m, i);
-        d->mapped = d->mapped || device_has_texture(d, m, SCENE_TEXTURE_NORMAL) || device_has_texture(d, m, SCENE_TEXTURE_CLEARCOAT_NORMAL);
+        d->mapped = d->mapped || device_has_texture(d, m, SCENE_TEXTURE_NORMAL) ||
+                    device_has_texture(d, m, SCENE_TEXTURE_CLEARCOAT_NORMAL);
         if (!scene_material_transmissive(m)) d->material_classes |= 1u << material_class(d, m); /* no order but its own shades it */
         struct gbuffer_material held = gbuffer_material(d, m, i);
         entries[i] = gbuffer_entry(&held);

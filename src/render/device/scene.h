@@ -189,7 +189,7 @@ struct device_scene {
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t material_count, material_classes; /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
     uint32_t color_bits, texture_bits; /* GEOMETRY_…: what meshes and materials have */
-    bool leaning, mapped; /* some mesh has shading normals other than those of its triangles; some material a normal map */
+    bool leaning, mapped; /* some mesh leans (scene_primitive.leans); some material has a normal map */
     uint64_t cluster_count, triangle_count; /* of all items that culling by clusters is for */
     uint32_t index_count, influence_count, morph_count; /* in use by the scene's primitives; morph_count: floats */
     uint32_t pool_triangles;
