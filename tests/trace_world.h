@@ -55,13 +55,14 @@ static inline fnl_instance_id add_square(fnl_scene *scene, const fnl_material_pa
                         mat4_mul(mat4_translation(at), mat4_scaling(scale)));
 }
 
-static inline void add_point_light(fnl_scene *scene, vec3 at, float candela) {
+static inline fnl_light_id add_point_light(fnl_scene *scene, vec3 at, float candela) {
     fnl_light_params light = fnl_light_params_default();
     fnl_light_id id;
     light.position = at;
     light.intensity = candela;
     light.range = 1000;
     assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    return id;
 }
 
 /** A picture that looks down on the square of `extent` metres around a point, from `height` above it. */

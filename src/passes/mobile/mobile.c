@@ -235,7 +235,7 @@ static void add_decals(struct graph *graph, const struct shade_input *input, con
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
     uint32_t changed[MOBILE_TARGETS], count = 0;
     for (uint32_t i = 0; i < layout->target_count; i++)
-        if (layout->wide ? i >= 3 : i != 1) changed[count++] = i; /* positions and depth stay */
+        if (!layout->wide || i < 1 || i > 2) changed[count++] = i; /* y and z stay; x or depth: the mark of what leans */
     set_formats(&data.state, layout, changed, count);
     struct graph_pass *pass =
         graph_add_pass(graph, "mobile decals", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);

@@ -7,6 +7,7 @@
 //   metallic 256   x | y | z | light RG | light B, normal X | normal YZ | roughness, metalness | colour RGB
 //   specular 256   x | y | z | light RG | light B, roughness | normal XYZ | diffuse RGB | F0 RGB
 //
+// The lowest bit of the 32-bit x or depth is 1 where the shading normal leans from the triangle's: mobile_geometric().
 // Light is radiance times the frame's light_scale, at most its light_max. Metallic layouts take every dielectric for one of F0 0.04; black that
 // is all metal stands for a surface that reflects nothing.
 #ifndef MOBILE_GLSL
@@ -26,12 +27,18 @@ layout(constant_id = GAMMA_ID) const uint GAMMA = GPU_MOBILE_SRGB;
 #define MOBILE_TARGETS 8
 #define MOBILE_WIDE
 #endif
+#ifdef MOBILE_WIDE
+#define MOBILE_PLACE(g) g.t[0].x // the first of the 32-bit targets
+#else
+#define MOBILE_PLACE(g) g.t[1].x
+#endif
 #if MOBILE_LAYOUT == GPU_MOBILE_METALLIC_128 || MOBILE_LAYOUT == GPU_MOBILE_METALLIC_256
 #define MOBILE_METALLIC
 #endif
 
 const float MOBILE_F0 = 0.04;
 const float MOBILE_FAR = 1e37; // positions beyond it are the sky
+const float MOBILE_SAME = 0.999; // normals lean from each other below this cosine
 
 struct mobile_texel {
     vec4 t[MOBILE_TARGETS];
@@ -103,11 +110,17 @@ mobile_texel mobile_pack(surface s, float depth, vec3 light) {
 
 bool mobile_is_sky(mobile_texel g) {
 #ifdef MOBILE_WIDE
-    return g.t[0].x > MOBILE_FAR;
+    return MOBILE_PLACE(g) > MOBILE_FAR;
 #else
-    return g.t[1].x <= 0.0;
+    return MOBILE_PLACE(g) <= 0.0;
 #endif
 }
+
+void mobile_mark(inout mobile_texel g, bool leaning) {
+    MOBILE_PLACE(g) = uintBitsToFloat(floatBitsToUint(MOBILE_PLACE(g)) & ~1u | uint(leaning));
+}
+
+bool mobile_leans(mobile_texel g) { return (floatBitsToUint(MOBILE_PLACE(g)) & 1u) != 0u; }
 
 // World space.
 vec3 mobile_position(mobile_texel g, view_block v, ivec2 pixel) {
@@ -172,11 +185,17 @@ surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view
 
 #ifdef MOBILE_READS
 // Geometric normal from derivatives of the position in a quad, because tile targets can only be read at their own pixel.
-// 0 if a derivative is too steep against the shading normal to lie on the surface.
-vec3 mobile_geometric(vec3 right, vec3 down, vec3 normal) {
-    const float STEEPEST = 0.85; // sine
-    vec2 off = abs(vec2(dot(right, normal), dot(down, normal))) * inversesqrt(vec2(dot(right, right), dot(down, down)));
-    return all(lessThan(off, vec2(STEEPEST))) ? geometric_of(right, down) : vec3(0.0);
+// 0 (unknown) where the quad reaches beyond the view, or if a derivative is much longer than the shading normal's plane
+// allows: its other end then lies on another surface.
+vec3 mobile_geometric(mobile_texel g, vec3 right, vec3 down, surface s, view_block v, ivec2 pixel) {
+    const float LONGEST = 4.0;
+    if (!mobile_leans(g)) return vec3(0.0);
+    vec3 to_view = to_viewer(v, s.position);
+    vec2 leave = vec2(dot(right, s.normal), dot(down, s.normal)) / dot(to_view, s.normal);
+    vec3 plane_right = right - to_view * leave.x, plane_down = down - to_view * leave.y;
+    vec2 far = vec2(dot(right, right), dot(down, down)), near = vec2(dot(plane_right, plane_right), dot(plane_down, plane_down));
+    bool inside = all(lessThan(pixel ^ 1, ivec2(v.view.size)));
+    return inside && all(lessThan(far, LONGEST * LONGEST * near)) ? geometric_of(right, down) : vec3(0.0);
 }
 
 // The targets at this pixel. MOBILE_READS: 1, light and place alone; 2, all.

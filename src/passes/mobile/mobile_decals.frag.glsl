@@ -14,11 +14,12 @@ layout(push_constant, scalar) uniform push_block { gpu_mobile_push push; };
 layout(location = 0) out vec4 out_0;
 layout(location = 1) out vec4 out_1;
 layout(location = 2) out vec4 out_2;
-#if MOBILE_TARGETS > 4
 layout(location = 3) out vec4 out_3;
+#if MOBILE_TARGETS > 4
+layout(location = 4) out vec4 out_4;
 #endif
 #ifdef MOBILE_WIDE
-layout(location = 4) out vec4 out_4;
+layout(location = 5) out vec4 out_5;
 #endif
 
 // From a surface to where its plane is seen at the middle of another pixel: gradients that no silhouette disturbs. At most some pixels.
@@ -61,6 +62,7 @@ void main() {
             light = clamp(light + more * push.view.view.frame.frame.light_scale, vec3(0.0), vec3(push.view.view.frame.frame.light_max));
         }
         mobile_texel n = mobile_pack(s, g.t[1].x, light);
+        mobile_mark(g, mobile_leans(g) || dot(s.normal, before.normal) < MOBILE_SAME);
         // What is read and written again may lose its last bit: normals are made unit vectors in between.
 #ifdef MOBILE_WIDE
         g.t[3] = n.t[3];
@@ -86,18 +88,19 @@ void main() {
 #endif
 #endif
     }
-#ifdef MOBILE_WIDE
-    out_0 = g.t[3];
-    out_1 = g.t[4];
-    out_2 = g.t[5];
-    out_3 = g.t[6];
-    out_4 = g.t[7];
-#else
     out_0 = g.t[0];
-    out_1 = g.t[2];
-    out_2 = g.t[3];
+#ifdef MOBILE_WIDE
+    out_1 = g.t[3];
+    out_2 = g.t[4];
+    out_3 = g.t[5];
+    out_4 = g.t[6];
+    out_5 = g.t[7];
+#else
+    out_1 = g.t[1];
+    out_2 = g.t[2];
+    out_3 = g.t[3];
 #if MOBILE_TARGETS > 4
-    out_3 = g.t[4];
+    out_4 = g.t[4];
 #endif
 #endif
 }

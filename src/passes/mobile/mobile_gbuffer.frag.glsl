@@ -32,6 +32,7 @@ void main() {
     if (hole) discard;
     vec3 rest = shade_rest(s, push.view, to_viewer(push.view, s.position), vec3(0.0));
     mobile_texel g = mobile_pack(s, gl_FragCoord.z, mobile_scaled(push.view, rest));
+    mobile_mark(g, abs(dot(geometric_unit(s), s.normal)) < MOBILE_SAME);
     out_0 = g.t[0];
     out_1 = g.t[1];
     out_2 = g.t[2];

@@ -23,7 +23,7 @@ void main() {
     if (!mobile_is_sky(g)) {
         float view_depth;
         surface s = mobile_surface(g, push.view, pixel, view_depth);
-        s.geometric = mobile_geometric(right, down, s.normal);
+        s.geometric = mobile_geometric(g, right, down, s, push.view, pixel);
         vec3 sum = shade_surface(s, push.view, push.lighting, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
         light = min(light + mobile_scaled(push.view, sum), vec3(push.view.view.frame.frame.light_max));
     }

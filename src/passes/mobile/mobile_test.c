@@ -324,8 +324,7 @@ static void test_automatic_exposure_MB_15(void **state) {
     frame.shading = FNL_SHADING_DEFERRED;
     struct shot deferred = stage_shoot(&stage, &frame);
     assert_true(fabsf(mobile.stats.ev - deferred.stats.ev) < 0.05f);
-    print_message("%.3f on average\n", mean_difference(&mobile.color, &deferred.color));
-    assert_true(mean_difference(&mobile.color, &deferred.color) < 1.2);
+    assert_true(mean_difference(&mobile.color, &deferred.color) < 1);
     shot_free(&mobile);
     shot_free(&deferred);
     stage_close(&stage);

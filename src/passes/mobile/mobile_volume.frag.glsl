@@ -26,7 +26,7 @@ void main() {
     if (mobile_is_sky(g)) discard;
     float view_depth;
     surface s = mobile_surface(g, push.view, pixel, view_depth);
-    s.geometric = mobile_geometric(right, down, s.normal);
+    s.geometric = mobile_geometric(g, right, down, s, push.view, pixel);
     if (BOUND_DEPTHS == 1u && (view_depth < in_depths.x || view_depth > in_depths.y)) discard;
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
