@@ -46,7 +46,7 @@ static void test_maps_are_what_rays_show_MP_6(void **state) {
     expect_leak("builtin:hall?lights=256", 0, 0, 0.04, 0.18);
     expect_leak("builtin:interior?lights=40", 0, 0, 0.02, 0.1); /* all shapes */
     expect_leak("CornellBox.glb", 0, 8, 0.02, 0.05);
-    expect_leak("Fox.glb", 0.4, 40, 0.02, 0.01);
+    expect_leak("Fox.glb", 0.4, 40, 0.02, 0.006);
 }
 
 /* ---- paths and lists ---- */
