@@ -84,6 +84,11 @@ typedef struct fnl_shadow_options {
      * for maps as fine as the picture, those of the lights that matter least become coarser first. Default 64.
      */
     uint32_t memory;
+    /**
+     * maps: most texels across a face of a local light's map, 8 .. 1920: faces have 8, 24, 56, 120, 240, 480, 960 or 1920. Fewer cost less to draw and are
+     * coarser near lights. Directional lights are not concerned. Default 1920.
+     */
+    uint32_t texels_max;
     fnl_shadow_filter filter; /**< maps; default FNL_SHADOW_FILTER_AUTO */
     /**
      * maps: opaque surfaces take their lights from lists of tiles of 8x8 pixels, out of which the lights are taken that the maps show in shadow all over the tile.

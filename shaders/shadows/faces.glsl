@@ -65,8 +65,10 @@ vec4 shadow_face_clip(gpu_shape shape, uint face, vec3 ray) {
     return vec4(turned.xy, SHADOW_NEAR, (face & 1u) != 0u ? -turned.z : turned.z);
 }
 
-// The coarsest level whose texels are no wider than a pixel; `across`: how many pixels wide the face is where the point lies.
-uint shadow_level_for(float across) {
+// The coarsest level whose texels are no wider than a pixel, or the one that is `widest` texels across; `across`: how many pixels wide the face
+// is where the point lies.
+uint shadow_level_for(float across, float widest) {
+    across = min(across, widest);
     uint finer = uint(across > 8.0) + uint(across > 24.0) + uint(across > 56.0) + uint(across > 120.0); // no branches
     return SHADOW_LEVELS - 1u - (finer + uint(across > 240.0) + uint(across > 480.0) + uint(across > 960.0));
 }

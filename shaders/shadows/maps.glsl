@@ -128,7 +128,7 @@ float map_visibility(lighting_block l, uint light, shadowed_point p) {
     shadow_page at;
     at.face = shadow_face_of(shape.kind, ray);
     float along = shadow_face_clip(shape, at.face, ray).w;
-    at.level = min(shadow_level_for(shadow_across(shape, along, p.pixel)) + bias, SHADOW_LEVELS - 1u);
+    at.level = min(shadow_level_for(shadow_across(shape, along, p.pixel), p.maps.widest) + bias, SHADOW_LEVELS - 1u);
     return row_visibility(l, light, p, row, shape, at);
 }
 

@@ -84,6 +84,7 @@ struct gpu_shadow_maps {
     uint atlas;                       /* sampled index of the depth image */
     uint point;                       /* of a sampler that takes the nearest texel */
     float texel;                      /* 1 / texels across the atlas */
+    float widest;                     /* texels across the finest level that local lights may have */
     uint first_row;                   /* a local light's row is this + its index among all lights, modulo 2^32 */
 };
 

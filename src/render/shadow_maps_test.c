@@ -88,6 +88,40 @@ static void test_small_budgets_make_maps_coarser_MP_6_ES_69(void **state) {
     stage_close(&s);
 }
 
+/* Faces have no more texels than was asked for: fewer pages, coarser shadows, and none that rays find. */
+static void test_faces_have_few_texels_LC_14(void **state) {
+    UNUSED(state);
+    static const uint32_t most[] = {1920, 119, 56, 24, 8}, alike[] = {1920, 56, 56, 24, 8};
+    uint64_t first = 0;
+    double error = 0;
+    for (uint32_t i = 0; i < COUNT_OF(most); i++) {
+        struct stage s = stage_open("builtin:hall?lights=64", 0); /* without pages of the last one */
+        s.frame.width = 130, s.frame.height = 74;
+        s.frame.shadow.memory = 256;
+        s.frame.shadow.texels_max = most[i];
+        const struct shadow_leak leak = shadow_leak_of(&s, 2);
+        const fnl_frame_stats stats = harness_stats(s.renderer);
+        const uint64_t cells = counter(&stats, "shadows.cells"), wanted = counter(&stats, "shadows.wanted");
+        print_message("%u texels: %.2f %% wrong, %.1f %% dark, %u pages in %u cells\n", most[i], 100 * leak.error, 100 * leak.dark, (uint32_t)wanted,
+                      (uint32_t)cells);
+        assert_int_equal(counter(&stats, "shadows.traced"), 0);
+        assert_int_equal(counter(&stats, "shadows.coarsened"), 0);
+        assert_true(leak.error < leak.dark && (i > 0 && alike[i] == alike[i - 1] ? leak.error == error : leak.error > error));
+        /* A page for each face and level, the largest a quarter of a cell. */
+        const uint64_t levels = alike[i] == 56 ? 3 : alike[i] == 24 ? 2 : 1;
+        assert_true(alike[i] == 1920 || (wanted <= 64 * 6 * levels && cells < first * 2 / 3));
+        struct shot a = stage_shoot(&s, &s.frame);
+        s.frame.shadow.texels_max = alike[i];
+        struct shot b = stage_shoot(&s, &s.frame);
+        assert_memory_equal(a.color.pixels, b.color.pixels, (size_t)a.color.width * a.color.height * 4);
+        shot_free(&a);
+        shot_free(&b);
+        if (i == 0) first = cells;
+        error = leak.error;
+        stage_close(&s);
+    }
+}
+
 /* ---- work ---- */
 
 static fnl_frame_stats after_frame(struct stage *s) {
@@ -242,6 +276,7 @@ static void test_SH_70_still_frames_look_up_alone(void **state) {
     EXPECT_ASKS(s, f->msaa = 4);
     EXPECT_ASKS(s, f->msaa = 1);
     EXPECT_ASKS(s, f->shadow.memory = 8);
+    EXPECT_ASKS(s, f->shadow.texels_max = 240);
     EXPECT_ASKS(s, f->shadow.filter = FNL_SHADOW_FILTER_PCSS);
     EXPECT_ASKS(s, f->shadow.light_radius = 0.1f);
     EXPECT_ASKS(s, f->shading = FNL_SHADING_FORWARD);
@@ -566,6 +601,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_lists_give_the_same_maps, harness_check),
         cmocka_unit_test_teardown(test_paths_give_the_same_maps, harness_check),
         cmocka_unit_test_teardown(test_small_budgets_make_maps_coarser_MP_6_ES_69, harness_check),
+        cmocka_unit_test_teardown(test_faces_have_few_texels_LC_14, harness_check),
         cmocka_unit_test_teardown(test_only_what_is_new_is_drawn, harness_check),
         cmocka_unit_test_teardown(test_changes_are_drawn, harness_check),
         cmocka_unit_test_teardown(test_SH_70_still_frames_look_up_alone, harness_check),

@@ -52,7 +52,7 @@ finding look_up(lighting_block l, uint light, shadowed_point p) {
     vec3 ray = p.position - shape.position;
     f.page.face = shadow_face_of(shape.kind, ray);
     float along = shadow_face_clip(shape, f.page.face, ray).w;
-    f.page.level = min(shadow_level_for(shadow_across(shape, along, p.pixel)) + bias, SHADOW_LEVELS - 1u);
+    f.page.level = min(shadow_level_for(shadow_across(shape, along, p.pixel), p.maps.widest) + bias, SHADOW_LEVELS - 1u);
     f.found = look_up_row(p, shape, f);
     return f;
 }

@@ -62,7 +62,8 @@ void request_face(lighting_block l, uint_array wanted, uint light, uint row, gpu
     view_block v = l.scope.view;
     float slack = near / (shape.kind == GPU_SHAPE_BOX ? min(shape.size.x, shape.size.y) : clip.w);
     float across = shadow_across(shape, clip.w, pixel_width(v, length(v.view.eye - position)));
-    uint finest = shadow_level_for(across * (1.0 + slack + 1e-4)), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4));
+    float widest = shadow_maps_block(l.scope.shadows.maps).maps.widest;
+    uint finest = shadow_level_for(across * (1.0 + slack + 1e-4), widest), coarsest = shadow_level_for(across / (1.0 + slack + 1e-4), widest);
     coarsest = shadow_coarsest_level(l, light, shape, face, clip, ray, coarsest);
     request_walk walk = request_walk_begin(face, finest, coarsest, ndc, ndc, slack);
     bool is_left = !request_walk_ends(walk) || !request_is_made(wanted, row, request_walk_bit(walk));

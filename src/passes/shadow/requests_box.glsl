@@ -9,6 +9,7 @@ struct request_box {
     vec3 low, high;   // world space
     float near;       // the greatest of the points
     float fine, wide; // the least and the greatest width of a pixel, metres
+    float widest;     // as of the maps
 };
 
 // Whether the light may reach some of the points.
@@ -69,8 +70,8 @@ request_seen request_box_seen(gpu_shape shape, request_box box, uint face, float
 
 // The finest and the coarsest level that they need.
 uvec2 request_seen_levels(gpu_shape shape, request_box box, request_seen s) {
-    return uvec2(shadow_level_for(shadow_across(shape, s.along.y, box.fine) * (1.0 + s.slack + 2e-4)),
-                 shadow_level_for(shadow_across(shape, s.along.x, box.wide) / (1.0 + s.slack + 2e-4)));
+    return uvec2(shadow_level_for(shadow_across(shape, s.along.y, box.fine) * (1.0 + s.slack + 2e-4), box.widest),
+                 shadow_level_for(shadow_across(shape, s.along.x, box.wide) / (1.0 + s.slack + 2e-4), box.widest));
 }
 
 const uint REQUEST_MOST = 16u; // pages that are looked at; of more, some are likely to be missing

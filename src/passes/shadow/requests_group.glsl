@@ -28,6 +28,7 @@ request_box box_of(float p[PARTS]) {
     box.high = -vec3(p[3], p[4], p[5]) + 0.1 * box.near;
     box.fine = p[7] * 0.9999;
     box.wide = -p[8] * 1.0001;
+    box.widest = shadow_maps_block(push.lighting.scope.shadows.maps).maps.widest;
     return box;
 }
 bool is_empty(request_box box) { return !(box.near > 0.0); }

@@ -26,7 +26,7 @@ static struct asked ask(const struct ask *a) {
     list_lab_begin(&lab);
     struct gpu_slice maps = gpu_frame_allocate(harness_device(), sizeof(struct gpu_shadow_maps));
     assert_non_null(maps.data);
-    *(struct gpu_shadow_maps *)maps.data = (struct gpu_shadow_maps){.first_row = 0 - lab.input.set.directional_count};
+    *(struct gpu_shadow_maps *)maps.data = (struct gpu_shadow_maps){.widest = SHADOW_BLOCK_TEXELS, .first_row = 0 - lab.input.set.directional_count};
     struct tiled_params tiled = tiled_params_default();
     tiled.pool_capacity = a->pool_capacity;
     struct light_list list = a->tiles ? tiled_add(lab.graph, harness_device(), &lab.input, &lab.in_view, depth, &tiled)

@@ -22,6 +22,14 @@ uint32_t shadow_maps_side(const fnl_frame *frame) {
     return SHADOW_PAGE * (uint32_t)sqrt(cells);
 }
 
+/* Texels across the finest level that has at most as many as local lights may have. */
+static float widest_level(const fnl_frame *frame) {
+    static const uint32_t widths[SHADOW_LEVELS] = {1920, 960, 480, 240, 120, 56, 24, 8};
+    uint32_t level = 0;
+    while (level + 1 < SHADOW_LEVELS && widths[level] > frame->shadow.texels_max) level++;
+    return (float)widths[level];
+}
+
 fnl_result shadow_maps_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {
     if (!shadow_maps_possible(r, frame)) return FNL_OK;
     const struct device_scene *d = r->device_scene;
@@ -174,6 +182,7 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
                                              .anisotropy = 1};
     *maps = (struct gpu_shadow_maps){.point = gpu_sampler_index(f->r->device, &point),
                                      .texel = 1.0f / (float)shadow_maps_side(f->frame),
+                                     .widest = widest_level(f->frame),
                                      .first_row = lights->directional_count * (SHADOW_SUN_ROWS - 1)};
     const struct lighting shared = lighting_add(f->graph, f->r->device, &scopes, NULL);
     asked.lighting = &shared;
