@@ -100,6 +100,11 @@ int main(int argc, char **argv) {
     fnl_camera cameras[VIEWS];
     const uint32_t count = read_eyes(folder, number_text, eyes);
     if (count == 0 || json_array_size(views) != count) return fail("views were expected");
+    const float scale = number(json_object_get(stats, "world_scale"));
+    for (uint32_t i = 0; i < count; i++) {
+        fnl_vec3 *place = &eyes[i].pose.position;
+        *place = (fnl_vec3){place->x * scale, place->y * scale, place->z * scale};
+    }
     fnl_scene *scene = NULL;
     fnl_scene_info info;
     fnl_device *device = NULL;

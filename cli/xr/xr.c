@@ -28,6 +28,7 @@ static void print_help(void) {
          "  --resolution auto|X        how much of the recommended size is rendered, 0.1 to 1 of either side (auto: 0.5 to 1, by frame time)\n"
          "  --budget MS                the time that a frame may take (the headset's)\n"
          "  --space stage|local        on the floor of the room, or where you sit (stage, if the headset has it)\n"
+         "  --world-scale X            units of the scene per meter of the room: 100 for a scene in centimeters (1)\n"
          "  --stereo                   two views, also where the runtime prefers four\n"
          "  --depth KIND               what is handed over with the picture, for runtimes that correct late frames: reversed (1 is near), forward\n"
          "                             or off (reversed)\n"
@@ -59,7 +60,7 @@ static void print_help(void) {
          "  fanal xr model.glb --environment builtin:sky --msaa 4");
 }
 
-enum { O_SET = 256, O_EXPOSURE, O_RESOLUTION, O_BUDGET, O_SPACE, O_STEREO, O_DEPTH, O_NO_MASK, O_NO_INPUT, O_NO_GAZE, O_FRAMES, O_STATS, O_NO_CACHE, O_VALIDATE };
+enum { O_SET = 256, O_EXPOSURE, O_RESOLUTION, O_BUDGET, O_SPACE, O_WORLD_SCALE, O_STEREO, O_DEPTH, O_NO_MASK, O_NO_INPUT, O_NO_GAZE, O_FRAMES, O_STATS, O_NO_CACHE, O_VALIDATE };
 
 static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"quiet", no_argument, NULL, 'q'},
@@ -68,6 +69,7 @@ static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"resolution", required_argument, NULL, O_RESOLUTION},
                                             {"budget", required_argument, NULL, O_BUDGET},
                                             {"space", required_argument, NULL, O_SPACE},
+                                            {"world-scale", required_argument, NULL, O_WORLD_SCALE},
                                             {"stereo", no_argument, NULL, O_STEREO},
                                             {"depth", required_argument, NULL, O_DEPTH},
                                             {"no-mask", no_argument, NULL, O_NO_MASK},
@@ -117,6 +119,10 @@ static bool parse_option(struct xr_options *o, struct given *given, int option, 
     case O_SPACE:
         o->space = strcmp(value, "stage") == 0 ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL;
         return strcmp(value, "stage") == 0 || strcmp(value, "local") == 0 || argument_bad("space", value, "stage or local");
+    case O_WORLD_SCALE:
+        if (!argument_number("world-scale", value, &number)) return false;
+        o->world_scale = (float)number;
+        return (number >= 1e-4 && number <= 1e6) || argument_bad("world-scale", value, "a number from 0.0001 to 1e6");
     case O_STEREO:
         return o->stereo_only = true;
     case O_DEPTH:
@@ -176,6 +182,7 @@ static bool load(struct xr *x) {
     progress_show("loading the scene", 0, 0);
     const bool good = world_load(&x->options->world, &x->host, 1, 1, x->options->quiet, &x->scene, &x->home) && fnl_scene_query_info(x->scene, &x->scene_info) == FNL_OK;
     progress_end();
+    if (x->options->world.near == 0) x->home.near_distance *= x->options->world_scale;
     return good;
 }
 
@@ -210,7 +217,7 @@ static bool run(struct xr *x) {
 }
 
 int command_xr(int argc, char **argv) {
-    struct xr_options o = {.frame = fnl_frame_default(), .world = world_options_default(), .space = XR_REFERENCE_SPACE_TYPE_VIEW};
+    struct xr_options o = {.frame = fnl_frame_default(), .world = world_options_default(), .space = XR_REFERENCE_SPACE_TYPE_VIEW, .world_scale = 1};
     struct given given = {false, false};
     struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
     options_make_long(own_options, OWN_COUNT, false, long_options);

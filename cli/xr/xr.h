@@ -23,6 +23,7 @@ struct xr_options {
     bool stereo_only, no_depth, forward_depth, no_mask, no_input, no_gaze, validate, no_cache, quiet;
     XrReferenceSpaceType space; /* VIEW: the best */
     float scale;                /* of the recommended size; 0: by frame time */
+    float world_scale;          /* units of the scene per meter of the room */
     double budget;              /* milliseconds; 0: the headset's */
 };
 
@@ -110,7 +111,7 @@ enum xr_pose_of { XR_POSE_VIEW, XR_POSE_GAZE, XR_POSE_HAND, XR_POSE_HEAD, XR_POS
 struct xr {
     const struct xr_options *options;
     XrFovf fields[XR_VIEWS]; /* of view of the last frame */
-    bool has_fields, told_of_fields, told_of_eyes, told_of_poses[XR_POSES];
+    bool has_fields, told_of_fields, told_of_eyes, told_of_scale, told_of_poses[XR_POSES];
     enum xr_end end;
     struct xr_numbers numbers;
 
@@ -267,8 +268,10 @@ void xr_note_prediction(struct xr *x, XrTime display, const fnl_rigid_pose *simu
 void xr_print(const struct xr *x);
 bool xr_save_stats(const struct xr *x);
 
-static inline fnl_rigid_pose xr_pose(const XrPosef *pose) {
-    return (fnl_rigid_pose){{pose->position.x, pose->position.y, pose->position.z},
+/** A pose of the room, with its position in units of the scene. */
+static inline fnl_rigid_pose xr_pose(const struct xr *x, const XrPosef *pose) {
+    const float scale = x->options->world_scale;
+    return (fnl_rigid_pose){{pose->position.x * scale, pose->position.y * scale, pose->position.z * scale},
                             {pose->orientation.x, pose->orientation.y, pose->orientation.z, pose->orientation.w}};
 }
 

@@ -20,9 +20,10 @@ static fnl_material_params beam_material(float ev) {
 static bool make_mesh(struct xr *x) {
     static const uint32_t sides[] = {0, 1, 5, 0, 5, 4, 1, 3, 7, 1, 7, 5, 3, 2, 6, 3, 6, 7, 2, 0, 4, 2, 4, 6, 4, 5, 7, 4, 7, 6, 0, 3, 1, 0, 2, 3};
     float corners[24];
+    const float half = half_width * x->options->world_scale;
     for (uint32_t i = 0; i < 8; i++) {
-        corners[3 * i] = i & 1 ? half_width : -half_width;
-        corners[3 * i + 1] = i & 2 ? half_width : -half_width;
+        corners[3 * i] = i & 1 ? half : -half;
+        corners[3 * i + 1] = i & 2 ? half : -half;
         corners[3 * i + 2] = i & 4 ? 0 : -1;
     }
     const fnl_material_params material = beam_material(x->ev);
@@ -32,10 +33,11 @@ static bool make_mesh(struct xr *x) {
            fnl_scene_add_mesh(x->scene, &mesh, &x->beams.mesh) == FNL_OK;
 }
 
-static fnl_mat4 placed(const fnl_rigid_pose *pose, float length) {
+/* `start`: from where on the ray shows. */
+static fnl_mat4 placed(const fnl_rigid_pose *pose, float start, float length) {
     const fnl_vec3 back = quat_turn(pose->rotation, (fnl_vec3){0, 0, 1});
     const fnl_vec3 a = quat_turn(pose->rotation, (fnl_vec3){1, 0, 0}), b = quat_turn(pose->rotation, (fnl_vec3){0, 1, 0}),
-                   c = scale3(back, length - gap), p = add3(pose->position, scale3(back, -gap));
+                   c = scale3(back, length - start), p = add3(pose->position, scale3(back, -start));
     return (fnl_mat4){{a.x, a.y, a.z, 0, b.x, b.y, b.z, 0, c.x, c.y, c.z, 0, p.x, p.y, p.z, 1}};
 }
 
@@ -45,7 +47,7 @@ void xr_show_beams(struct xr *x) {
         const struct xr_hand *hand = &x->hands[i];
         const bool shown = hand->active && x->has_input;
         if (shown) {
-            const fnl_mat4 transform = placed(&hand->pose, xr_ray_length(x, hand));
+            const fnl_mat4 transform = placed(&hand->pose, gap * x->options->world_scale, xr_ray_length(x, hand));
             if (!beams->mesh.generation && !make_mesh(x)) return; /* the library has told why; the next frame tries again */
             if (!beams->instances[i].generation) {
                 if (fnl_scene_add_instance(x->scene, beams->mesh, &transform, &beams->instances[i]) != FNL_OK) return;

@@ -48,7 +48,7 @@ static bool locate(struct xr *x, XrTime time, struct located *out) {
     const XrViewStateFlags wanted = XR_VIEW_STATE_ORIENTATION_VALID_BIT | XR_VIEW_STATE_POSITION_VALID_BIT;
     out->valid = count == x->view_count && (state.viewStateFlags & wanted) == wanted;
     for (uint32_t i = 0; i < x->view_count && out->valid; i++) out->valid = xr_is_pose(x, XR_POSE_VIEW, &out->views[i].pose);
-    const fnl_rigid_pose left = xr_pose(&out->views[0].pose), right = xr_pose(&out->views[1].pose);
+    const fnl_rigid_pose left = xr_pose(x, &out->views[0].pose), right = xr_pose(x, &out->views[1].pose);
     out->head = (fnl_rigid_pose){scale3(add3(left.position, right.position), 0.5f), left.rotation};
     return true;
 }
@@ -82,8 +82,14 @@ static void animate(struct xr *x, XrTime time) {
 
 /* Real-Time Rendering, 4th ed., chapter 21: what makes people sick, and what makes the world look larger or smaller than it is. Told once. */
 static void lint(struct xr *x, const struct located *l) {
-    const fnl_vec3 apart = sub3(xr_pose(&l->views[1].pose).position, xr_pose(&l->views[0].pose).position);
-    const float ipd = sqrtf(apart.x * apart.x + apart.y * apart.y + apart.z * apart.z);
+    const float scale = x->options->world_scale;
+    const fnl_vec3 apart = sub3(xr_pose(x, &l->views[1].pose).position, xr_pose(x, &l->views[0].pose).position);
+    const float ipd = sqrtf(dot3(apart, apart)) / scale;
+    if (!x->told_of_scale && !x->options->quiet && scale != 1) {
+        x->told_of_scale = true;
+        fprintf(stderr, "fanal: warning: a meter of the room is %g units of the scene: if the scene is in meters, the world looks %s than it is\n", (double)scale,
+                scale > 1 ? "smaller" : "larger");
+    }
     if (!x->told_of_eyes && !x->options->quiet && (ipd < 0.052f || ipd > 0.078f)) {
         x->told_of_eyes = true;
         fprintf(stderr, "fanal: warning: the eyes are %g mm apart, those of people 52 to 78 mm\n", (double)ipd * 1000);
@@ -105,7 +111,7 @@ static void lint(struct xr *x, const struct located *l) {
 static bool make_cameras(struct xr *x, const struct xr_group *group, const struct located *l, uint32_t width, uint32_t height, fnl_camera *out) {
     for (uint32_t i = 0; i < group->count; i++) {
         const XrView *view = &l->views[group->first + i];
-        const fnl_eye eye = {.pose = xr_pose(&view->pose),
+        const fnl_eye eye = {.pose = xr_pose(x, &view->pose),
                              .left = tanf(view->fov.angleLeft),
                              .right = tanf(view->fov.angleRight),
                              .down = tanf(view->fov.angleDown),
@@ -233,12 +239,13 @@ static void end_frame(struct xr *x, XrTime time, const struct located *l) {
             const XrRect2Di rect = {{0, 0}, {(int32_t)group->drawn_width, (int32_t)group->drawn_height}};
             /* Depth falls from 1 at the near distance to 0 at infinity, unless it is turned round. */
             const bool forward = x->options->forward_depth;
+            const float near_distance = x->home.near_distance / x->options->world_scale;
             depths[view] = (XrCompositionLayerDepthInfoKHR){.type = XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR,
                                                             .subImage = {group->depth, rect, i},
                                                             .minDepth = 0,
                                                             .maxDepth = 1,
-                                                            .nearZ = forward ? x->home.near_distance : INFINITY,
-                                                            .farZ = forward ? INFINITY : x->home.near_distance};
+                                                            .nearZ = forward ? near_distance : INFINITY,
+                                                            .farZ = forward ? INFINITY : near_distance};
             views[view] = (XrCompositionLayerProjectionView){.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
                                                              .next = group->depth ? &depths[view] : NULL,
                                                              .pose = l->views[view].pose,

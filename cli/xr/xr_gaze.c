@@ -54,7 +54,7 @@ void xr_find_gaze(struct xr *x, XrTime time) {
     /* A direction that is not tracked is a guess, of a blink for instance. */
     const XrSpaceLocationFlags wanted = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
     if (!state.isActive || (location.locationFlags & wanted) != wanted || !xr_is_pose(x, XR_POSE_GAZE, &location.pose)) return;
-    const fnl_rigid_pose eyes = xr_pose(&location.pose), pose = pose_mul(&x->rig, &eyes);
-    x->gaze = add3(pose.position, quat_turn(pose.rotation, (fnl_vec3){0, 0, -gaze_distance}));
+    const fnl_rigid_pose eyes = xr_pose(x, &location.pose), pose = pose_mul(&x->rig, &eyes);
+    x->gaze = add3(pose.position, quat_turn(pose.rotation, (fnl_vec3){0, 0, -gaze_distance * x->options->world_scale}));
     x->gaze_known = true;
 }

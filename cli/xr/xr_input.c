@@ -89,17 +89,18 @@ void xr_start_input(struct xr *x) {
 /* ---- what the buttons do ---- */
 
 /* The floor is where the space of play has it: at 0 of a stage, else 1.6 m below where the user began. */
-static float floor_of(const struct xr *x) { return x->rig.position.y - (x->space_type == XR_REFERENCE_SPACE_TYPE_STAGE ? 0 : 1.6f); }
+static float floor_of(const struct xr *x) { return x->rig.position.y - (x->space_type == XR_REFERENCE_SPACE_TYPE_STAGE ? 0 : 1.6f * x->options->world_scale); }
 
 static bool meets_floor(const struct xr *x, const struct xr_hand *hand, float *out_distance) {
     const float slope = quat_turn(hand->pose.rotation, (fnl_vec3){0, 0, -1}).y;
     *out_distance = slope < -1e-4f ? (floor_of(x) - hand->pose.position.y) / slope : -1;
-    return *out_distance > 0 && *out_distance <= farthest_step;
+    return *out_distance > 0 && *out_distance <= farthest_step * x->options->world_scale;
 }
 
 float xr_ray_length(const struct xr *x, const struct xr_hand *hand) {
     float distance;
-    return meets_floor(x, hand, &distance) ? fmaxf(distance, 0.1f) : 3;
+    const float scale = x->options->world_scale;
+    return meets_floor(x, hand, &distance) ? fmaxf(distance, 0.1f * scale) : 3 * scale;
 }
 
 static void teleport(struct xr *x, const struct xr_hand *hand) {
@@ -164,7 +165,7 @@ static bool find_hand(struct xr *x, struct xr_hand *hand, XrTime time) {
     }
     const XrSpaceLocationFlags wanted = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
     if (!state.isActive || (location.locationFlags & wanted) != wanted || !xr_is_pose(x, XR_POSE_HAND, &location.pose)) return false;
-    const fnl_rigid_pose pose = xr_pose(&location.pose);
+    const fnl_rigid_pose pose = xr_pose(x, &location.pose);
     hand->pose = pose_mul(&x->rig, &pose);
     return true;
 }

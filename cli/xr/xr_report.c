@@ -120,6 +120,7 @@ static json_t *all_json(const struct xr *x) {
                         json_pack("{s:f,s:f,s:o,s:o}", "period_ms", n->period, "budget_ms", budget_of(x), "cpu_ms", spread_json(spread_of(n->cpu, n->time_count)),
                                   "gpu_ms", spread_json(spread_of(n->gpu, n->time_count))));
     json_object_set_new(j, "resolution", json_pack("{s:f,s:f,s:i}", "scale", (double)x->scale, "least", (double)n->least_scale, "changes", (int)n->scale_changes));
+    json_object_set_new(j, "world_scale", json_real((double)x->options->world_scale));
     json_object_set_new(j, "prediction", prediction_json(n));
     json_object_set_new(j, "mask", json_pack("{s:i,s:i,s:i}", "reads", (int)n->mask_reads, "changes", (int)n->mask_changes, "frames", (int)n->mask_frames));
     json_object_set_new(j, "input", json_pack("{s:i,s:i,s:i,s:o}", "teleports", (int)n->teleports, "grabs", (int)n->grabs, "light_moves", (int)n->light_moves, "light",

@@ -115,7 +115,7 @@ refuse '--fov' --stereo left --hmd builtin:simple --fov 50
 lint() { "$fanal" render builtin:onetile --size 16x16 --frames 0 --stereo left -o lint.png "$@" 2>&1 >/dev/null; }
 lint --ipd 0.03 | grep -q "52 to 78 mm: the world looks larger" || fail "VR-22: no warning about eyes 30 mm apart"
 lint --ipd 0.09 | grep -q "smaller" || fail "VR-22: no warning about eyes 90 mm apart"
-# Nothing scales the world, and no headset changes its field of view while it is shown: such members are not known.
+# No file of a headset scales the world, and no headset changes its field of view while it is shown: such members are not known.
 bad ': /scale: is not known' "{\"ipd\":0.06,\"scale\":2,\"eyes\":[$eyes]}"
 bad ': /eyes/0/scale: is not known' '{"ipd":0.06,"eyes":[{"tangents":[-1,1,-1,1],"scale":2},{}]}'
 bad ': /poses/0/degrees: is not known' "{\"ipd\":0.06,\"eyes\":[$eyes],\"poses\":[{\"time\":1,\"degrees\":[-40,40,-40,40]}]}"
