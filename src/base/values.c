@@ -66,7 +66,8 @@ struct names {
     ROW("reflections", "reflection probes: a colour for each, by its part of the light from all around; grey: none")                            \
     ROW("shadow-rays", "shadow rays that each pixel sends, with rays, maps, hybrid or cubemap, with a legend")                   \
     ROW("shadow-age", "shadow maps: frames since that page was drawn; striped where a finer one is wanted and not there")        \
-    ROW("shadow-classes", "shadow.classify: lights of tiles that left: blue; that light no pixel: orange, some: grey, all: white")
+    ROW("shadow-classes", "shadow.classify: lights of tiles that left: blue; that light no pixel: orange, some: grey, all: white") \
+    ROW("triangles", "a colour for each triangle; grey: points and lines")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

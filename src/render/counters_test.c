@@ -158,6 +158,34 @@ static void test_frames_have_what_they_do(void **state) {
     stage_close(&stage);
 }
 
+/* Without glass nothing is told of it; lists of blended surfaces count beside those of opaque ones. */
+static void test_what_is_not_there(void **state) {
+    UNUSED(state);
+    uint64_t entries[2];
+    for (int blends = 0; blends < 2; blends++) {
+        struct stage stage = stage_open("builtin:glass?lights=8", 0);
+        stage.frame.width = 40;
+        stage.frame.height = 24;
+        stage.frame.shading = FNL_SHADING_DEFERRED;
+        stage.frame.lists = FNL_LISTS_TILED;
+        fnl_entity_info entity;
+        fnl_material_params material;
+        for (uint32_t i = 0; fnl_scene_query_material(stage.scene, i, &material) == FNL_OK; i++) {
+            if (blends || material.alpha_mode != FNL_ALPHA_BLEND) continue;
+            material.alpha_mode = FNL_ALPHA_OPAQUE;
+            assert_int_equal(fnl_scene_query_entity(stage.scene, FNL_ENTITY_MATERIAL, i, &entity), FNL_OK);
+            assert_int_equal(fnl_scene_set_material(stage.scene, entity.id.material, &material), FNL_OK);
+        }
+        assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
+        const fnl_frame_stats stats = harness_stats(stage.renderer);
+        assert_false(has_counter(&stats, "transmission.overflow-layers"));
+        entries[blends] = stats.list_entries;
+        stage_close(&stage);
+    }
+    print_message("%u entries of opaque surfaces, %u with those of blended ones\n", (uint32_t)entries[0], (uint32_t)entries[1]);
+    assert_true(entries[0] > 0 && entries[1] > entries[0] && entries[1] < 20 * entries[0]);
+}
+
 static void test_find(void **state) {
     UNUSED(state);
     const fnl_counter counters[] = {{.key = "a.b", .value = 3}, {.key = "a.c", .value = 4}};
@@ -171,6 +199,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rows_are_complete),
         cmocka_unit_test_teardown(test_frames_have_what_they_do, harness_check),
+        cmocka_unit_test(test_what_is_not_there),
         cmocka_unit_test(test_find),
     };
     return cmocka_run_group_tests_name("counters", tests, test_group_begin, test_group_end);

@@ -688,6 +688,18 @@ static void test_instances_behind_others_VR_3(void **state) {
     }
     assert_true(__builtin_popcount(seen) > 10);
     free_picture(&a);
+    /* Exposure is measured once for each display, under its name. */
+    static char plan[1 << 18];
+    uint32_t of_displays[3] = {0};
+    frame.exposure = FNL_EXPOSURE_AUTO;
+    frame.outputs = FNL_OUTPUT_COLOR;
+    test_render_frame(stage.renderer, &frame);
+    assert_true(fnl_renderer_print(stage.renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
+    for (const char *at = plan; (at = strstr(at, "'display ")); at += 9) {
+        of_displays[MIN((uint32_t)(at[9] - '0'), 2u)]++;
+        assert_memory_not_equal(at + 11, "view ", 5);
+    }
+    assert_true(of_displays[0] > 0 && of_displays[0] == of_displays[1] && of_displays[2] == 0);
     free_picture(&b);
     fnl_renderer_destroy(&other);
     stage_close(&stage);

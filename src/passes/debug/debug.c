@@ -12,7 +12,8 @@ _Static_assert((uint32_t)FNL_DEBUG_COARSE_REASON == GPU_DEBUG_COARSE_REASON &&
                    FNL_DEBUG_COARSE + 1 == FNL_DEBUG_COARSE_REASON,
                "and those of coarse shading");
 
-_Static_assert((uint32_t)FNL_DEBUG_CLUSTERS == GPU_DEBUG_CLUSTERS, "and that of the view of clusters");
+_Static_assert((uint32_t)FNL_DEBUG_CLUSTERS == GPU_DEBUG_CLUSTERS && (uint32_t)FNL_DEBUG_TRIANGLES == GPU_DEBUG_TRIANGLES,
+               "and those of the views of clusters and triangles");
 
 struct draw_data {
     const struct geometry_scene *scene;
@@ -118,6 +119,11 @@ graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *s
 graph_buffer cluster_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                               VkDeviceAddress view, uint32_t width, uint32_t height) {
     return count_seen(graph, &shader_cluster_view_frag, scene, draws, view, width, height);
+}
+
+graph_buffer triangle_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                               VkDeviceAddress view, uint32_t width, uint32_t height) {
+    return count_seen(graph, &shader_triangle_view_frag, scene, draws, view, width, height);
 }
 
 graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,

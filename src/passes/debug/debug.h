@@ -41,6 +41,10 @@ graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, c
 graph_buffer cluster_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                               VkDeviceAddress view, uint32_t width, uint32_t height);
 
+/** The same for the triangle; 1 for points and lines. */
+graph_buffer triangle_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                               VkDeviceAddress view, uint32_t width, uint32_t height);
+
 /** Numbers per pixel: the first of each `stride`; of fragments for GPU_DEBUG_OVERDRAW, of parts of invocations for
  *  GPU_DEBUG_OVERSHADING, of blended fragments for GPU_DEBUG_LAYERS, of lights where shading does not go by the list. */
 struct debug_counts {

@@ -24,6 +24,7 @@
 #define GPU_DEBUG_COARSE 23u
 #define GPU_DEBUG_COARSE_REASON 24u
 #define GPU_DEBUG_CLUSTERS 28u
+#define GPU_DEBUG_TRIANGLES 43u
 
 /* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
 #define GPU_OVERSHADING_UNIT 3u

@@ -269,12 +269,31 @@ static void test_overdraw(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A quad has two triangles, each of one color. */
+static void test_triangles(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material m = scene_material_default();
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    fnl_frame frame = debug_frame(FNL_DEBUG_TRIANGLES);
+    fnl_image image = test_render(scene, &frame, FNL_OUTPUT_COLOR);
+    const uint8_t *first = test_pixel8(&image, 80, 30), *second = test_pixel8(&image, 120, 70);
+    assert_memory_not_equal(first, second, 3);
+    for (uint32_t i = 0; i < 4; i++) {
+        assert_memory_equal(test_pixel8(&image, 70 + 5 * i, 25 + 3 * i), first, 3);
+        assert_memory_equal(test_pixel8(&image, 115 + 5 * i, 65 + 3 * i), second, 3);
+    }
+    free_picture(&image);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_surface_views),
         cmocka_unit_test(test_light_counts),
         cmocka_unit_test(test_cells),
         cmocka_unit_test(test_overdraw),
+        cmocka_unit_test(test_triangles),
     };
     return cmocka_run_group_tests_name("debug views", tests, test_group_begin, test_group_end);
 }

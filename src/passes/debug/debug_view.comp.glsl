@@ -57,7 +57,7 @@ void main() {
         bool is_shown = counted != COARSE_NOTHING && (mode == GPU_DEBUG_COARSE_REASON || counted == COARSE_SHARED || counted > COARSE_OTHER);
         color = is_shown ? mix(vec3(grey), kinds[min(counted, COARSE_KINDS - 1u)], 0.5) : vec3(grey);
     }
-    if (mode == GPU_DEBUG_CLUSTERS) {
+    if (mode == GPU_DEBUG_CLUSTERS || mode == GPU_DEBUG_TRIANGLES) {
         vec3 hue = abs(fract(float(counted >> 8 & 0xffffu) / 65536.0 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0;
         color = counted < 2u ? vec3(grey * 0.5) : mix(vec3(grey), clamp(hue, 0.0, 1.0), 0.65);
     }

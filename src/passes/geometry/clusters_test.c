@@ -707,14 +707,26 @@ static void test_occlusion_orders(void **state) {
     fnl_scene_destroy(&scene);
 }
 
-/* The view of clusters: the same whatever is left out, and of many colours. */
-static void test_view(void **state) {
-    UNUSED(state);
+static uint32_t colors_in(const fnl_image *picture) {
+    bool found[512] = {false};
+    uint32_t count = 0;
+    for (uint32_t y = 0; y < picture->height; y++)
+        for (uint32_t x = 0; x < picture->width; x++) {
+            const uint8_t *c = test_pixel8(picture, x, y);
+            bool *color = &found[c[0] >> 5 << 6 | c[1] >> 5 << 3 | c[2] >> 5];
+            count += !*color;
+            *color = true;
+        }
+    return count;
+}
+
+/* The views of clusters and triangles: the same whatever is left out, and of many colors. */
+static void expect_view(fnl_debug_view view) {
     fnl_scene *scene = crowd(60);
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame frame = crowd_frame(VIEW_PLAIN);
     frame.outputs = FNL_OUTPUT_COLOR;
-    frame.debug = FNL_DEBUG_CLUSTERS;
+    frame.debug = view;
     test_render_frame(renderer, &frame);
     fnl_image whole = test_read(renderer, FNL_OUTPUT_COLOR);
     frame.culling = FNL_CULLING_TRIANGLES;
@@ -722,20 +734,17 @@ static void test_view(void **state) {
     test_render_frame(renderer, &frame);
     fnl_image culled = test_read(renderer, FNL_OUTPUT_COLOR);
     assert_true(test_equal(&whole, &culled));
-    bool hues[512] = {false};
-    uint32_t count = 0;
-    for (uint32_t y = 0; y < frame.height; y++)
-        for (uint32_t x = 0; x < frame.width; x++) {
-            const uint8_t *c = test_pixel8(&whole, x, y);
-            bool *hue = &hues[c[0] >> 5 << 6 | c[1] >> 5 << 3 | c[2] >> 5];
-            count += !*hue;
-            *hue = true;
-        }
-    assert_true(count > 40);
+    assert_true(colors_in(&whole) > 40);
     free_picture(&whole);
     free_picture(&culled);
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&scene);
+}
+
+static void test_view(void **state) {
+    UNUSED(state);
+    expect_view(FNL_DEBUG_CLUSTERS);
+    expect_view(FNL_DEBUG_TRIANGLES);
 }
 
 /* ---- cutting ---- */
