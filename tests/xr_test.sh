@@ -100,12 +100,12 @@ at 4 fov 0.9
 END
 [ "$(grep -c 'warning: the field of view changes' comfort.out)" = 1 ] || fail "VR-22: no warning, or several, about another field of view"
 [ "$(grep -c 'warning: the eyes are 100 mm apart' comfort.out)" = 1 ] || fail "VR-22: no warning about eyes 100 mm apart"
-[ "$(grep -c 'warning: a meter of the room' comfort.out)" = 0 ] || fail "VR-22: a warning about a usual scale"
+[ "$(grep -c 'warning: --world-scale' comfort.out)" = 0 ] || fail "VR-22: a warning about a usual scale"
 run 0 scale builtin:onetile "${plain[@]}" --frames 3 --depth forward --world-scale 3 <<'END'
 head 0.1 1.7 0.2 10
 save 3 1 .
 END
-[ "$(grep -c 'warning: a meter of the room is 3 units of the scene' scale.out)" = 1 ] || fail "VR-22: no warning, or several, about another scale"
+[ "$(grep -c 'warning: --world-scale 3 makes a scene in meters appear smaller' scale.out)" = 1 ] || fail "VR-22: no warning, or several, about another scale"
 ! grep -q 'mm apart' scale.out || fail "the eyes are apart as people's are, whatever the scale"
 grep -q 'depth from 0 to 1, nearZ 0.05, farZ inf' scale.log || fail "the runtime is told of another near distance than the room's"
 is '.world_scale == 3 and (.last.views[0].near_distance - 0.15 | fabs) < 1e-6'

@@ -28,7 +28,7 @@ static void print_help(void) {
          "  --resolution auto|X        how much of the recommended size is rendered, 0.1 to 1 of either side (auto: 0.5 to 1, by frame time)\n"
          "  --budget MS                the time that a frame may take (the headset's)\n"
          "  --space stage|local        on the floor of the room, or where you sit (stage, if the headset has it)\n"
-         "  --world-scale X            units of the scene per meter of the room: 100 for a scene in centimeters (1)\n"
+         "  --world-scale X            scene units per meter; 100 for a scene in centimeters (1)\n"
          "  --stereo                   two views, also where the runtime prefers four\n"
          "  --depth KIND               what is handed over with the picture, for runtimes that correct late frames: reversed (1 is near), forward\n"
          "                             or off (reversed)\n"

@@ -23,7 +23,7 @@ struct xr_options {
     bool stereo_only, no_depth, forward_depth, no_mask, no_input, no_gaze, validate, no_cache, quiet;
     XrReferenceSpaceType space; /* VIEW: the best */
     float scale;                /* of the recommended size; 0: by frame time */
-    float world_scale;          /* units of the scene per meter of the room */
+    float world_scale;          /* scene units per meter of the room */
     double budget;              /* milliseconds; 0: the headset's */
 };
 
@@ -268,7 +268,7 @@ void xr_note_prediction(struct xr *x, XrTime display, const fnl_rigid_pose *simu
 void xr_print(const struct xr *x);
 bool xr_save_stats(const struct xr *x);
 
-/** A pose of the room, with its position in units of the scene. */
+/** Converts an OpenXR pose to a pose with its position in scene units. */
 static inline fnl_rigid_pose xr_pose(const struct xr *x, const XrPosef *pose) {
     const float scale = x->options->world_scale;
     return (fnl_rigid_pose){{pose->position.x * scale, pose->position.y * scale, pose->position.z * scale},

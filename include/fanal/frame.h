@@ -140,7 +140,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_SHADOW_RAYS, /**< rays, maps, hybrid, cubemap: heat map of the shadow rays of each pixel, with a legend */
     FNL_DEBUG_SHADOW_AGE,  /**< shadow maps: frames since the page of FNL_DEBUG_SHADOW_PAGES was drawn; striped where a finer one is wanted and not there */
     FNL_DEBUG_SHADOW_CLASSES, /**< fnl_shadow_options.classify: of the lights in a tile's list, those that left it, those that give no pixel light, some or all */
-    FNL_DEBUG_TRIANGLES, /**< a color for each triangle; needs fnl_device_info.primitive_ids */
+    FNL_DEBUG_TRIANGLES, /**< each triangle in its own color; needs fnl_device_info.primitive_ids */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

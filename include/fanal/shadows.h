@@ -85,8 +85,8 @@ typedef struct fnl_shadow_options {
      */
     uint32_t memory;
     /**
-     * maps: most texels across a face of a local light's map, 8 .. 1920: faces have 8, 24, 56, 120, 240, 480, 960 or 1920. Fewer cost less to draw and are
-     * coarser near lights. Directional lights are not concerned. Default 1920.
+     * maps, hybrid: maximum face width of a local light's shadow map, 8 to 1920 texels; default 1920.
+     * Face widths: 8, 24, 56, 120, 240, 480, 960, 1920. Lower: fewer pages to draw, coarser shadows near lights.
      */
     uint32_t texels_max;
     fnl_shadow_filter filter; /**< maps; default FNL_SHADOW_FILTER_AUTO */

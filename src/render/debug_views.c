@@ -114,7 +114,7 @@ static fnl_result check_denoise(const struct call *call, const fnl_renderer *r, 
 
 static fnl_result check_primitive_ids(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (gpu_info(r->device)->primitive_ids) return FNL_OK;
-    return unsupported(call, "this device has no primitive_ids, which the debug view %s needs", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
+    return unsupported(call, "the debug view %s needs primitive_ids, which this device does not support", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
 }
 
 static const struct debug_legend_color directions[] = {{{1, 0.5f, 0.5f}, "+X"}, {{0, 0.5f, 0.5f}, "-X"},    {{0.5f, 1, 0.5f}, "+Y up"},
@@ -157,7 +157,7 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_MOTION, LEGEND_COLORS("hue: the direction of the movement; the more colour, the faster", movements), .add = add_motion},
     {FNL_DEBUG_HALOS, LEGEND_COLORS("metalness; grey: dielectrics", halos), .surfaces = true, .add = add_halos},
     {FNL_DEBUG_CLUSTERS, LEGEND_TEXT("each cluster of triangles in a colour of its own; grey: none"), .surfaces = true, .add = add_clusters, .check = check_primitive_ids},
-    {FNL_DEBUG_TRIANGLES, LEGEND_TEXT("each triangle in a color of its own; grey: points and lines"), .surfaces = true, .add = add_triangles, .check = check_primitive_ids},
+    {FNL_DEBUG_TRIANGLES, LEGEND_TEXT("each triangle in its own color; gray: points and lines"), .surfaces = true, .add = add_triangles, .check = check_primitive_ids},
     {FNL_DEBUG_SHADOW_PAGES, LEGEND_COLORS("each page in a colour of its own, with its edges; grey: no light with a map", without_pages), .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_LEVELS, LEGEND_RAMP("level of the page, 0 is the finest; magenta: rays find the shadow", "7", "0", 1.0f / 8, 1), .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_TEXELS, LEGEND_COLORS("width of a texel of the map in pixels; magenta: rays find the shadow", texels), .surfaces = true, .add = add_shadows, .check = check_shadows},

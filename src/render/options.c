@@ -57,7 +57,7 @@ static const struct row rows[] = {
     NAME("lists", lists, FNL_ENUM_LISTS, EVERY, EVERY, "light list: how a pixel finds the lights that reach it", EXACT),
     NAME("shadows", shadows, FNL_ENUM_SHADOWS, EVERY, EVERY, "how shadows are found"),
     COUNT("shadow.memory", shadow.memory, 1, 1024, "MiB", EVERY, EVERY, "shadows=maps and hybrid: memory of the image that holds all maps of a view"),
-    COUNT("shadow.texels-max", shadow.texels_max, 8, 1920, "texels", EVERY, EVERY, "shadows=maps and hybrid: most across a face of the map of a local light"),
+    COUNT("shadow.texels-max", shadow.texels_max, 8, 1920, "texels", EVERY, EVERY, "shadows=maps and hybrid: maximum face width of a local light's shadow map"),
     NAME("shadow.filter", shadow.filter, FNL_ENUM_SHADOW_FILTER, EVERY, EVERY, "shadows=maps and hybrid: how the edges of shadows are filtered"),
     SWITCH("shadow.classify", shadow.classify, EVERY, EVERY, "shadows=maps and hybrid: lights that are in shadow all over a tile leave its list", EXACT),
     NUMBER("shadow.page-rays", shadow.page_rays, 0, 1e6, "rays", EVERY, EVERY, "shadows=hybrid: how many take as long as drawing a page of shadow maps; 0: measured"),

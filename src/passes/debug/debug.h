@@ -41,7 +41,7 @@ graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, c
 graph_buffer cluster_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                               VkDeviceAddress view, uint32_t width, uint32_t height);
 
-/** The same for the triangle; 1 for points and lines. */
+/** A number for the triangle that each pixel shows; 0 nothing, 1 points and lines. Needs fnl_device_info.primitive_ids. */
 graph_buffer triangle_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                                VkDeviceAddress view, uint32_t width, uint32_t height);
 
