@@ -60,7 +60,23 @@ static void print_help(void) {
          "  fanal xr model.glb --environment builtin:sky --msaa 4");
 }
 
-enum { O_SET = 256, O_EXPOSURE, O_RESOLUTION, O_BUDGET, O_SPACE, O_WORLD_SCALE, O_STEREO, O_DEPTH, O_NO_MASK, O_NO_INPUT, O_NO_GAZE, O_FRAMES, O_STATS, O_NO_CACHE, O_VALIDATE };
+enum {
+    O_SET = 256,
+    O_EXPOSURE,
+    O_RESOLUTION,
+    O_BUDGET,
+    O_SPACE,
+    O_WORLD_SCALE,
+    O_STEREO,
+    O_DEPTH,
+    O_NO_MASK,
+    O_NO_INPUT,
+    O_NO_GAZE,
+    O_FRAMES,
+    O_STATS,
+    O_NO_CACHE,
+    O_VALIDATE
+};
 
 static const struct option own_options[] = {{"help", no_argument, NULL, 'h'},
                                             {"quiet", no_argument, NULL, 'q'},
@@ -217,7 +233,10 @@ static bool run(struct xr *x) {
 }
 
 int command_xr(int argc, char **argv) {
-    struct xr_options o = {.frame = fnl_frame_default(), .world = world_options_default(), .space = XR_REFERENCE_SPACE_TYPE_VIEW, .world_scale = 1};
+    struct xr_options o = {.frame = fnl_frame_default(),
+                           .world = world_options_default(),
+                           .space = XR_REFERENCE_SPACE_TYPE_VIEW,
+                           .world_scale = 1};
     struct given given = {false, false};
     struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
     options_make_long(own_options, OWN_COUNT, false, long_options);

@@ -87,7 +87,8 @@ static void lint(struct xr *x, const struct located *l) {
     const float ipd = sqrtf(dot3(apart, apart)) / scale;
     if (!x->told_of_scale && !x->options->quiet && scale != 1) {
         x->told_of_scale = true;
-        fprintf(stderr, "fanal: warning: --world-scale %g makes a scene in meters appear %s than life size\n", (double)scale, scale > 1 ? "smaller" : "larger");
+        fprintf(stderr, "fanal: warning: --world-scale %g makes a scene in meters appear %s than life size\n",
+                (double)scale, scale > 1 ? "smaller" : "larger");
     }
     if (!x->told_of_eyes && !x->options->quiet && (ipd < 0.052f || ipd > 0.078f)) {
         x->told_of_eyes = true;

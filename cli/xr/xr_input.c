@@ -89,7 +89,10 @@ void xr_start_input(struct xr *x) {
 /* ---- what the buttons do ---- */
 
 /* The floor is where the space of play has it: at 0 of a stage, else 1.6 m below where the user began. */
-static float floor_of(const struct xr *x) { return x->rig.position.y - (x->space_type == XR_REFERENCE_SPACE_TYPE_STAGE ? 0 : 1.6f * x->options->world_scale); }
+static float floor_of(const struct xr *x) {
+    const float below = x->space_type == XR_REFERENCE_SPACE_TYPE_STAGE ? 0 : 1.6f * x->options->world_scale;
+    return x->rig.position.y - below;
+}
 
 static bool meets_floor(const struct xr *x, const struct xr_hand *hand, float *out_distance) {
     const float slope = quat_turn(hand->pose.rotation, (fnl_vec3){0, 0, -1}).y;

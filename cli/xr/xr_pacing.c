@@ -74,11 +74,11 @@ void xr_note_prediction(struct xr *x, XrTime display, const fnl_rigid_pose *simu
         if (result == XR_ERROR_SESSION_LOST || result == XR_ERROR_INSTANCE_LOST) xr_good(x, "xrLocateSpace", result);
         const XrSpaceLocationFlags wanted = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
         if (XR_SUCCEEDED(result) && (location.locationFlags & wanted) == wanted && xr_is_pose(x, XR_POSE_HEAD, &location.pose)) {
-            const double metre = (double)x->options->world_scale;
+            const double meter = (double)x->options->world_scale;
             const fnl_rigid_pose truth = xr_pose(x, &location.pose);
             n->predictions++;
-            n->simulated_metres += distance(place->simulated.position, truth.position) / metre;
-            n->rendered_metres += distance(place->rendered.position, truth.position) / metre;
+            n->simulated_metres += distance(place->simulated.position, truth.position) / meter;
+            n->rendered_metres += distance(place->rendered.position, truth.position) / meter;
             n->simulated_radians += (double)angle_between(place->simulated.rotation, truth.rotation);
             n->rendered_radians += (double)angle_between(place->rendered.rotation, truth.rotation);
         }

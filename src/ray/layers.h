@@ -12,8 +12,8 @@
 struct scene_material;
 
 /**
- * Factor on a light for the geometric normal: 0 behind the triangle, 1 where both normals agree, smooth between. Matches brdf_facing() in
- * shaders/brdf.glsl. All vectors are unit.
+ * Factor that scales a light by the geometric normal: 0 behind the triangle, 1 where both normals agree, smooth in between.
+ * Matches brdf_facing() in shaders/brdf.glsl. All vectors are normalized.
  */
 double ray_facing(dvec3 geometric, dvec3 normal, dvec3 to_light);
 

@@ -114,7 +114,8 @@ static fnl_result check_denoise(const struct call *call, const fnl_renderer *r, 
 
 static fnl_result check_primitive_ids(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (gpu_info(r->device)->primitive_ids) return FNL_OK;
-    return unsupported(call, "the debug view %s needs primitive_ids, which this device does not support", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
+    return unsupported(call, "the debug view %s needs primitive_ids, which this device does not support",
+                       fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
 }
 
 static const struct debug_legend_color directions[] = {{{1, 0.5f, 0.5f}, "+X"}, {{0, 0.5f, 0.5f}, "-X"},    {{0.5f, 1, 0.5f}, "+Y up"},
