@@ -4,7 +4,7 @@
 #define SHADOWS_MAPS_GLSL
 
 #include "lights/iterate.glsl"
-#include "shadows/suns.glsl"
+#include "shadows/oblong.glsl"
 #include "shadows/cubemap.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer shadow_maps_block { gpu_shadow_maps maps; };
@@ -55,6 +55,7 @@ struct shadow_quad {
     vec4 depths; // (0, 1), (1, 1), (1, 0), (0, 0)
     vec2 part;
     float nearest;
+    vec2 corner; // of the atlas, in texels, where the four meet
 };
 
 shadow_quad shadow_quad_at(gpu_shadow_maps maps, uint place, shadow_page at, vec2 texel) {
@@ -62,8 +63,8 @@ shadow_quad shadow_quad_at(gpu_shadow_maps maps, uint place, shadow_page at, vec
     shadow_quad q;
     vec2 first = floor(low);
     q.part = low - first;
-    vec2 corner = first + vec2(place & 0xffffu, place >> 16u) * float(SHADOW_UNIT) + 1.0; // where the four meet
-    q.depths = textureGather(sampler2D(textures[maps.atlas], samplers[maps.point]), corner * maps.texel);
+    q.corner = first + vec2(place & 0xffffu, place >> 16u) * float(SHADOW_UNIT) + 1.0;
+    q.depths = textureGather(sampler2D(textures[maps.atlas], samplers[maps.point]), q.corner * maps.texel);
     vec2 column = q.part.x < 0.5 ? q.depths.wx : q.depths.zy;
     q.nearest = q.part.y < 0.5 ? column.x : column.y;
     return q;
@@ -92,7 +93,12 @@ bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, fl
     vec2 range = shadow_quad_range(q), back = step(vec2(0.5), q.part) - q.part; // in texels, to the middle of the nearest
     float tolerance = 0.25 * (range.y - range.x), there = depth + dot(slope, back) * (2.0 / shadow_width(at.level));
     bool is_nearer = q.nearest > depth, are_all = range.x > depth, is_off = shadow_quad_depth(q) > depth + tolerance;
-    return is_nearer && (are_all || is_off && q.nearest > there + tolerance);
+    if (!is_nearer || are_all) return is_nearer;
+    if (!is_off || !(q.nearest > there + tolerance)) return false;
+    // What the nearest texel shows may be a plane that ends in a crease before the point, or goes on behind it: the two texels beyond tell its slope.
+    ivec2 outward = ivec2(sign(back)), nearest = ivec2(q.corner) - 1 + ivec2(step(vec2(0.5), q.part));
+    vec2 beyond = vec2(texelFetch(textures[maps.atlas], nearest + ivec2(outward.x, 0), 0).r, texelFetch(textures[maps.atlas], nearest + ivec2(0, outward.y), 0).r);
+    return q.nearest + dot(q.nearest - beyond, abs(back)) > depth;
 }
 
 // What part of a light reaches a point, by the map of a row: without a filter 0 or 1; or -1 where no map tells. Pages of at.level are looked up, and of
@@ -149,7 +155,12 @@ bool shadow_sun_find(gpu_shadow_maps maps, uint light, vec3 position, inout int 
 float sun_map_visibility(lighting_block l, uint light, shadowed_point p) {
     int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
     uint row;
-    for (; shadow_sun_find(p.maps, light, p.position, grid, row); grid++) {
+    shadow_oblong oblong;
+    view_block v = l.scope.view;
+    bool is_oblong = shadow_oblong_at(p.maps, v, light, p.position, p.pixel, oblong, row) && p.maps.biases.at[row] != SHADOW_TRACED;
+    if (is_oblong) grid--; // before the square ones
+    for (; is_oblong || shadow_sun_find(p.maps, light, p.position, grid, row); grid++) {
+        is_oblong = false;
         shadow_page at;
         at.face = 0u;
         at.level = p.maps.biases.at[row];

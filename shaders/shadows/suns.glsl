@@ -28,13 +28,12 @@ uint shadow_sun_row(uint sun, int grid, ivec2 block) {
     return sun * SHADOW_SUN_ROWS + (slot * uint(SHADOW_SUN_SIDE) + at.y) * uint(SHADOW_SUN_SIDE) + at.x;
 }
 
-// What the first face of a row shows: all that casts between four sides along the light.
-gpu_shape shadow_sun_shape(gpu_shadow_sun sun, int grid, ivec2 block) {
-    float size = shadow_sun_block(grid);
+// What the first face of a row shows: all that casts between four sides along the light; `size` in metres.
+gpu_shape shadow_sun_box(gpu_shadow_sun sun, vec2 size, ivec2 block) {
     vec2 center = (vec2(block) + 0.5) * size;
     gpu_shape s;
     s.position = center.x * sun.side + center.y * sun.up + sun.middle * sun.direction;
-    s.size = vec3(0.5 * size, 0.5 * size, sun.reach);
+    s.size = vec3(0.5 * size, sun.reach);
     s.range = length(s.size);
     s.kind = GPU_SHAPE_BOX;
     s.hull_count = 0u;
@@ -44,6 +43,63 @@ gpu_shape shadow_sun_shape(gpu_shadow_sun sun, int grid, ivec2 block) {
     s.side = sun.side;
     s.hull_first = 0u;
     return s;
+}
+gpu_shape shadow_sun_shape(gpu_shadow_sun sun, int grid, ivec2 block) { return shadow_sun_box(sun, vec2(shadow_sun_block(grid)), block); }
+
+// ---- blocks whose texels are not square ----
+// A surface that grazes the light shows square texels as long strips. So where one is longer than two pixels on the screen, each axis has a grid of its own:
+// the coarsest whose texels are no longer than that. Edges are half a texel off at most.
+
+const int OBLONG_LEVELS = 16;       // grids along an axis, from sun.coarsest down
+const int OBLONG_RATIO = 7;         // by which the two may differ
+const int OBLONG_WIDER = 1;         // by which they may be coarser than square ones
+const float OBLONG_LENGTH = 1.5;    // pixels
+const float OBLONG_LEAST = 1.0 / 128.0; // cosine to the light of surfaces that graze it more
+const int OBLONG_FAR = 120;         // blocks from the viewer to the last that have names
+const uint OBLONG_ROUNDS = 8u;      // rows that a block may have
+
+// The grids along side and up for a point of a plane, which `view` (unit) meets where a pixel is so many metres wide across it. False: square texels do.
+bool shadow_oblong_grid(gpu_shadow_sun sun, vec3 view, vec3 normal, float pixel, out ivec2 grid) {
+    float facing = dot(normal, sun.direction);
+    grid = ivec2(shadow_sun_grid(sun, pixel));
+    if (!(facing < 0.0)) return false;
+    // What a point of the plane moves by where its place across the light moves by one; then how much of that is seen.
+    vec3 along = sun.direction / min(facing, -OBLONG_LEAST), side = sun.side - along * dot(normal, sun.side), up = sun.up - along * dot(normal, sun.up);
+    side -= view * dot(view, side);
+    up -= view * dot(view, up);
+    vec2 width = OBLONG_LENGTH * pixel * inversesqrt(max(vec2(dot(side, side), dot(up, up)), vec2(1e-12)));
+    int square = grid.x, finest = sun.coarsest - OBLONG_LEVELS + 1;
+    if (!(min(width.x, width.y) < ldexp(1.0, square))) return false;
+    grid = ivec2(floatBitsToUint(width.x) >> 23 & 0xffu, floatBitsToUint(width.y) >> 23 & 0xffu) - 127;
+    grid = clamp(grid, ivec2(finest), ivec2(min(square + OBLONG_WIDER, sun.coarsest)));
+    grid = max(grid, grid.yx - OBLONG_RATIO);
+    return true;
+}
+
+vec2 shadow_oblong_block(ivec2 grid) { return ldexp(vec2(float(SHADOW_BLOCK_TEXELS)), grid); }
+
+// The name of a page of a block: of the block, whose pages have 0 to 255 behind it in the least bits. 0: it is too far from the viewer to have one. Names hold the
+// low bits of grids and places, which stay as they are while the viewer moves.
+uint shadow_oblong_name(gpu_shadow_sun sun, ivec2 grid, ivec2 page) {
+    ivec2 block = page >> 4, from = block - ivec2(floor(sun.eye / shadow_oblong_block(grid)));
+    if (any(greaterThan(abs(from), ivec2(OBLONG_FAR)))) return 0u;
+    uint pages = uint(page.y & 15) << 4 | uint(page.x & 15);
+    return uint(grid.x & 15) << 28 | uint(grid.y - grid.x + 8) << 24 | uint(block.x & 255) << 16 | uint(block.y & 255) << 8 | pages;
+}
+// Of a block: the name of one of its pages >> 8.
+gpu_shape shadow_oblong_shape(gpu_shadow_sun sun, uint key) {
+    int x = sun.coarsest - ((sun.coarsest - int(key >> 20)) & 15);
+    ivec2 grid = ivec2(x, x + int(key >> 16 & 15u) - 8);
+    vec2 size = shadow_oblong_block(grid);
+    ivec2 eye = ivec2(floor(sun.eye / size)), from = (ivec2(key >> 8, key) - eye & 255) << 24 >> 24;
+    return shadow_sun_box(sun, size, eye + from);
+}
+
+// The row of a sun, from its first oblong one on, that a block (the name of a page >> 8) may have in a round: oblong.comp.glsl.
+uint shadow_oblong_slot(uint key, uint round) {
+    uint h = (key ^ round * 0x9e3779b9u) * 0x85ebca6bu;
+    h = (h ^ h >> 13) * 0xc2b2ae35u;
+    return (h ^ h >> 16) % SHADOW_SUN_OBLONGS;
 }
 
 #endif

@@ -24,6 +24,7 @@ struct renderer_view {
     struct renderer_shadows {
         struct shadow_state pages;
         struct gpu_buffer kept; /* of items, by which they are found to have changed */
+        struct gpu_buffer planes, keys; /* of struct gpu_shadow_maps, for suns. Frames that take the last one's pages take these as well */
         uint64_t drawn[4], placed[2]; /* versions of what the pages show: how things look, and where they are */
         bool all_changed, moved; /* since then */
         uint64_t changed; /* number of the last frame that was not in all the one before */

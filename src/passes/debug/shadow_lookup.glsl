@@ -38,7 +38,12 @@ finding look_up(lighting_block l, uint light, shadowed_point p) {
         f.page.face = 0u;
         int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
         bool first = true;
-        for (; !f.found && shadow_sun_find(p.maps, light, p.position, grid, f.row); grid++) {
+        shadow_oblong oblong;
+    view_block v = l.scope.view;
+        bool is_oblong = shadow_oblong_at(p.maps, v, light, p.position, p.pixel, oblong, f.row) && p.maps.biases.at[f.row] != SHADOW_TRACED;
+        if (is_oblong) grid--;
+        for (; !f.found && (is_oblong || shadow_sun_find(p.maps, light, p.position, grid, f.row)); grid++) {
+            is_oblong = false;
             f.page.level = p.maps.biases.at[f.row];
             f.found = look_up_row(p, p.maps.shapes.at[f.row], f);
             f.asked = f.asked && first;

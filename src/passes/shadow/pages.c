@@ -122,7 +122,8 @@ static void add_choice(struct build *b) {
                                         GRAPH_PUSH(rows),
                                         GRAPH_ROWS(graph_reads(NULL, lights->buffer), graph_changes(&rows.shapes, b->out.shapes),
                                                    graph_writes(&rows.rows, b->rows),
-                                                   graph_row_if(b->sun_rows > 0, graph_reads(&rows.suns, b->input->suns)))});
+                                                   graph_row_if(b->sun_rows > 0, graph_reads(&rows.suns, b->input->suns)),
+                                                   graph_row_if(b->sun_rows > 0 && b->input->keys.id, graph_reads(&rows.keys, b->input->keys)))});
     if (b->input->split)
         b->traced = shadow_split_add(graph, b->input->split,
                                      &(struct shadow_split_rows){.wanted = b->input->wanted,

@@ -31,6 +31,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer shadow_cell_
 // Levels that the pages of a light are made coarser under a pressure, or SHADOW_TRACED. The less important lights give way first.
 uint shadow_bias(uint pressure, uint cut, uint least, uint importance) {
     if (importance >= cut && pressure > 0u) pressure--;
+    if (importance == SHADOW_SPARE) return pressure < SHADOW_SPARE_PRESSURES ? pressure : SHADOW_TRACED;
+    pressure -= min(pressure, SHADOW_SPARE_PRESSURES);
     uint offset = importance > least ? min((importance - least) / 2u, SHADOW_MOST_OFFSET) : 0u;
     uint all = SHADOW_BIASES - 1u + SHADOW_MOST_OFFSET; // from here on every light is at the coarsest
     if (pressure > all && offset < pressure - all) return SHADOW_TRACED;

@@ -21,7 +21,9 @@ void main() {
     uint flags = push.rows.at[row], bias = shadow_bias(choice.pressure, choice.cut, choice.least, flags & SHADOW_ROW_IMPORTANCE), count = 0u;
     bool is_asked = (flags & SHADOW_ROW_FACE << face % SHADOW_FACES) != 0u, is_coarser = false;
     if (face % SHADOW_FACES == 0u) push.biases.at[row] = uvec2(push.traced) != uvec2(0u) && push.traced.at[row] != 0u ? SHADOW_TRACED : bias;
-    if (is_asked && bias == SHADOW_TRACED) {
+    if (is_asked && bias == SHADOW_TRACED && (flags & SHADOW_ROW_IMPORTANCE) == SHADOW_SPARE) {
+        is_coarser = true;
+    } else if (is_asked && bias == SHADOW_TRACED) {
         if (is_first(row, SHADOW_ROW_TRACED)) atomicAdd(push.counts.counts.traced, 1u);
     } else if (is_asked) {
         uint words[SHADOW_FACE_WORDS], bits[SHADOW_FACE_WORDS];

@@ -39,8 +39,13 @@ gpu_shape shape_of(gpu_shape s) {
     return s;
 }
 
-// The block that has a row.
-gpu_shape shape_of_row(gpu_shadow_sun sun, uint row) {
+// The block that has a row of a sun. A row that no block has keeps the last one's shape, so that its pages stay for when they are needed again.
+gpu_shape shape_of_row(gpu_shadow_sun sun, uint index, uint row) {
+    if (row >= SHADOW_SUN_SQUARES) {
+        uint key = uvec2(push.keys) != uvec2(0u) ? push.keys.at[(index * SHADOW_SUN_OBLONGS + row - SHADOW_SUN_SQUARES) * SHADOW_OBLONG_WORDS] : 0u;
+        if (key != 0u) return shadow_oblong_shape(sun, key);
+        return push.shapes.at[index * SHADOW_SUN_ROWS + row];
+    }
     uint slot = row / uint(SHADOW_SUN_SIDE * SHADOW_SUN_SIDE), levels = uint(SHADOW_SUN_LEVELS), side = uint(SHADOW_SUN_SIDE);
     int grid = sun.coarsest - int((uint(sun.coarsest + 100 * SHADOW_SUN_LEVELS) - slot) % levels);
     ivec2 first = shadow_sun_first(sun, grid);
@@ -59,7 +64,7 @@ void main() {
     if (row < push.sun_rows) {
         uint index = row / SHADOW_SUN_ROWS;
         gpu_shadow_sun sun = push.suns.at[index];
-        now = shape_of_row(sun, row % SHADOW_SUN_ROWS);
+        now = shape_of_row(sun, index, row % SHADOW_SUN_ROWS);
         now.hull_count = update_of(index);
         float radius = ldexp(SHADOW_SUN_REACH, sun.coarsest); // its light falls on all of this
         importance = luminance(push.lighting.scope.lights.lights.at[index].color) * PI * radius * radius;
@@ -72,6 +77,7 @@ void main() {
     }
     bool changed = push.shapes.at[row] != now;
     if (changed) push.shapes.at[row] = now;
-    uint exponent = floatBitsToUint(max(importance, 0.0)) >> 23 & SHADOW_ROW_IMPORTANCE;
+    uint exponent = max(floatBitsToUint(max(importance, 0.0)) >> 23 & SHADOW_ROW_IMPORTANCE, SHADOW_SPARE + 1u);
+    if (row < push.sun_rows && row % SHADOW_SUN_ROWS >= SHADOW_SUN_SQUARES) exponent = SHADOW_SPARE;
     push.rows.at[row] = exponent | (changed ? SHADOW_ROW_CHANGED : 0u);
 }

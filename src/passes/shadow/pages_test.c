@@ -210,7 +210,7 @@ static bool fits(const struct bench *b, uint32_t pressure, double cut, double le
 }
 
 /* The biases of all rows; fills rows of `wants`. */
-static void choose(const struct bench *b, uint32_t *biases, bool *wants) {
+static void choose(const struct bench *b, uint32_t *biases, bool *wants, uint32_t *cells_wanted) {
     double least = INFINITY;
     uint32_t(*counts)[8][CLASSES] = zeroed(b->row_count, sizeof *counts);
     bool *there = zeroed(ROW_BITS, 1);
@@ -227,6 +227,10 @@ static void choose(const struct bench *b, uint32_t *biases, bool *wants) {
         }
         if (wants[row]) least = fmin(least, floor(log2(importance_of(b, row))));
     }
+    uint32_t whole[CLASSES] = {0};
+    for (uint32_t row = 0; row < b->row_count; row++)
+        for (uint32_t c = 0; c < CLASSES; c++) whole[c] += counts[row][0][c];
+    *cells_wanted = cells_for(whole);
     /* The least pressure under which all fit; then the least importance from which on lights may stay under the pressure before. */
     uint32_t pressure = 0;
     while (pressure < PRESSURES && !fits(b, pressure, INFINITY, least, wants, counts, biases)) pressure++;
@@ -347,7 +351,7 @@ static void check(struct bench *b, const struct answer *a) {
     bool *wants = zeroed(b->row_count, 1);
     uint8_t *now = zeroed(b->row_limit * ROW_BITS, 1); /* 1: wanted, 2: idle */
     struct gpu_shadow_counts counts = {0};
-    choose(b, biases, wants);
+    choose(b, biases, wants, &counts.cells_wanted);
 
     /* Which pages. */
     for (uint32_t row = 0; row < b->row_count; row++) {
@@ -413,9 +417,9 @@ static void check(struct bench *b, const struct answer *a) {
     }
     assert_int_equal(atlas_used(&atlas), counts.cells);
     const uint32_t got[] = {a->counts.wanted,    a->counts.pages,  a->counts.drawn, a->counts.evicted,
-                            a->counts.coarsened, a->counts.traced, a->counts.cells, a->counts.pairs},
+                            a->counts.coarsened, a->counts.traced, a->counts.cells, a->counts.pairs, a->counts.cells_wanted, a->counts.oblong},
                    should[] = {counts.wanted,    counts.pages,  counts.drawn, counts.evicted,
-                               counts.coarsened, counts.traced, counts.cells, 0};
+                               counts.coarsened, counts.traced, counts.cells, 0, counts.cells_wanted, 0};
     for (uint32_t i = 0; i < COUNT_OF(got); i++)
         if (got[i] != should[i]) fail_msg("count %u is %u, should be %u", i, got[i], should[i]);
 

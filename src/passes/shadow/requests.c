@@ -23,15 +23,21 @@ graph_buffer shadow_suns_add(struct graph *graph, const struct lighting *lightin
     return suns;
 }
 
-graph_buffer shadow_requests_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, uint32_t row_count,
+static void use_places(struct graph_pass *pass, const struct shadow_maps *places, enum graph_use use) {
+    const graph_buffer all[] = {places->suns, places->keys, places->planes};
+    for (uint32_t i = 0; i < COUNT_OF(all); i++)
+        if (all[i].id) graph_use_buffer(pass, all[i], use);
+}
+
+graph_buffer shadow_requests_add(struct graph *graph, const struct lighting *lighting, const struct shadow_maps *places, uint32_t row_count,
                                  graph_image depth, bool weighs) {
     graph_buffer wanted = graph_create_buffer(graph, "shadow requests", row_count * (SHADOW_ROW_WORDS + weighs) * 4ull);
     graph_add_clear(graph, "shadow requests clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {wanted}});
-    shadow_requests_more_add(graph, lighting, suns, wanted, depth, weighs);
+    shadow_requests_more_add(graph, lighting, places, wanted, depth, weighs);
     return wanted;
 }
 
-void shadow_requests_more_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, graph_buffer wanted, graph_image depth,
+void shadow_requests_more_add(struct graph *graph, const struct lighting *lighting, const struct shadow_maps *places, graph_buffer wanted, graph_image depth,
                               bool weighs) {
     const struct graph_image_params image = graph_image_info(graph, depth);
     struct gpu_shadow_requests_push push = {.lighting = lighting->address};
@@ -42,7 +48,7 @@ void shadow_requests_more_add(struct graph *graph, const struct lighting *lighti
                                         GRAPH_PUSH(push),
                                         GRAPH_ROWS(graph_samples(&push.depth, depth), graph_changes(&push.wanted, wanted))});
     lighting_use(pass, lighting, GRAPH_READ_COMPUTE);
-    if (suns.id) graph_use_buffer(pass, suns, GRAPH_READ_COMPUTE);
+    use_places(pass, places, GRAPH_READ_COMPUTE);
 }
 
 struct blend_data {
@@ -68,7 +74,7 @@ static void execute_blend(const struct graph_context *context, const void *data)
                   (struct gpu_geometry_push){.view = d->view, .lighting = d->lighting, .counters = graph_address(context, d->wanted)});
 }
 
-void shadow_requests_blend_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, graph_buffer wanted,
+void shadow_requests_blend_add(struct graph *graph, const struct lighting *lighting, const struct shadow_maps *places, graph_buffer wanted,
                                const struct geometry_scene *scene, const struct geometry_draws *draws, bool glass, VkDeviceAddress view,
                                graph_image depth, bool weighs) {
     struct blend_data data = {.set = glass ? GEOMETRY_GLASS : GEOMETRY_BLEND,
@@ -83,7 +89,7 @@ void shadow_requests_blend_add(struct graph *graph, const struct lighting *light
     struct graph_pass *pass = graph_add_pass(graph, glass ? "shadow requests glass" : "shadow requests blend", GRAPH_QUEUE_GRAPHICS, execute_blend, &data, sizeof data);
     geometry_use(pass, scene, draws, data.set);
     lighting_use(pass, lighting, GRAPH_READ_FRAGMENT);
-    if (suns.id) graph_use_buffer(pass, suns, GRAPH_READ_FRAGMENT);
+    use_places(pass, places, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, wanted, GRAPH_READ_WRITE_FRAGMENT);
     graph_depth_read_only(pass, depth);
 }

@@ -5,7 +5,7 @@
 
 #include "constants_shared.h"
 #include "lighting/visibility.glsl"
-#include "shadows/suns.glsl"
+#include "shadows/oblong.glsl"
 
 layout(constant_id = SHADOW_WEIGHS_ID) const uint SHADOW_WEIGHS = 0u; // 1: pixels are counted, too
 
@@ -98,12 +98,19 @@ void request_of_light(lighting_block l, uint_array wanted, uint light, vec3 posi
     request_light(l, wanted, light, request_row(l, light), shape, position, near);
 }
 
-// Of the grid that suits the point, or where its blocks do not hold all of the point, of coarser ones besides.
+// Of the block of texels that are not square, if the point has one, and then of a coarser grid than suits it, for when there is no room. Else of that, or where its blocks do not hold all of the point, of coarser ones besides.
 void request_sun(lighting_block l, uint_array wanted, uint light, vec3 position, float near) {
-    gpu_shadow_sun sun = shadow_maps_block(l.scope.shadows.maps).maps.suns.at[light];
+    gpu_shadow_maps maps = shadow_maps_block(l.scope.shadows.maps).maps;
+    gpu_shadow_sun sun = maps.suns.at[light];
     view_block v = l.scope.view;
     float seen_from = length(v.view.eye - position), pixel = pixel_width(v, seen_from), part = near / seen_from + 1e-4;
     vec2 at = vec2(dot(position, sun.side), dot(position, sun.up));
+    shadow_oblong oblong;
+    uint oblong_row;
+    if (shadow_oblong_at(maps, v, light, position, pixel, oblong, oblong_row)) {
+        request_bit(wanted, oblong_row, shadow_bit(0u, 0u, uvec2(oblong.page) % 16u));
+        pixel *= 4.0;
+    }
     int coarsest = shadow_sun_grid(sun, pixel * (1.0 + part));
     for (int grid = shadow_sun_grid(sun, pixel / (1.0 + part)); grid <= sun.coarsest; grid++) {
         float page = shadow_sun_page(grid);

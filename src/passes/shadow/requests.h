@@ -15,18 +15,19 @@ graph_buffer shadow_suns_add(struct graph *graph, const struct lighting *lightin
 
 /**
  * A page for each opaque surface in `depth` and each light of the list that reaches it. The list is one of tiles or of all lights. `lighting` must have
- * neither GPU_LIGHTING_RAYS nor GPU_LIGHTING_MAPS; only `suns` and `first_row` of its struct gpu_shadow_maps are read. Returns SHADOW_ROW_WORDS words for each of `row_count`
+ * neither GPU_LIGHTING_RAYS nor GPU_LIGHTING_MAPS. Of its struct gpu_shadow_maps only what says where suns have pages, `widest` and `first_row` are read, of `places` `suns`, `keys` and
+ * `planes`. Returns SHADOW_ROW_WORDS words for each of `row_count`
  * rows. Cost: a look at every light of the list for every 8x8 pixels; a visit of it by each of their samples only where it may reach them and some page
  * that they may need has not been asked for yet. `weighs`: behind them is a word for each row, how many pixels the local light may reach; no fewer
  * than it does, and the more by as far as its volume ends within quads of 2x2 pixels.
  */
-graph_buffer shadow_requests_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, uint32_t row_count,
+graph_buffer shadow_requests_add(struct graph *graph, const struct lighting *lighting, const struct shadow_maps *places, uint32_t row_count,
                                  graph_image depth, bool weighs);
 /** The same of one more list and depth, added to `wanted`. */
-void shadow_requests_more_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, graph_buffer wanted, graph_image depth,
+void shadow_requests_more_add(struct graph *graph, const struct lighting *lighting, const struct shadow_maps *places, graph_buffer wanted, graph_image depth,
                               bool weighs);
 /** The same of blended surfaces, or of glass (GEOMETRY_GLASS), added to `wanted`. */
-void shadow_requests_blend_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, graph_buffer wanted,
+void shadow_requests_blend_add(struct graph *graph, const struct lighting *lighting, const struct shadow_maps *places, graph_buffer wanted,
                                const struct geometry_scene *scene, const struct geometry_draws *draws, bool glass, VkDeviceAddress view,
                                graph_image depth, bool weighs);
 

@@ -2,6 +2,7 @@
 #include "render/shadows/maps.h"
 
 #include "passes/shadow/dark.h"
+#include "passes/shadow/oblong.h"
 #include "passes/shadow/requests.h"
 #include "render/orders/order.h"
 #include "render/shadows/method.h"
@@ -30,6 +31,31 @@ static float widest_level(const fnl_frame *frame) {
     return (float)widths[level];
 }
 
+static fnl_result need_buffer(fnl_renderer *r, const char *name, uint64_t bytes, struct gpu_buffer *buffer) {
+    if (buffer->size >= bytes) return FNL_OK;
+    gpu_buffer_destroy(r->device, buffer);
+    return gpu_buffer_create_for(r->device, GPU_USE_SHADOWS, name, bytes, GPU_MEMORY_DEVICE, buffer);
+}
+
+/* Whether suns may have pages whose texels are not square. The disks of soft shadows reach beyond what these show. */
+static bool frame_has_oblongs(const fnl_renderer *r, const fnl_frame *frame) {
+    return r->scene->suns.count > 0 && frame->shadow.filter != FNL_SHADOW_FILTER_PCSS;
+}
+static uint64_t planes_bytes(const fnl_frame *frame) { return (uint64_t)frame->width * frame->height * 4; }
+static uint64_t keys_bytes(const fnl_renderer *r) { return r->scene->suns.count * (uint64_t)(SHADOW_SUN_OBLONGS * SHADOW_OBLONG_WORDS) * 4; }
+
+static fnl_result prepare_oblongs(fnl_renderer *r, const fnl_frame *frame, struct renderer_shadows *s) {
+    if (!frame_has_oblongs(r, frame)) return FNL_OK;
+    TRY(need_buffer(r, "shadow planes", planes_bytes(frame), &s->planes));
+    return need_buffer(r, "shadow keys", keys_bytes(r), &s->keys);
+}
+
+/* Whether they have, in the maps of `count` views. The eyes of a display share maps, and each sees other planes. */
+static bool views_have_oblongs(const struct frame_state *f, uint32_t count) {
+    const struct renderer_shadows *s = &f->kept->shadows;
+    return count == 1 && !f->group.display && frame_has_oblongs(f->r, f->frame) && s->planes.size >= planes_bytes(f->frame) && s->keys.size >= keys_bytes(f->r);
+}
+
 fnl_result shadow_maps_prepare_view(fnl_renderer *r, const fnl_frame *frame, struct renderer_view *view) {
     if (!shadow_maps_possible(r, frame)) return FNL_OK;
     const struct device_scene *d = r->device_scene;
@@ -41,10 +67,8 @@ fnl_result shadow_maps_prepare_view(fnl_renderer *r, const fnl_frame *frame, str
     s->moved |= memcmp(placed, s->placed, sizeof placed) != 0;
     memcpy(s->drawn, drawn, sizeof drawn);
     memcpy(s->placed, placed, sizeof placed);
-    if (s->kept.size < bytes) {
-        gpu_buffer_destroy(r->device, &s->kept);
-        TRY(gpu_buffer_create_for(r->device, GPU_USE_SHADOWS, "shadow items", bytes + bytes / 4, GPU_MEMORY_DEVICE, &s->kept));
-    }
+    if (s->kept.size < bytes) TRY(need_buffer(r, "shadow items", bytes + bytes / 4, &s->kept));
+    TRY(prepare_oblongs(r, frame, s));
     return shadow_pages_prepare(r->device, &s->pages, (uint32_t)shadow_maps_rows(r), shadow_maps_side(frame));
 }
 
@@ -55,22 +79,6 @@ static struct lighting without_shadows(struct lighting lighting) {
     lighting.shadows.maps = (struct shadow_maps){0};
     lighting.shadows.contact = (graph_image){0};
     return lighting;
-}
-
-/* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
-static void add_requests(struct frame_state *f, graph_buffer suns, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
-    struct lighting lighting = without_shadows(lighting_add(f->graph, f->r->device, &f->lighting, surfaces));
-    COUNTERS_COPY(f, surfaces->totals, 0, lists, surface_lights);
-    const bool splits = shadows_have(f->frame, SHADOWS_SPLIT);
-    if (wanted->id)
-        shadow_requests_more_add(f->graph, &lighting, suns, *wanted, depth, splits);
-    else
-        *wanted = shadow_requests_add(f->graph, &lighting, suns, shadow_row_count(&f->lighting.lights), depth, splits);
-    const struct geometry_scene *scene = &f->scene->geometry;
-    const bool blend = surfaces_have_blend(f), glass = surfaces_have_glass(f);
-    if (blend || glass) lighting = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
-    if (blend) shadow_requests_blend_add(f->graph, &lighting, suns, *wanted, scene, &f->draws, false, f->view_address, depth, splits);
-    if (glass) shadow_requests_blend_add(f->graph, &lighting, suns, *wanted, scene, &f->draws, true, f->view_address, depth, splits);
 }
 
 /* Batches and passes per light draw objects by lists of their own. */
@@ -113,12 +121,29 @@ static bool are_settled(const struct frame_state *views, uint32_t count) {
 
 /* What a set of maps is made from. */
 struct asked {
-    graph_buffer suns;
+    graph_buffer suns, planes, keys; /* id 0 of the last two: no block has texels that are not square */
     const struct lighting *lighting; /* of the view that asks; maps have their address only */
     uint32_t pairs; /* that there is room for */
     graph_image depths[GROUP_MOST + GROUP_FAR];
     struct light_list surfaces[GROUP_MOST + GROUP_FAR];
 };
+
+/* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
+static void add_requests(struct frame_state *f, const struct asked *asked, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
+    struct lighting lighting = without_shadows(lighting_add(f->graph, f->r->device, &f->lighting, surfaces));
+    COUNTERS_COPY(f, surfaces->totals, 0, lists, surface_lights);
+    const struct shadow_maps places = {.suns = asked->suns, .keys = asked->keys, .planes = asked->planes};
+    const bool splits = shadows_have(f->frame, SHADOWS_SPLIT);
+    if (wanted->id)
+        shadow_requests_more_add(f->graph, &lighting, &places, *wanted, depth, splits);
+    else
+        *wanted = shadow_requests_add(f->graph, &lighting, &places, shadow_row_count(&f->lighting.lights), depth, splits);
+    const struct geometry_scene *scene = &f->scene->geometry;
+    const bool blend = surfaces_have_blend(f), glass = surfaces_have_glass(f);
+    if (blend || glass) lighting = without_shadows(order_add_fallback_lists(f)); /* in front of what depth shows */
+    if (blend) shadow_requests_blend_add(f->graph, &lighting, &places, *wanted, scene, &f->draws, false, f->view_address, depth, splits);
+    if (glass) shadow_requests_blend_add(f->graph, &lighting, &places, *wanted, scene, &f->draws, true, f->view_address, depth, splits);
+}
 
 /* Finds the pages that the views need and draws those that are not there. */
 static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, struct asked *asked, struct shadow_fill *out_filled) {
@@ -128,12 +153,14 @@ static struct shadow_pages add_pages(struct frame_state *views, uint32_t count, 
         push_view(&views[i], count);
         asked->depths[i] = shadows_depth(&views[i]);
         asked->surfaces[i] = order_add_surface_lists(&views[i], asked->depths[i]);
-        add_requests(&views[i], asked->suns, asked->depths[i], &asked->surfaces[i], &wanted);
+        if (asked->planes.id) shadow_oblong_add(f->graph, asked->lighting, asked->suns, asked->depths[i], asked->planes, asked->keys);
+        add_requests(&views[i], asked, asked->depths[i], &asked->surfaces[i], &wanted);
         pop_view(&views[i], count);
     }
     const struct shadow_split_input split = {.page_rays = shadow_hybrid_page_rays(f->r, f->frame)};
     const struct shadow_pages_input input = {.wanted = wanted,
                                              .suns = asked->suns,
+                                             .keys = asked->keys,
                                              .lighting = asked->lighting,
                                              .updates = add_updates(f),
                                              .split = shadows_have(f->frame, SHADOWS_SPLIT) ? &split : NULL};
@@ -188,6 +215,13 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
     asked.lighting = &shared;
     asked.suns = shadow_suns_add(f->graph, &shared, &f->shadows.rays);
     if (asked.suns.id) graph_put_address(f->graph, &maps->suns, asked.suns);
+    if (asked.suns.id && views_have_oblongs(f, count)) {
+        asked.planes = graph_import_buffer(f->graph, "shadow planes", &f->kept->shadows.planes);
+        asked.keys = graph_import_buffer(f->graph, "shadow keys", &f->kept->shadows.keys);
+        graph_put_address(f->graph, &maps->planes, asked.planes);
+        graph_put_address(f->graph, &maps->keys, asked.keys);
+        maps->planes_across = f->frame->width;
+    }
     for (uint32_t i = 0; i < count; i++) views[i].lighting.shadows.maps.address = slice.address;
     const bool settled = are_settled(views, count);
     f->made->shadows.has_pages = true;
@@ -206,6 +240,8 @@ void shadow_maps_add(struct frame_state *views, uint32_t count) {
                                          .biases = pages.biases,
                                          .shapes = pages.shapes,
                                          .suns = asked.suns,
+                                         .keys = asked.keys,
+                                         .planes = asked.planes,
                                          .atlas = pages.atlas,
                                          .address = slice.address};
         views[i].lighting.shadows.maps = made;
@@ -250,12 +286,14 @@ static bool find_waiting(const struct counted *counted, uint64_t *value) {
 #define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadow_maps, pages.member), .needs = "shadows=maps,hybrid"}
 static const struct counter rows[] = {
     MAPS("wanted", "pages", "pages of shadow maps that pixels ask for", wanted),
+    MAPS("oblong", "pages", "of them, pages of directional lights whose texels are not square, as surfaces graze the light", oblong),
     MAPS("pages", "pages", "pages that there are: fewer where lights were made coarser", pages),
     MAPS("drawn", "pages", "of them, drawn in this frame", drawn),
     MAPS("evicted", "pages", "pages of the last frame that this one does not have", evicted),
     MAPS("coarsened", "lights", "lights whose maps are coarser than pixels ask for, to fit into shadow.memory", coarsened),
     MAPS("traced", "lights", "lights whose shadows rays find because there is no room for a map", traced),
     MAPS("cells", "cells", "squares of 128x128 texels of shadow maps that are in use", cells),
+    MAPS("cells-wanted", "cells", "such squares that all pages that pixels ask for would take: 16 of them a MiB of shadow.memory", cells_wanted),
     MAPS("entries", "lights", "lights in the lists of all tiles before those in shadow leave them; 0 without shadow.classify", entries),
     MAPS("dark", "lights", "of them, removed: the whole tile is in their shadow, or they are too far from its surfaces", dark),
     MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
@@ -287,6 +325,8 @@ static void destroy(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->views.count; i++) {
         shadow_state_finish(r->device, &r->views.data[i].shadows.pages);
         gpu_buffer_destroy(r->device, &r->views.data[i].shadows.kept);
+        gpu_buffer_destroy(r->device, &r->views.data[i].shadows.planes);
+        gpu_buffer_destroy(r->device, &r->views.data[i].shadows.keys);
     }
 }
 
