@@ -301,6 +301,12 @@ typedef struct fnl_frame {
         inferred and with visibility.grid, nor with MSAA where a debug view or an output looks at pixel centres. Default auto;
         fnl_frame_stats.occlusion says what was done. */
     fnl_occlusion occlusion;
+    /** Draws opaque instances front to back, sorted by their bounding boxes on the GPU, so that fewer hidden fragments are shaded. The picture is the same, except
+        where surfaces lie in one plane and, with MSAA, at edges. Only with FNL_CULLING_INSTANCES and one view at a time. Default false: in the order of the scene. */
+    bool front_to_back;
+    /** Path forward: draws the depth of instances first that are at least this many pixels wide or high, 0 .. 100000, so that they hide others before these
+        are shaded. The picture is the same, except at edges with MSAA. Not with the lists batches and multipass. Default 0: none. */
+    float prepass_pixels;
     /** Default lists. */
     fnl_decals decals;
     /** FNL_DECALS_GBUFFER: chooses mip levels by the slope of the surface, not by how positions differ between pixels, which draws fringes at

@@ -2,6 +2,7 @@
 /** What of the opaque scene is drawn, and by which kind of shaders. */
 #include "passes/geometry/clusters.h"
 #include "passes/geometry/occlusion.h"
+#include "passes/geometry/order.h"
 #include "render/frame_steps.h"
 #include "render/shading.h"
 #include "render/step.h"
@@ -51,7 +52,10 @@ void frame_cull(struct frame_state *f) {
                                  f->view_address, frame->msaa, &occluders);
     else
         f->draws = cull_add(f->graph, scene, f->view_address);
-    if (frame->culling == FNL_CULLING_INSTANCES) return;
+    if (frame->culling == FNL_CULLING_INSTANCES) {
+        if (frame->front_to_back) order_front_to_back(f->graph, f->r->device, scene, f->view_address, &f->draws);
+        return;
+    }
     struct clusters_params params = {.by_triangle = frame->culling == FNL_CULLING_TRIANGLES,
                                      .full_raster = frame_is(frame, SHADING_FULL_RASTER),
                                      .samples = frame->msaa,

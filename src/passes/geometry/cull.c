@@ -57,9 +57,17 @@ static void add_fill(struct graph *graph, const char *what, const struct geometr
 
 struct geometry_draws cull_items_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
                                      VkDeviceAddress view, const struct hierarchy *occluders) {
+    return cull_large_add(graph, what, scene, view, occluders, 0);
+}
+
+struct geometry_draws cull_large_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
+                                     VkDeviceAddress view, const struct hierarchy *occluders, float least_pixels) {
     struct geometry_draws draws = create_draws(graph, what, scene);
-    struct gpu_cull_push push = {
-        .view = view, .scene = scene->scene, .item_count = scene->item_count, .group_count = scene->group_count};
+    struct gpu_cull_push push = {.view = view,
+                                 .scene = scene->scene,
+                                 .item_count = scene->item_count,
+                                 .group_count = scene->group_count,
+                                 .least_pixels = least_pixels};
     if (occluders) {
         draws.hidden = graph_create_buffer(graph, graph_name(graph, "%s hidden", what), (scene->item_count + 1) * 4ull);
         push.hierarchy_width = occluders->width;

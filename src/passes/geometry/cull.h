@@ -13,6 +13,9 @@
  */
 struct geometry_draws cull_items_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
                                      VkDeviceAddress view, const struct hierarchy *occluders);
+/** The same of items that are at least so many pixels wide or high on the screen, or reach before the near plane. */
+struct geometry_draws cull_large_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
+                                     VkDeviceAddress view, const struct hierarchy *occluders, float least_pixels);
 /** cull_add with occluders. */
 struct geometry_draws cull_add_hidden(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,
                                       const struct hierarchy *occluders);

@@ -47,11 +47,13 @@ void main() {
         vec4 plane = push.view.view.planes[i];
         visible = visible && IS_INSIDE(plane);
     }
+    vec3 seen = (push.view.view.world_to_view * vec4(center, 1.0)).xyz, size = vec3(0.0);
+    for (int i = 0; i < 3; i++) size += abs(push.view.view.world_to_view[i].xyz) * extent[i];
+    vec2 low, high;
+    float depth;
+    if (visible && push.least_pixels > 0.0 && screen_rectangle(push.view, seen, size, 0.0, low, high, depth))
+        visible = !(max(high.x - low.x, high.y - low.y) < push.least_pixels);
     if (visible && push.hierarchy_width > 0u && index < push.occludee_count) {
-        vec3 seen = (push.view.view.world_to_view * vec4(center, 1.0)).xyz, size = vec3(0.0);
-        for (int i = 0; i < 3; i++) size += abs(push.view.view.world_to_view[i].xyz) * extent[i];
-        vec2 low, high;
-        float depth;
         // Two pixels: lines and points are wider than their bounds.
         if (screen_rectangle(push.view, seen, size * 1.0001 + 1e-6 * length(seen), 2.0, low, high, depth) &&
             hierarchy_hides(push.hierarchy, uvec2(push.hierarchy_width, push.hierarchy_height), low, high, depth, push.view.view.orthographic > 0.5)) {

@@ -18,6 +18,7 @@ struct gpu_cull_push {
     uint hierarchy_height;
     uint occludee_count; /* items before this one may be hidden */
     uint repeat;         /* how often each instance is drawn */
+    float least_pixels;  /* items that are narrower and lower on the screen are left out */
 };
 
 /* Marks for several views, which stand one after the other. */

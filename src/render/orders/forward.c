@@ -4,6 +4,7 @@
 #include "render/debug_views.h"
 #include "render/shading.h"
 
+#include "passes/geometry/cull.h"
 #include "passes/shade/regroup.h"
 
 /* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
@@ -33,6 +34,15 @@ static void tell_of_mesh_lists(struct frame_state *f) {
                     name, f->lighting.lights.local_count, f->scene->geometry.group_count);
 }
 
+/* The depth of what is large on the screen, so that less is shaded behind it. */
+static struct geometry_draws add_large(struct frame_state *f, const struct shade_input *input) {
+    struct geometry_draws draws = *input->draws, large = cull_large_add(f->graph, "large", input->scene, f->view_address, NULL, f->frame->prepass_pixels);
+    large.depth_begun = draws.depth_begun;
+    geometry_depth_add(f->graph, "large depth", input->scene, &large, f->view_address, f->depth);
+    draws.depth_begun = true;
+    return draws;
+}
+
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     const struct light_set *lights = &f->lighting.lights;
     order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* a single pass knows no depth beforehand */
@@ -44,7 +54,10 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
                       f->depth);
         f->calls.opaque = multipass_draw_count(input->scene, lights->local_count, lights->directional_count);
     } else {
+        const struct geometry_draws *all = input->draws, draws = !prepass && f->frame->prepass_pixels > 0 ? add_large(f, input) : *all;
+        input->draws = &draws;
         forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, f->depth);
+        input->draws = all;
     }
     tell_of_mesh_lists(f);
 }
