@@ -141,6 +141,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_SHADOW_AGE,  /**< shadow maps: frames since the page of FNL_DEBUG_SHADOW_PAGES was drawn; striped where a finer one is wanted and not there */
     FNL_DEBUG_SHADOW_CLASSES, /**< fnl_shadow_options.classify: of the lights in a tile's list, those that left it, those that give no pixel light, some or all */
     FNL_DEBUG_TRIANGLES, /**< each triangle in its own color; needs fnl_device_info.primitive_ids */
+    FNL_DEBUG_DEPTH_JUMPS, /**< tiles by the ratio of their largest to their smallest depth, with a legend: where it is high, tiles list lights of the space between */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -301,11 +302,11 @@ typedef struct fnl_frame {
         inferred and with visibility.grid, nor with MSAA where a debug view or an output looks at pixel centres. Default auto;
         fnl_frame_stats.occlusion says what was done. */
     fnl_occlusion occlusion;
-    /** Draws opaque instances front to back, sorted by their bounding boxes on the GPU, so that fewer hidden fragments are shaded. The picture is the same, except
-        where surfaces lie in one plane and, with MSAA, at edges. Only with FNL_CULLING_INSTANCES and one view at a time. Default false: in the order of the scene. */
+    /** Front-to-back order of opaque instances, by bounding box; default false: scene order. Same picture except at
+        coplanar surfaces and, with MSAA, edges. Only with FNL_CULLING_INSTANCES and one view at a time. */
     bool front_to_back;
-    /** Path forward: draws the depth of instances first that are at least this many pixels wide or high, 0 .. 100000, so that they hide others before these
-        are shaded. The picture is the same, except at edges with MSAA. Not with the lists batches and multipass. Default 0: none. */
+    /** Path forward: minimum width or height of instances in a depth prepass, pixels, 0 .. 100000; default 0: no
+        prepass. Same picture except at edges with MSAA. Not with the lists batches and multipass. */
     float prepass_pixels;
     /** Default lists. */
     fnl_decals decals;

@@ -9,7 +9,7 @@
 const uint SHADOW_TAPS = 16u;
 // Texels from the point to its farthest tap: with the four texels round that it stays within the border of the page.
 const float SHADOW_REACH = float(SHADOW_BORDER) - 1.0;
-const float SHADOW_PCF_REACH = 1.5;
+const float SHADOW_PCF_REACH = 1.5, SHADOW_PCF_REACH_OBLONG = 1.0; // texels; oblong ones are 1.5 times as long on the screen
 // Blockers are sought down to this part of the way from the light to the point: penumbras of nearer ones are too narrow.
 const float SHADOW_NEAREST_BLOCKER = 0.25;
 
@@ -120,8 +120,9 @@ vec2 shadow_taps(gpu_shadow_maps maps, uint place, shadow_page at, gpu_shape sha
 float shadow_filtered(lighting_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at, uint place, shadow_receiver r,
                       bool hidden) {
     float open = hidden ? 0.0 : 1.0;
+    bool is_oblong = light < l.scope.lights.directional_count && row % SHADOW_SUN_ROWS >= SHADOW_SUN_SQUARES;
     bool is_soft = l.scope.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS;
-    float size = is_soft ? source_size(l, light, shape.kind == GPU_SHAPE_BOX) : 0.0, radius = SHADOW_PCF_REACH, reach = 1.0, turn = 0.0;
+    float size = is_soft ? source_size(l, light, shape.kind == GPU_SHAPE_BOX) : 0.0, radius = is_oblong ? SHADOW_PCF_REACH_OBLONG : SHADOW_PCF_REACH, reach = 1.0, turn = 0.0;
     uint wanted = at.level;
     if (is_soft) {
         if (!(size > 0.0)) return open;

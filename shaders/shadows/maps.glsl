@@ -55,7 +55,7 @@ struct shadow_quad {
     vec4 depths; // (0, 1), (1, 1), (1, 0), (0, 0)
     vec2 part;
     float nearest;
-    vec2 corner; // of the atlas, in texels, where the four meet
+    vec2 corner; // where the four texels meet, in texels of the atlas
 };
 
 shadow_quad shadow_quad_at(gpu_shadow_maps maps, uint place, shadow_page at, vec2 texel) {
@@ -95,7 +95,8 @@ bool shadow_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 ndc, fl
     bool is_nearer = q.nearest > depth, are_all = range.x > depth, is_off = shadow_quad_depth(q) > depth + tolerance;
     if (!is_nearer || are_all) return is_nearer;
     if (!is_off || !(q.nearest > there + tolerance)) return false;
-    // What the nearest texel shows may be a plane that ends in a crease before the point, or goes on behind it: the two texels beyond tell its slope.
+    // The nearest texel may show a plane that ends in a crease before the point, or that continues behind the point.
+    // The two texels beyond give the slope of that plane.
     ivec2 outward = ivec2(sign(back)), nearest = ivec2(q.corner) - 1 + ivec2(step(vec2(0.5), q.part));
     vec2 beyond = vec2(texelFetch(textures[maps.atlas], nearest + ivec2(outward.x, 0), 0).r, texelFetch(textures[maps.atlas], nearest + ivec2(0, outward.y), 0).r);
     return q.nearest + dot(q.nearest - beyond, abs(back)) > depth;
@@ -158,7 +159,7 @@ float sun_map_visibility(lighting_block l, uint light, shadowed_point p) {
     shadow_oblong oblong;
     view_block v = l.scope.view;
     bool is_oblong = shadow_oblong_at(p.maps, v, light, p.position, p.pixel, oblong, row) && p.maps.biases.at[row] != SHADOW_TRACED;
-    if (is_oblong) grid--; // before the square ones
+    if (is_oblong) grid--; // the oblong page comes before the square grids
     for (; is_oblong || shadow_sun_find(p.maps, light, p.position, grid, row); grid++) {
         is_oblong = false;
         shadow_page at;

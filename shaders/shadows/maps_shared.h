@@ -10,8 +10,9 @@
  * do not move, one for each width of texels that is a power of two metres. A block of a grid is as wide as a face, and has a row while it is one
  * of the SHADOW_SUN_SIDE squared round the viewer. Which row depends on where it is, so that it keeps the row, and its pages, while the viewer moves.
  *
- * Where a sun grazes a surface, square texels are too long there. Behind those rows a sun has SHADOW_SUN_OBLONGS more, for blocks of any place whose
- * texels are a power of two metres wide along `side` and another along `up`. A row goes to a block, named by a key, in frames in which pixels need it.
+ * Square texels are too long on surfaces that a sun grazes. Behind its square rows, a sun has SHADOW_SUN_OBLONGS rows
+ * for oblong blocks, which may lie anywhere. Oblong texels are a power of two meters wide along `side` and another
+ * along `up`. A block, named by a key, has a row in frames in which pixels need it.
  */
 #ifndef FNL_SHADERS_SHADOW_MAPS_SHARED_H
 #define FNL_SHADERS_SHADOW_MAPS_SHARED_H
@@ -31,10 +32,10 @@
 #define SHADOW_BLOCK_TEXELS 1920  /* across a block of a sun: as across the finest level of a face */
 #define SHADOW_SUN_LEVELS 12      /* grids of a sun that have rows */
 #define SHADOW_SUN_SIDE 4         /* blocks on a side of each */
-#define SHADOW_SUN_SQUARES 192u   /* rows of those */
-#define SHADOW_SUN_OBLONGS 256u   /* rows of blocks whose texels are not square */
+#define SHADOW_SUN_SQUARES 192u   /* rows of square blocks */
+#define SHADOW_SUN_OBLONGS 256u   /* rows of oblong blocks: texels are not square */
 #define SHADOW_OBLONG_WORDS 9u
-#define SHADOW_SUN_ROWS 448u      /* all of a sun */
+#define SHADOW_SUN_ROWS 448u      /* all rows of a sun */
 #define SHADOW_SUN_REACH 2880.0f  /* texels round the viewer that the blocks of a grid hold, at least */
 #define SHADOW_NEAR 1e-4f         /* metres from the light along the axis of a face: what is nearer casts no shadow. Depth is this / that distance */
 
@@ -77,8 +78,8 @@ struct gpu_shadow_counts {
     uint entries;   /* of light lists in which dark lights are looked for */
     uint dark;      /* of them, those that left */
     uint pairs;     /* of a page that is to be drawn and an item that it shows; there may have been no room for all: passes/shadow/fill.h */
-    uint oblong;    /* of the pages wanted, those whose texels are not square */
-    uint cells_wanted; /* that the atlas would have in use if there were room for all pages wanted */
+    uint oblong;    /* of the wanted pages, oblong ones */
+    uint cells_wanted; /* cells of the atlas that all wanted pages would take */
 };
 
 /* What shading reads. */
@@ -89,9 +90,11 @@ struct gpu_shadow_maps {
     ADDRESS(const_uint_array) biases; /* by row: levels coarser, or SHADOW_TRACED */
     ADDRESS(const_shadow_shape_array) shapes; /* by row: struct gpu_shape, what its faces are those of */
     ADDRESS(const_shadow_sun_array) suns;
-    ADDRESS(const_uint_array) keys;   /* SHADOW_OBLONG_WORDS for each such row of each sun: the name of its block (shadow_oblong_name()), 0: none; and a bit for each page in use */
-    ADDRESS(const_uint_array) planes; /* by pixel: the normal of the opaque surface, pack_normal(); 0: there is none, or it is not known */
-    uint planes_across;               /* pixels of a row of them; 0: there are none, nor keys */
+    /* SHADOW_OBLONG_WORDS for each oblong row of each sun: the key of its block (shadow_oblong_name() >> 8; 0: none),
+       then a bit for each page in use. */
+    ADDRESS(const_uint_array) keys;
+    ADDRESS(const_uint_array) planes; /* by pixel: pack_normal() of the opaque surface; 0: no surface, or no normal */
+    uint planes_across;               /* pixels per row of `planes`; 0: no planes and no keys */
     uint atlas;                       /* sampled index of the depth image */
     uint point;                       /* of a sampler that takes the nearest texel */
     float texel;                      /* 1 / texels across the atlas */

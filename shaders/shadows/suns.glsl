@@ -28,7 +28,7 @@ uint shadow_sun_row(uint sun, int grid, ivec2 block) {
     return sun * SHADOW_SUN_ROWS + (slot * uint(SHADOW_SUN_SIDE) + at.y) * uint(SHADOW_SUN_SIDE) + at.x;
 }
 
-// What the first face of a row shows: all that casts between four sides along the light; `size` in metres.
+// The box that the first face of a row shows: all casters between four sides along the light; `size` in meters.
 gpu_shape shadow_sun_box(gpu_shadow_sun sun, vec2 size, ivec2 block) {
     vec2 center = (vec2(block) + 0.5) * size;
     gpu_shape s;
@@ -46,24 +46,26 @@ gpu_shape shadow_sun_box(gpu_shadow_sun sun, vec2 size, ivec2 block) {
 }
 gpu_shape shadow_sun_shape(gpu_shadow_sun sun, int grid, ivec2 block) { return shadow_sun_box(sun, vec2(shadow_sun_block(grid)), block); }
 
-// ---- blocks whose texels are not square ----
-// A surface that grazes the light shows square texels as long strips. So where one is longer than two pixels on the screen, each axis has a grid of its own:
-// the coarsest whose texels are no longer than that. Edges are half a texel off at most.
+// ---- oblong blocks: texels are not square ----
+// Surfaces at grazing angles to the light stretch square texels into strips. If a square texel is longer than
+// OBLONG_LENGTH pixels on the screen, each axis has its own grid: the coarsest whose texels are no longer than that.
+// Edges are off by half a texel at most.
 
 const int OBLONG_LEVELS = 16;       // grids along an axis, from sun.coarsest down
-const int OBLONG_RATIO = 7;         // by which the two may differ
-const int OBLONG_WIDER = 1;         // by which they may be coarser than square ones
-const float OBLONG_LENGTH = 1.5;    // pixels
-const float OBLONG_LEAST = 1.0 / 128.0; // cosine to the light of surfaces that graze it more
-const int OBLONG_FAR = 120;         // blocks from the viewer to the last that have names
-const uint OBLONG_ROUNDS = 8u;      // rows that a block may have
+const int OBLONG_RATIO = 7;         // levels by which the grids of the two axes may differ
+const int OBLONG_WIDER = 1;         // levels by which they may be coarser than the square grid
+const float OBLONG_LENGTH = 1.5;    // longest texel on the screen, pixels
+const float OBLONG_LEAST = 1.0 / 128.0; // least cosine between normal and light; smaller ones count as this
+const int OBLONG_FAR = 120;         // greatest distance of a named block from the viewer, in blocks
+const uint OBLONG_ROUNDS = 8u;      // rows that a block tries, one per round
 
-// The grids along side and up for a point of a plane, which `view` (unit) meets where a pixel is so many metres wide across it. False: square texels do.
+// Finds the grids along side and up for a point on a plane. `view`: unit direction toward the point; `pixel`: width of
+// a pixel there across `view`, meters. False: use square texels.
 bool shadow_oblong_grid(gpu_shadow_sun sun, vec3 view, vec3 normal, float pixel, out ivec2 grid) {
     float facing = dot(normal, sun.direction);
     grid = ivec2(shadow_sun_grid(sun, pixel));
     if (!(facing < 0.0)) return false;
-    // What a point of the plane moves by where its place across the light moves by one; then how much of that is seen.
+    // Movement of a point on the plane per unit of movement across the light, then the part of it across the view.
     vec3 along = sun.direction / min(facing, -OBLONG_LEAST), side = sun.side - along * dot(normal, sun.side), up = sun.up - along * dot(normal, sun.up);
     side -= view * dot(view, side);
     up -= view * dot(view, up);
@@ -78,15 +80,16 @@ bool shadow_oblong_grid(gpu_shadow_sun sun, vec3 view, vec3 normal, float pixel,
 
 vec2 shadow_oblong_block(ivec2 grid) { return ldexp(vec2(float(SHADOW_BLOCK_TEXELS)), grid); }
 
-// The name of a page of a block: of the block, whose pages have 0 to 255 behind it in the least bits. 0: it is too far from the viewer to have one. Names hold the
-// low bits of grids and places, which stay as they are while the viewer moves.
+// The name of a page: the key of its block, then the page's number, 0 to 255, in the low 8 bits. 0: the block is too
+// far from the viewer. Names contain the low bits of grids and positions, so they stay the same while the viewer
+// moves.
 uint shadow_oblong_name(gpu_shadow_sun sun, ivec2 grid, ivec2 page) {
     ivec2 block = page >> 4, from = block - ivec2(floor(sun.eye / shadow_oblong_block(grid)));
     if (any(greaterThan(abs(from), ivec2(OBLONG_FAR)))) return 0u;
     uint pages = uint(page.y & 15) << 4 | uint(page.x & 15);
     return uint(grid.x & 15) << 28 | uint(grid.y - grid.x + 8) << 24 | uint(block.x & 255) << 16 | uint(block.y & 255) << 8 | pages;
 }
-// Of a block: the name of one of its pages >> 8.
+// The shape of a block; `key`: the name of one of its pages >> 8.
 gpu_shape shadow_oblong_shape(gpu_shadow_sun sun, uint key) {
     int x = sun.coarsest - ((sun.coarsest - int(key >> 20)) & 15);
     ivec2 grid = ivec2(x, x + int(key >> 16 & 15u) - 8);
@@ -95,7 +98,8 @@ gpu_shape shadow_oblong_shape(gpu_shadow_sun sun, uint key) {
     return shadow_sun_box(sun, size, eye + from);
 }
 
-// The row of a sun, from its first oblong one on, that a block (the name of a page >> 8) may have in a round: oblong.comp.glsl.
+// The row that a block tries in a round, counted from the sun's first oblong row (oblong.comp.glsl). `key`: the name
+// of one of the block's pages >> 8.
 uint shadow_oblong_slot(uint key, uint round) {
     uint h = (key ^ round * 0x9e3779b9u) * 0x85ebca6bu;
     h = (h ^ h >> 13) * 0xc2b2ae35u;

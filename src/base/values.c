@@ -67,7 +67,8 @@ struct names {
     ROW("shadow-rays", "shadow rays that each pixel sends, with rays, maps, hybrid or cubemap, with a legend")                   \
     ROW("shadow-age", "shadow maps: frames since that page was drawn; striped where a finer one is wanted and not there")        \
     ROW("shadow-classes", "shadow.classify: lights of tiles that left: blue; that light no pixel: orange, some: grey, all: white") \
-    ROW("triangles", "each triangle in its own color; gray: points and lines")
+    ROW("triangles", "each triangle in its own color; gray: points and lines")                                                    \
+    ROW("depth-jumps", "tiles by the ratio of their largest to their smallest depth, with a legend; gray: below 1.5")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Less is shaded behind other things: front-to-back order, and the depth of large things first. The picture stays. */
+/* Front-to-back order and a depth prepass of large instances shade fewer hidden fragments and keep the picture. */
 #include "tests/render_harness.h"
 #include "tests/trace_world.h"
 
@@ -11,13 +11,13 @@ static fnl_material_params color_of(uint32_t i) {
     return m;
 }
 
-/* Upright squares one behind the other, added from the farthest on; with every fifth another one is mirrored. */
+/* Upright squares one behind the other, added from the farthest to the nearest; every fifth one is mirrored. */
 static void add_layers(fnl_scene *scene, fnl_mesh_id mesh, float from, uint32_t count, float half) {
     for (uint32_t i = 0; i < count; i++)
         add_instance(scene, mesh, mat4_from_trs((vec3){0.3f * (float)(i % 3), 0, from + (float)i}, quat_axis_angle((vec3){1, 0, 0}, PI / 2), (vec3){i % 5 == 4 ? -half : half, 1, half}));
 }
 
-/* All in one mesh, or a mesh for each layer; and small things before and behind. */
+/* Large squares that share one mesh or have a mesh each, with small squares in front and behind. */
 static struct stage wall_of_layers(bool one_mesh, bool cutout) {
     fnl_scene *scene = world_create(NULL);
     fnl_material_params white = color_of(1);
@@ -63,7 +63,8 @@ static uint32_t differing(const fnl_image *a, const fnl_image *b) {
     return count;
 }
 
-/* How many lights were evaluated; the picture must be the first one's. With several samples a driver may shade a surface that others cover in part at another place. */
+/* Returns the number of light evaluations; the picture must equal the first one. With MSAA, a driver may shade a
+   partly covered surface at another position. */
 static uint64_t evaluations_of(struct stage *s, struct shot *first, const char *what) {
     struct shot shot = stage_shoot(s, &s->frame);
     const uint64_t evaluations = shot.stats.evaluations;
@@ -77,7 +78,7 @@ static uint64_t evaluations_of(struct stage *s, struct shot *first, const char *
     return evaluations;
 }
 
-/* ES-4 a, c, d: the numbers lie between those of a whole prepass and those of the scene's order. */
+/* ES-4 a, c, d: a full prepass evaluates the fewest lights, scene order the most. */
 static void test_less_is_shaded_ES_4(void **state) {
     UNUSED(state);
     for (uint32_t i = 0; i < 8; i++) {
@@ -100,14 +101,14 @@ static void test_less_is_shaded_ES_4(void **state) {
         const uint64_t least = evaluations_of(&s, &first, "prepass");
         assert_true(sorted < back_to_front / 3 && large < back_to_front / 3);
         assert_true(least <= all && all <= large && least <= sorted);
-        assert_true(cutout || sorted < least + least / 20); /* nothing overlaps in its own group but what is sorted */
-        assert_true(large > least);                          /* the small things before the wall hide nothing first */
+        assert_true(cutout || sorted < least + least / 20); /* within a group, only sorted items overlap */
+        assert_true(large > least);                          /* the prepass leaves out small squares in front of the wall */
         shot_free(&first);
         stage_close(&s);
     }
 }
 
-/* Whatever the path; with blended surfaces, whose order is another one, and lines. */
+/* The picture stays the same in three paths, also with lines and with blended surfaces, which have their own order. */
 static void test_the_picture_stays(void **state) {
     UNUSED(state);
     static const char *const sources[] = {"builtin:hall?lights=32", "builtin:glass", "builtin:city?lights=64"};
@@ -123,7 +124,7 @@ static void test_the_picture_stays(void **state) {
             struct shot after = stage_shoot(&s, &s.frame);
             const uint32_t differ = differing(&before.radiance, &after.radiance);
             print_message("%s, path %u: %u pixels differ\n", sources[i], (uint32_t)paths[k], differ);
-            assert_true(differ <= after.radiance.width * after.radiance.height / 500); /* surfaces in one plane */
+            assert_true(differ <= after.radiance.width * after.radiance.height / 500); /* coplanar surfaces */
             shot_free(&before);
             shot_free(&after);
         }

@@ -129,7 +129,7 @@ static const struct row rows[] = {
     NAME("occlusion", occlusion, FNL_ENUM_OCCLUSION, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
     SWITCH("front-to-back", front_to_back, EVERY, EVERY, "draws opaque instances nearest first (culling=instances)"),
     NUMBER("prepass-pixels", prepass_pixels, 0, 100000, "pixels", PATH(FORWARD), EVERY,
-           "first draws the depth of instances so wide or high; 0: none"),
+           "prepass for instances at least this wide or high; 0: none"),
     NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),
     SWITCH("decal-mip-fix", decal_mip_fix, PATHS_GBUFFER, EVERY, "decals=gbuffer: no fringes where depth jumps"),
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Edges of shadows under suns that graze what they light, by maps against rays: how many pixels beside the true edge a map is wrong.
- * FANAL_GRAZING=WIDTHxHEIGHT takes all scenes and suns at that size, FANAL_GRAZING_WORLD one of them, FANAL_GRAZING_MEMORY other MiB.
+ * Compares shadow edges of maps and rays under suns at grazing angles: how many pixels from the true edge maps are
+ * wrong.
+ * FANAL_GRAZING=WIDTHxHEIGHT runs all scenes and suns at that size. FANAL_GRAZING_WORLD=NAME runs one scene.
+ * FANAL_GRAZING_MEMORY=MIB sets shadow.memory.
  */
 #include "tests/render_harness.h"
 #include "tests/shadow_leak.h"
@@ -38,7 +40,7 @@ static void put_box(vec3 at, vec3 half, float turn) {
 
 static void put_ground(float size) { put_quad(vec3_make(-size, 0, size), vec3_make(size, 0, size), vec3_make(size, 0, -size), vec3_make(-size, 0, -size)); }
 
-/* Walls and a saddle roof, whose ridge is along z; `wide`, `high`, `deep` of the walls. */
+/* Walls and a gable roof with its ridge along z; `wide`, `high` and `deep` are the size of the walls. */
 static void put_house(vec3 at, float wide, float high, float deep, float roof) {
     put_box(vec3_make(at.x, at.y + 0.5f * high, at.z), vec3_make(0.5f * wide, 0.5f * high, 0.5f * deep), 0);
     const float x = 0.55f * wide, z = 0.55f * deep, low = at.y + high - 0.1f * roof, top = at.y + high + roof;
@@ -95,7 +97,7 @@ static void street(void) {
         for (int k = 0; k < 3; k++) put_box(vec3_make(3.6f + 0.5f * (float)(i % 2), 2 + 2 * (float)k, 9 * (float)i - 18), vec3_make(0.5f, 0.1f, 1.5f), 0); /* balconies */
     }
 }
-static void facade(void) { /* that the sun grazes, with sills */
+static void facade(void) { /* with sills; the sun grazes the facade */
     put_ground(500);
     put_box(vec3_make(0, 6, -8), vec3_make(14, 6, 1), 0);
     for (int j = 0; j < 3; j++)
@@ -141,8 +143,8 @@ static const struct world {
     void (*put)(void);
     vec3 from, at;
     float azimuth; /* of the sun, degrees */
-    float high;    /* metres: the end of what so high a thing casts is seen, 0: its foot */
-    uint32_t far_off; /* pixels that may be, at 480x270; they lie in creases between surfaces that the sun grazes */
+    float high;    /* meters: the view shows the end of the shadow of an object this high; 0: its foot */
+    uint32_t far_off; /* most pixels far off at 480x270; they lie in creases between surfaces that the sun grazes */
     bool always;   /* also without FANAL_GRAZING */
 } worlds[] = {
     {"gable", gable, {14, 9, 16}, {4, 1, 0}, 250, 6.5f, 2, true},      {"columns", columns, {0, 1.7f, 12}, {0, 1.2f, 0}, 290, 3.7f, 2, false}, {"fence", fence, {-4, 2.5f, 7}, {0, 0, 1}, 200, 1.0f, 2, false},
@@ -176,9 +178,9 @@ static fnl_scene *world_of(const struct world *w, float elevation) {
 
 /* ---- edges ---- */
 
-static int fine = 3; /* pixels of the truth to a pixel, each way */
+static int fine = 3; /* reference pixels per pixel, along each axis */
 
-/* 1: lit, 0: in shadow, -1: the sun lights nothing there, or next to nothing: surfaces that it grazes by less than half a degree. */
+/* 1: lit; 0: in shadow; -1: not lit by the sun, or lit at less than half a degree. */
 static signed char *lit_of(struct stage *s, fnl_shadows shadows, uint32_t times, fnl_frame_stats *stats) {
     fnl_frame frame = s->frame;
     frame.width *= times, frame.height *= times;
@@ -224,7 +226,7 @@ static struct edges edges_of(struct stage *s) {
             for (int b = MAX(v - most, 0); b <= MIN(v + most, height * fine - 1); b++)
                 for (int a = MAX(u - most, 0); a <= MIN(u + most, width * fine - 1); a++)
                     if (truth[b * width * fine + a] == 1 - mine) nearest = MIN(nearest, (a - u) * (a - u) + (b - v) * (b - v));
-            const double away = (sqrt(nearest) - 0.5) / fine; /* the edge lies between two pixels of the truth */
+            const double away = (sqrt(nearest) - 0.5) / fine; /* the edge lies between two reference pixels */
             e.farthest = fmax(e.farthest, away);
             e.far_off += away > 1.5;
         }
@@ -254,7 +256,7 @@ static void test_edges_are_where_rays_have_them(void **state) {
         for (uint32_t k = 0; k < (size ? 4 : 2); k++) {
             if (only ? strcmp(only, worlds[i].name) != 0 : !size && !worlds[i].always) continue;
             struct stage s = stage_of(&worlds[i], elevations[k]);
-            if (size && sscanf(size, "%ux%u", &s.frame.width, &s.frame.height) != 2) fail_msg("FANAL_GRAZING=%s is no size", size);
+            if (size && sscanf(size, "%ux%u", &s.frame.width, &s.frame.height) != 2) fail_msg("FANAL_GRAZING=%s: expected WIDTHxHEIGHT", size);
             if (s.frame.width > 1000) fine = 1;
             if (memory) s.frame.shadow.memory = (uint32_t)atoi(memory);
             const struct edges e = edges_of(&s);
@@ -274,7 +276,7 @@ static uint32_t differing(const fnl_image *a, const fnl_image *b) {
     return count;
 }
 
-/* Paths find shadows in the same pages; and a view that comes back finds them there. */
+/* All paths sample the same pages, and a view that returns reuses them. */
 static void test_paths_and_frames_agree(void **state) {
     UNUSED(state);
     static const fnl_shading paths[] = {FNL_SHADING_DEFERRED, FNL_SHADING_VISIBILITY, FNL_SHADING_FORWARD_PREPASS};
@@ -298,7 +300,7 @@ static void test_paths_and_frames_agree(void **state) {
     struct shot moved = stage_shoot(&s, &s.frame);
     assert_true(counter(&moved.stats, "shadows.drawn") < oblong / 2);
     s.frame.camera.position.x -= 0.3f;
-    for (int i = 0; i < 6; i++) { /* of which the last take the pages as they are */
+    for (int i = 0; i < 6; i++) { /* the last of these frames reuse the pages as they are */
         struct shot back = stage_shoot(&s, &s.frame);
         assert_int_equal(differing(&forward.radiance, &back.radiance), 0);
         assert_int_equal(counter(&back.stats, "shadows.drawn"), 0);
@@ -309,7 +311,7 @@ static void test_paths_and_frames_agree(void **state) {
     stage_close(&s);
 }
 
-/* Of samples that pixels share only the first has a plane; and where there is no room the other pages stand in. */
+/* With MSAA, only the first sample of a pixel has a plane. If there is no room, square pages replace oblong ones. */
 static void test_samples_and_budgets(void **state) {
     UNUSED(state);
     struct stage s = stage_of(&worlds[0], 2);

@@ -12,8 +12,9 @@ _Static_assert((uint32_t)FNL_DEBUG_COARSE_REASON == GPU_DEBUG_COARSE_REASON &&
                    FNL_DEBUG_COARSE + 1 == FNL_DEBUG_COARSE_REASON,
                "and those of coarse shading");
 
-_Static_assert((uint32_t)FNL_DEBUG_CLUSTERS == GPU_DEBUG_CLUSTERS && (uint32_t)FNL_DEBUG_TRIANGLES == GPU_DEBUG_TRIANGLES,
-               "and those of the views of clusters and triangles");
+_Static_assert((uint32_t)FNL_DEBUG_CLUSTERS == GPU_DEBUG_CLUSTERS && (uint32_t)FNL_DEBUG_TRIANGLES == GPU_DEBUG_TRIANGLES &&
+                   (uint32_t)FNL_DEBUG_DEPTH_JUMPS == GPU_DEBUG_DEPTH_JUMPS,
+               "and those of the views of clusters, triangles and depth jumps");
 
 struct draw_data {
     const struct geometry_scene *scene;

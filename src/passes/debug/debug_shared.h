@@ -25,6 +25,9 @@
 #define GPU_DEBUG_COARSE_REASON 24u
 #define GPU_DEBUG_CLUSTERS 28u
 #define GPU_DEBUG_TRIANGLES 43u
+#define GPU_DEBUG_DEPTH_JUMPS 44u
+#define GPU_JUMP_LEAST 1.5f   /* ratio of depths in a tile from which on it has a color */
+#define GPU_JUMP_OCTAVES 6.0f /* the ramp ends at 2 to this power */
 
 /* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
 #define GPU_OVERSHADING_UNIT 3u

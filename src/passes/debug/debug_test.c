@@ -269,6 +269,31 @@ static void test_overdraw(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Tiles that show a near and a far quad have a color, by the ratio of their depths; others have none. */
+static void test_depth_jumps(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material m = scene_material_default();
+    const uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &m));
+    test_place(scene, mesh, (vec3){0, 0, -9}, (vec3){100, 100, 1});
+    test_place(scene, mesh, (vec3){0, 0, 4}, (vec3){0.4f, 0.4f, 1});
+    fnl_frame frame = debug_frame(FNL_DEBUG_DEPTH_JUMPS);
+    frame.lists = FNL_LISTS_TILED;
+    fnl_image image = test_render(scene, &frame, FNL_OUTPUT_COLOR);
+    uint32_t colored = 0, by_row[64] = {0};
+    for (uint32_t y = 8; y < image.height; y += 16)
+        for (uint32_t x = 8; x < image.width; x += 16) {
+            const uint8_t *c = test_pixel8(&image, x, y);
+            const bool has_color = abs(c[0] - c[1]) > 8 || abs(c[1] - c[2]) > 8;
+            colored += has_color;
+            by_row[y / 16] += has_color;
+        }
+    print_message("%u tiles jump\n", colored);
+    assert_true(colored >= 8 && colored <= 40 && by_row[0] == 0);
+    free_picture(&image);
+    fnl_scene_destroy(&scene);
+}
+
 /* A quad has two triangles, each of one color. */
 static void test_triangles(void **state) {
     UNUSED(state);
@@ -294,6 +319,7 @@ int main(void) {
         cmocka_unit_test(test_cells),
         cmocka_unit_test(test_overdraw),
         cmocka_unit_test(test_triangles),
+        cmocka_unit_test(test_depth_jumps),
     };
     return cmocka_run_group_tests_name("debug views", tests, test_group_begin, test_group_end);
 }

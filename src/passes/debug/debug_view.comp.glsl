@@ -27,6 +27,22 @@ vec3 edge_color(uint word, float grey) {
     return edge ? colors[min(surfaces, 4u)] : vec3(grey * 0.5);
 }
 
+// The largest depth of the surfaces in the pixel's tile over the smallest; 1: there is none. Lists without tiles: squares of 16 pixels.
+float depth_ratio(ivec2 pixel) {
+    bool has_tiles = LIST_KIND != GPU_LIST_ALL && LIST_KIND != GPU_LIST_WORLD && LIST_KIND != GPU_LIST_ITEMS;
+    int size = has_tiles ? int(push.lights.list.tile_size) : 16;
+    ivec2 first = pixel / size * size, end = min(first + size, ivec2(push.view.view.size));
+    float least = 3e38, most = 0.0;
+    for (int y = first.y; y < end.y; y++)
+        for (int x = first.x; x < end.x; x++) {
+            float depth = texelFetch(textures[push.normal], ivec2(x, y), 0).w;
+            if (!(depth > 0.0)) continue;
+            least = min(least, depth);
+            most = max(most, depth);
+        }
+    return most > 0.0 ? most / least : 1.0;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
@@ -60,6 +76,10 @@ void main() {
     if (mode == GPU_DEBUG_CLUSTERS || mode == GPU_DEBUG_TRIANGLES) {
         vec3 hue = abs(fract(float(counted >> 8 & 0xffffu) / 65536.0 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0;
         color = counted < 2u ? vec3(grey * 0.5) : mix(vec3(grey), clamp(hue, 0.0, 1.0), 0.65);
+    }
+    if (mode == GPU_DEBUG_DEPTH_JUMPS) {
+        float ratio = depth_ratio(pixel);
+        color = ratio < GPU_JUMP_LEAST ? vec3(grey) * 0.5 : mix(vec3(grey), heat(log2(ratio) / GPU_JUMP_OCTAVES), 0.8);
     }
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
         vec4 position = texelFetch(textures[push.position], pixel, 0);

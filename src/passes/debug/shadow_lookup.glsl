@@ -39,7 +39,7 @@ finding look_up(lighting_block l, uint light, shadowed_point p) {
         int grid = shadow_sun_grid(p.maps.suns.at[light], p.pixel);
         bool first = true;
         shadow_oblong oblong;
-    view_block v = l.scope.view;
+        view_block v = l.scope.view;
         bool is_oblong = shadow_oblong_at(p.maps, v, light, p.position, p.pixel, oblong, f.row) && p.maps.biases.at[f.row] != SHADOW_TRACED;
         if (is_oblong) grid--;
         for (; !f.found && (is_oblong || shadow_sun_find(p.maps, light, p.position, grid, f.row)); grid++) {

@@ -13,7 +13,8 @@
  */
 struct geometry_draws cull_items_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
                                      VkDeviceAddress view, const struct hierarchy *occluders);
-/** The same of items that are at least so many pixels wide or high on the screen, or reach before the near plane. */
+/** Like cull_items_add(), but keeps only items that are at least `least_pixels` wide or high on the screen, or that
+    reach in front of the near plane. */
 struct geometry_draws cull_large_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
                                      VkDeviceAddress view, const struct hierarchy *occluders, float least_pixels);
 /** cull_add with occluders. */

@@ -18,7 +18,7 @@ struct gpu_cull_push {
     uint hierarchy_height;
     uint occludee_count; /* items before this one may be hidden */
     uint repeat;         /* how often each instance is drawn */
-    float least_pixels;  /* items that are narrower and lower on the screen are left out */
+    float least_pixels;  /* items narrower and lower than this on the screen are culled; 0: off */
 };
 
 /* Marks for several views, which stand one after the other. */

@@ -11,7 +11,7 @@ static uint32_t bits_of(uint32_t most) {
     return bits;
 }
 
-/* The first group of each bucket. */
+/* Uploads the first group of each bucket, with ORDER_KEPT if the bucket is not opaque. */
 static VkDeviceAddress upload_buckets(gpu_device *device, const struct geometry_scene *scene) {
     const struct gpu_slice slice = gpu_frame_allocate(device, scene->bucket_count * sizeof(uint32_t));
     uint32_t *buckets = slice.data;
@@ -26,7 +26,7 @@ struct order {
     graph_buffer sums, visible, draws, vertices;
 };
 
-/* A step; `in` and `out` may have id 0. */
+/* Adds a step; `in`, `out` and `ordered` may have id 0: not used. */
 static void add_step(const struct order *o, const char *name, uint32_t step, uint32_t count, graph_buffer in, graph_buffer out, graph_buffer ordered) {
     struct gpu_order_push push = o->push;
     struct graph_pass *pass = graph_dispatch(o->graph, &(struct graph_dispatch){.name = name,

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Front-to-back order: one step of order.c, each between two sorts.
+// Front-to-back order: one of the steps of order.c, which alternate with sorts.
 #include "common.glsl"
 #include "view.glsl"
 #include "scene.glsl"
@@ -17,7 +17,7 @@ void put(uint index, uint key, uint value) {
     push.pairs_out.at[2u * index + 1u] = value;
 }
 
-// The last of `count` ascending numbers that is not greater; the numbers begin with 0.
+// The bucket of a group: the last bucket whose first group is not greater. Bucket 0 begins with group 0.
 uint bucket_of(uint group) {
     uint low = 0u, high = push.bucket_count;
     while (high - low > 1u) {
@@ -37,7 +37,7 @@ uint group_of(uint item) {
     return low;
 }
 
-// Ascends with the distance of an item's nearest point; 0 for those that keep their order.
+// A key that ascends with the distance of the item's nearest point; 0 if the item keeps its order.
 uint depth_of(uint item_index) {
     if ((push.buckets.at[bucket_of(group_of(item_index))] & ORDER_KEPT) != 0u) return 0u;
     gpu_item item = push.scene.scene.items.at[item_index];
@@ -47,14 +47,14 @@ uint depth_of(uint item_index) {
     for (int i = 0; i < 3; i++) extent[i] = dot(abs(instance.rows[i].xyz), primitive.half_extent);
     vec3 forward = -vec3(push.view.view.world_to_view[0].z, push.view.view.world_to_view[1].z, push.view.view.world_to_view[2].z);
     float depth = -(push.view.view.world_to_view * vec4(center, 1.0)).z - dot(abs(forward), extent);
-    return depth > 0.0 ? floatBitsToUint(depth) : 0u; // the bits of a positive float ascend with it
+    return depth > 0.0 ? floatBitsToUint(depth) : 0u; // the bits of positive floats sort like the floats
 }
 
 void main() {
     uint index = LINEAR_INVOCATION;
     if (STEP == ORDER_DEPTHS && index < push.item_count) {
         put(index, depth_of(index), index);
-    } else if (STEP == ORDER_GROUPS && index < push.item_count) { // items by depth: now by group, hidden ones last
+    } else if (STEP == ORDER_GROUPS && index < push.item_count) { // from depth order to group order, hidden items last
         uint item = push.pairs_in.at[2u * index + 1u];
         bool visible = push.sums.at[item + 1u] != push.sums.at[item];
         put(index, visible ? group_of(item) : push.group_count, item);

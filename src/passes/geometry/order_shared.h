@@ -17,10 +17,10 @@
 struct gpu_order_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(const_uint_array) buckets; /* the first group of each, and ORDER_KEPT */
-    ADDRESS(uint_array) pairs_in;      /* key, item or group */
+    ADDRESS(const_uint_array) buckets; /* first group of each bucket, and ORDER_KEPT */
+    ADDRESS(uint_array) pairs_in;      /* a key, then an item or a group */
     ADDRESS(uint_array) pairs_out;
-    ADDRESS(const_uint_array) sums;    /* of the cull step */
+    ADDRESS(const_uint_array) sums;    /* prefix sums of the cull step */
     ADDRESS(uint_array) visible;
     ADDRESS(draw_array) draws;
     ADDRESS(draw_array) ordered;

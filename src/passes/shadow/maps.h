@@ -15,7 +15,7 @@
 struct shadow_maps {
     graph_buffer held, before, pages, biases, shapes;
     graph_buffer suns; /* id 0: no light is directional */
-    graph_buffer keys, planes; /* id 0: no block of a sun has texels that are not square */
+    graph_buffer keys, planes; /* id 0: no sun has oblong blocks */
     graph_image atlas;
     VkDeviceAddress address; /* struct gpu_shadow_maps; 0: there are none */
 };

@@ -4,7 +4,8 @@
 #include "passes/shadow/oblong_shared.h"
 #include "shaders.h"
 
-/* Pixels that must need a page for it to be in use, of the 14 400 that it has room for: pages of which next to nothing is looked up cost more than they show. */
+/* Least number of pixels that must need a page before it is used; a page has room for 14 400. Pages that fewer pixels
+   sample cost more than they show. */
 enum { LEAST_PIXELS = 360 };
 
 void shadow_oblong_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, graph_image depth, graph_buffer planes, graph_buffer keys) {

@@ -1,25 +1,26 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Which pages of a sun are in use, and the rows of their blocks; a work group for each sun. A block tries one row after the other, as its name says. In each round
-// the greatest name gets what several want. So the result depends on the names alone, and most blocks have the same row from frame to frame.
+// Selects the pages of a sun that are in use, and the rows of their blocks; one work group per sun. A block tries one
+// row per round; its key determines which. If several blocks try the same row, the greatest key gets the row. The
+// result depends only on the keys, and most blocks have the same row from frame to frame.
 #include "shadows/oblong.glsl"
 #include "passes/shadow/oblong_shared.h"
 
 layout(local_size_x = SHADOW_SUN_OBLONGS) in;
 layout(push_constant, scalar) uniform push_block { gpu_shadow_oblong_push push; };
 
-const uint OWN = OBLONG_FOUND / SHADOW_SUN_OBLONGS; // pages that a thread takes
+const uint OWN = OBLONG_FOUND / SHADOW_SUN_OBLONGS; // pages per thread
 shared uint rows[SHADOW_SUN_OBLONGS], claims[SHADOW_SUN_OBLONGS], used[SHADOW_SUN_OBLONGS * 8u];
 
-// 0: it is not in use.
+// The name of a page; 0: not in use.
 uint name_at(uint sun, uint i) {
     uint at = 2u * (sun * OBLONG_FOUND + i * SHADOW_SUN_OBLONGS + gl_LocalInvocationIndex);
     return push.found.at[at + 1u] >= push.least ? push.found.at[at] : 0u;
 }
 
 void main() {
-    uint thread = gl_LocalInvocationIndex, sun = gl_WorkGroupID.x, left = 0u; // a bit for each of the thread's pages
+    uint thread = gl_LocalInvocationIndex, sun = gl_WorkGroupID.x, left = 0u; // bits: own pages without a row
     for (uint i = 0u; i < OWN; i++)
         if (name_at(sun, i) != 0u) left |= 1u << i;
     rows[thread] = 0u;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Blocks of a directional light's maps whose texels are not square (shadows/suns.glsl): which of their pages a view needs, and which rows they have.
+ * Oblong blocks of a directional light's maps, whose texels are not square (shadows/suns.glsl): the pages that a view
+ * needs and the rows of the blocks.
  *
- * Cost: a look at 9 pixels of depth for each pixel, and for each sun; 4 bytes a pixel.
+ * Cost: per pixel, 9 depths and one evaluation of each sun; 4 bytes per pixel.
  */
 #ifndef FNL_PASSES_SHADOW_OBLONG_H
 #define FNL_PASSES_SHADOW_OBLONG_H
@@ -10,8 +11,8 @@
 #include "passes/lighting/lighting.h"
 
 /**
- * Of the opaque surfaces in `depth`, as the view of `lighting` sees them. `planes` and `keys` become what struct gpu_shadow_maps has them to be. For pages that few pixels
- * need, and for those of blocks that find no row, square ones stand in.
+ * Selects oblong pages for the opaque surfaces in `depth`, from the view of `lighting`. Writes `planes` and `keys`
+ * (struct gpu_shadow_maps). Square pages replace an oblong page that few pixels need, or whose block gets no row.
  */
 void shadow_oblong_add(struct graph *graph, const struct lighting *lighting, graph_buffer suns, graph_image depth, graph_buffer planes, graph_buffer keys);
 

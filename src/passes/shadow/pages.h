@@ -4,8 +4,9 @@
  * them; here every row, of a local light or of a block of a directional one, with a page to be shown is given some, however many there are. If all that was asked for does not fit, pages become
  * coarser, those of the least important lights first: under a pressure of p a light with offset o gets pages min(max(p - o, 0), 7) levels
  * coarser, where o is half the logarithm to base 2 of how many times more important than the least important one it is, rounded down, at most
- * 8. (Before that, under pressures that are not counted here, blocks of suns whose texels are not square become coarser, by two levels at most, then go:
- * square ones stand in.) Importance is flux times the part of the directions round the viewer that the light's volume takes. The least pressure under which all
+ * 8. (Before that, under pressures that are not counted here, oblong blocks of suns become coarser, by two levels at
+ * most. Then they are dropped, and square blocks replace them.)
+ * Importance is flux times the part of the directions round the viewer that the light's volume takes. The least pressure under which all
  * fit is taken, and of the lights under it the most important ones stay under the pressure before as far as there is room; the choice depends on
  * this frame alone, so it cannot swing. Only where even the coarsest pages of all lights do not fit, from
  * pressure 16 on, do the least important lights have none (SHADOW_TRACED).
@@ -59,7 +60,7 @@ fnl_result shadow_pages_prepare(gpu_device *device, struct shadow_state *state, 
 struct shadow_pages_input {
     graph_buffer wanted; /* SHADOW_ROW_WORDS words for each row: a bit for each page that a pixel asks for */
     graph_buffer suns;   /* of shadow_suns_add(). id 0: directional lights have no rows */
-    graph_buffer keys;   /* of shadow_oblong_add(). id 0: no block whose texels are not square has a row */
+    graph_buffer keys;   /* of shadow_oblong_add(). id 0: no oblong block has a row */
     VkDeviceAddress updates; /* a number for each directional, then each local light: not 0, and its pages are drawn again where it is another than in the last frame. 0: 0 for all */
     const struct shadow_split_input *split; /* NULL: all lights that cast shadows have maps (split.h) */
     const struct lighting *lighting; /* whose lights' rows they are: at least one, as many as the state was prepared for or fewer */

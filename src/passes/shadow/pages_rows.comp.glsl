@@ -39,7 +39,8 @@ gpu_shape shape_of(gpu_shape s) {
     return s;
 }
 
-// The block that has a row of a sun. A row that no block has keeps the last one's shape, so that its pages stay for when they are needed again.
+// The shape of the block that has a row of a sun. A row without a block keeps the shape of its last block, so its
+// pages stay until they are needed again.
 gpu_shape shape_of_row(gpu_shadow_sun sun, uint index, uint row) {
     if (row >= SHADOW_SUN_SQUARES) {
         uint key = uvec2(push.keys) != uvec2(0u) ? push.keys.at[(index * SHADOW_SUN_OBLONGS + row - SHADOW_SUN_SQUARES) * SHADOW_OBLONG_WORDS] : 0u;

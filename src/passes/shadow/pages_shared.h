@@ -9,9 +9,9 @@
 #define SHADOW_CLASSES 4u       /* sizes of pages: class c is SHADOW_PAGE >> c texels wide, and a cell of the atlas holds 4^c of it */
 #define SHADOW_BIASES 8u        /* levels that pages may be coarser: 0 .. 7 */
 #define SHADOW_MOST_OFFSET 8u
-#define SHADOW_PRESSURES 28u    /* pressure 0: nothing is coarser than asked for; the last: nothing has pages */
-#define SHADOW_SPARE_PRESSURES 3u /* the first, which only weigh on rows that others stand in for: the last of them takes all of their pages */
-#define SHADOW_SPARE 0u         /* the importance of such rows; that of others is at least 1 */
+#define SHADOW_PRESSURES 28u    /* pressure 0: nothing is coarser than requested; the last: nothing has pages */
+#define SHADOW_SPARE_PRESSURES 3u /* the first, which affect only SHADOW_SPARE rows; the last drops their pages */
+#define SHADOW_SPARE 0u         /* importance of rows that other rows can replace; all others have at least 1 */
 #define SHADOW_BLOCK 256u       /* pages that a work group takes */
 #define SHADOW_NO_PLACE 0xffffffffu
 
@@ -55,7 +55,7 @@ struct gpu_shadow_cell {
 struct gpu_shadow_rows_push {
     ADDRESS(lighting_block) lighting;
     ADDRESS(const_shadow_sun_array) suns;
-    ADDRESS(const_uint_array) keys;     /* as struct gpu_shadow_maps has them; null: no block whose texels are not square has a row */
+    ADDRESS(const_uint_array) keys;     /* as in struct gpu_shadow_maps; null: no oblong block has a row */
     ADDRESS(shadow_shape_array) shapes; /* those that the last frame's pages were drawn for; those of this frame come in their place */
     ADDRESS(uint_array) rows;
     ADDRESS(const_uint_array) updates;  /* by directional light, then by local light: 0, or its maps are drawn on request, of which this is the number. Null: 0 for all */

@@ -98,7 +98,9 @@ void request_of_light(lighting_block l, uint_array wanted, uint light, vec3 posi
     request_light(l, wanted, light, request_row(l, light), shape, position, near);
 }
 
-// Of the block of texels that are not square, if the point has one, and then of a coarser grid than suits it, for when there is no room. Else of that, or where its blocks do not hold all of the point, of coarser ones besides.
+// Requests pages of a sun. If the point has an oblong page: that page, and a square page of a coarser grid in case
+// there is no room. Otherwise: a page of the grid that suits the point. Coarser grids are also used if the blocks of
+// the grid do not contain the whole point.
 void request_sun(lighting_block l, uint_array wanted, uint light, vec3 position, float near) {
     gpu_shadow_maps maps = shadow_maps_block(l.scope.shadows.maps).maps;
     gpu_shadow_sun sun = maps.suns.at[light];

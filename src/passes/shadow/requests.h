@@ -14,10 +14,13 @@ uint32_t shadow_row_count(const struct light_set *lights);
 graph_buffer shadow_suns_add(struct graph *graph, const struct lighting *lighting, const struct rays *rays);
 
 /**
- * A page for each opaque surface in `depth` and each light of the list that reaches it. The list is one of tiles or of all lights. `lighting` must have
- * neither GPU_LIGHTING_RAYS nor GPU_LIGHTING_MAPS. Of its struct gpu_shadow_maps only what says where suns have pages, `widest` and `first_row` are read, of `places` `suns`, `keys` and
- * `planes`. Returns SHADOW_ROW_WORDS words for each of `row_count`
- * rows. Cost: a look at every light of the list for every 8x8 pixels; a visit of it by each of their samples only where it may reach them and some page
+ * Requests a page for each opaque surface in `depth` and each light of the list that reaches it. The list is one of
+ * tiles or of all lights. `lighting` must be without GPU_LIGHTING_RAYS and GPU_LIGHTING_MAPS. Only these members of
+ * its struct gpu_shadow_maps are read: `suns`, `keys`, `planes` and `planes_across` (where suns have pages), `widest`
+ * and `first_row`. Only `suns`, `keys` and `planes` of `places` are read. Returns SHADOW_ROW_WORDS words for each of
+ * `row_count` rows.
+ *
+ * Cost: a look at every light of the list for every 8x8 pixels; a visit of it by each of their samples only where it may reach them and some page
  * that they may need has not been asked for yet. `weighs`: behind them is a word for each row, how many pixels the local light may reach; no fewer
  * than it does, and the more by as far as its volume ends within quads of 2x2 pixels.
  */

@@ -37,7 +37,7 @@ static fnl_result need_buffer(fnl_renderer *r, const char *name, uint64_t bytes,
     return gpu_buffer_create_for(r->device, GPU_USE_SHADOWS, name, bytes, GPU_MEMORY_DEVICE, buffer);
 }
 
-/* Whether suns may have pages whose texels are not square. The disks of soft shadows reach beyond what these show. */
+/* Whether suns may have oblong pages. The filter disks of soft shadows reach beyond what oblong pages show. */
 static bool frame_has_oblongs(const fnl_renderer *r, const fnl_frame *frame) {
     return r->scene->suns.count > 0 && frame->shadow.filter != FNL_SHADOW_FILTER_PCSS;
 }
@@ -50,7 +50,7 @@ static fnl_result prepare_oblongs(fnl_renderer *r, const fnl_frame *frame, struc
     return need_buffer(r, "shadow keys", keys_bytes(r), &s->keys);
 }
 
-/* Whether they have, in the maps of `count` views. The eyes of a display share maps, and each sees other planes. */
+/* Whether suns have oblong pages in the maps of `count` views. Eyes of a display share maps but see other planes. */
 static bool views_have_oblongs(const struct frame_state *f, uint32_t count) {
     const struct renderer_shadows *s = &f->kept->shadows;
     return count == 1 && !f->group.display && frame_has_oblongs(f->r, f->frame) && s->planes.size >= planes_bytes(f->frame) && s->keys.size >= keys_bytes(f->r);
@@ -121,14 +121,14 @@ static bool are_settled(const struct frame_state *views, uint32_t count) {
 
 /* What a set of maps is made from. */
 struct asked {
-    graph_buffer suns, planes, keys; /* id 0 of the last two: no block has texels that are not square */
+    graph_buffer suns, planes, keys; /* id 0 of the last two: no oblong blocks */
     const struct lighting *lighting; /* of the view that asks; maps have their address only */
     uint32_t pairs; /* that there is room for */
     graph_image depths[GROUP_MOST + GROUP_FAR];
     struct light_list surfaces[GROUP_MOST + GROUP_FAR];
 };
 
-/* Adds the pages that a view asks for to `wanted`; id 0: makes that. */
+/* Adds the page requests of a view to `wanted`; creates `wanted` if its id is 0. */
 static void add_requests(struct frame_state *f, const struct asked *asked, graph_image depth, const struct light_list *surfaces, graph_buffer *wanted) {
     struct lighting lighting = without_shadows(lighting_add(f->graph, f->r->device, &f->lighting, surfaces));
     COUNTERS_COPY(f, surfaces->totals, 0, lists, surface_lights);
@@ -286,14 +286,14 @@ static bool find_waiting(const struct counted *counted, uint64_t *value) {
 #define MAPS(key, unit, help, member) {"shadows." key, unit, help, COUNTED(shadow_maps, pages.member), .needs = "shadows=maps,hybrid"}
 static const struct counter rows[] = {
     MAPS("wanted", "pages", "pages of shadow maps that pixels ask for", wanted),
-    MAPS("oblong", "pages", "of them, pages of directional lights whose texels are not square, as surfaces graze the light", oblong),
+    MAPS("oblong", "pages", "of them, pages of directional lights with oblong texels, for surfaces at grazing angles", oblong),
     MAPS("pages", "pages", "pages that there are: fewer where lights were made coarser", pages),
     MAPS("drawn", "pages", "of them, drawn in this frame", drawn),
     MAPS("evicted", "pages", "pages of the last frame that this one does not have", evicted),
     MAPS("coarsened", "lights", "lights whose maps are coarser than pixels ask for, to fit into shadow.memory", coarsened),
     MAPS("traced", "lights", "lights whose shadows rays find because there is no room for a map", traced),
     MAPS("cells", "cells", "squares of 128x128 texels of shadow maps that are in use", cells),
-    MAPS("cells-wanted", "cells", "such squares that all pages that pixels ask for would take: 16 of them a MiB of shadow.memory", cells_wanted),
+    MAPS("cells-wanted", "cells", "cells that all requested pages would take; 16 cells are 1 MiB of shadow.memory", cells_wanted),
     MAPS("entries", "lights", "lights in the lists of all tiles before those in shadow leave them; 0 without shadow.classify", entries),
     MAPS("dark", "lights", "of them, removed: the whole tile is in their shadow, or they are too far from its surfaces", dark),
     MAPS("pairs", "draws", "items times pages into which they are to be drawn", pairs),
