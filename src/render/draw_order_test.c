@@ -108,6 +108,36 @@ static void test_less_is_shaded_ES_4(void **state) {
     }
 }
 
+/* Large means wide or high: a wide, low strip is in the prepass, before the wall that it hides in part. */
+static void test_a_strip_is_large(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    const fnl_material_params white = color_of(1), gray = color_of(2);
+    add_layers(scene, add_square_mesh(scene, add_material(scene, &white)), -1, 1, 3);
+    add_instance(scene, add_square_mesh(scene, add_material(scene, &gray)),
+                 mat4_from_trs((vec3){0, 0, 1}, quat_axis_angle((vec3){1, 0, 0}, PI / 2), (vec3){1.5f, 1, 0.1f}));
+    add_point_light(scene, (vec3){0, 2, 4}, 100);
+    struct stage s = stage_open_scene(scene);
+    s.frame.width = 96, s.frame.height = 64;
+    s.frame.camera.position = (vec3){0, 0, 6};
+    s.frame.camera.target = (vec3){0, 0, 0};
+    s.frame.shading = FNL_SHADING_FORWARD;
+    s.frame.lists = FNL_LISTS_ALL;
+    s.frame.shadows = FNL_SHADOWS_OFF;
+    s.frame.count_lights = true;
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    struct shot first = {0};
+    const uint64_t before = evaluations_of(&s, &first, "wall, then strip");
+    s.frame.prepass_pixels = 20;
+    const uint64_t large = evaluations_of(&s, &first, "strip first");
+    s.frame.prepass_pixels = 0;
+    s.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    assert_int_equal(large, evaluations_of(&s, &first, "prepass"));
+    assert_true(large < before);
+    shot_free(&first);
+    stage_close(&s);
+}
+
 /* The picture stays the same in three paths, also with lines and with blended surfaces, which have their own order. */
 static void test_the_picture_stays(void **state) {
     UNUSED(state);
@@ -135,6 +165,7 @@ static void test_the_picture_stays(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_less_is_shaded_ES_4, harness_check),
+        cmocka_unit_test_teardown(test_a_strip_is_large, harness_check),
         cmocka_unit_test_teardown(test_the_picture_stays, harness_check),
     };
     return cmocka_run_group_tests_name("draw_order", tests, harness_begin, harness_end);

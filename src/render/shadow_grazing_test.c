@@ -300,6 +300,12 @@ static void test_paths_and_frames_agree(void **state) {
     struct shot moved = stage_shoot(&s, &s.frame);
     assert_true(counter(&moved.stats, "shadows.drawn") < oblong / 2);
     s.frame.camera.position.x -= 0.3f;
+    const fnl_vec3 target = s.frame.camera.target;
+    s.frame.camera.target.y += 100; /* nothing but sky: pages stay for when the view returns */
+    struct shot sky = stage_shoot(&s, &s.frame);
+    assert_int_equal(counter(&sky.stats, "shadows.oblong"), 0);
+    shot_free(&sky);
+    s.frame.camera.target = target;
     for (int i = 0; i < 6; i++) { /* the last of these frames reuse the pages as they are */
         struct shot back = stage_shoot(&s, &s.frame);
         assert_int_equal(differing(&forward.radiance, &back.radiance), 0);
