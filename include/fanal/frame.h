@@ -141,7 +141,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_SHADOW_AGE,  /**< shadow maps: frames since the page of FNL_DEBUG_SHADOW_PAGES was drawn; striped where a finer one is wanted and not there */
     FNL_DEBUG_SHADOW_CLASSES, /**< fnl_shadow_options.classify: of the lights in a tile's list, those that left it, those that give no pixel light, some or all */
     FNL_DEBUG_TRIANGLES, /**< each triangle in its own color; needs fnl_device_info.primitive_ids */
-    FNL_DEBUG_DEPTH_JUMPS, /**< tiles by the ratio of their largest to their smallest depth, with a legend: where it is high, tiles list lights of the space between */
+    FNL_DEBUG_DEPTH_JUMPS, /**< tiles by the ratio of largest to smallest depth, with a legend; a high ratio means long light lists */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

@@ -11,6 +11,20 @@ static fnl_material_params color_of(uint32_t i) {
     return m;
 }
 
+/* The path forward counts light evaluations, with all lights for each pixel. */
+static struct stage forward_stage(fnl_scene *scene) {
+    struct stage s = stage_open_scene(scene);
+    s.frame.width = 96, s.frame.height = 64;
+    s.frame.camera.position = (vec3){0, 0, 6};
+    s.frame.camera.target = (vec3){0, 0, 0};
+    s.frame.shading = FNL_SHADING_FORWARD;
+    s.frame.lists = FNL_LISTS_ALL;
+    s.frame.shadows = FNL_SHADOWS_OFF;
+    s.frame.count_lights = true;
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    return s;
+}
+
 /* Upright squares one behind the other, added from the farthest to the nearest; every fifth one is mirrored. */
 static void add_layers(fnl_scene *scene, fnl_mesh_id mesh, float from, uint32_t count, float half) {
     for (uint32_t i = 0; i < count; i++)
@@ -45,16 +59,7 @@ static struct stage wall_of_layers(bool one_mesh, bool cutout) {
         add_layers(scene, add_square_mesh(scene, add_material(scene, &holes)), 1.5f, 1, 1.5f);
     }
     for (uint32_t i = 0; i < 3; i++) add_point_light(scene, (vec3){2 * (float)i - 2, 2, 4}, 100);
-    struct stage s = stage_open_scene(scene);
-    s.frame.width = 96, s.frame.height = 64;
-    s.frame.camera.position = (vec3){0, 0, 6};
-    s.frame.camera.target = (vec3){0, 0, 0};
-    s.frame.shading = FNL_SHADING_FORWARD;
-    s.frame.lists = FNL_LISTS_ALL;
-    s.frame.shadows = FNL_SHADOWS_OFF;
-    s.frame.count_lights = true;
-    s.frame.outputs = FNL_OUTPUT_RADIANCE | FNL_OUTPUT_OBJECT;
-    return s;
+    return forward_stage(scene);
 }
 
 static uint32_t differing(const fnl_image *a, const fnl_image *b) {
@@ -117,15 +122,7 @@ static void test_a_strip_is_large(void **state) {
     add_instance(scene, add_square_mesh(scene, add_material(scene, &gray)),
                  mat4_from_trs((vec3){0, 0, 1}, quat_axis_angle((vec3){1, 0, 0}, PI / 2), (vec3){1.5f, 1, 0.1f}));
     add_point_light(scene, (vec3){0, 2, 4}, 100);
-    struct stage s = stage_open_scene(scene);
-    s.frame.width = 96, s.frame.height = 64;
-    s.frame.camera.position = (vec3){0, 0, 6};
-    s.frame.camera.target = (vec3){0, 0, 0};
-    s.frame.shading = FNL_SHADING_FORWARD;
-    s.frame.lists = FNL_LISTS_ALL;
-    s.frame.shadows = FNL_SHADOWS_OFF;
-    s.frame.count_lights = true;
-    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    struct stage s = forward_stage(scene);
     struct shot first = {0};
     const uint64_t before = evaluations_of(&s, &first, "wall, then strip");
     s.frame.prepass_pixels = 20;
