@@ -84,6 +84,19 @@ bool argument_vector(const char *option, const char *text, fnl_vec3 *out) {
     return argument_bad(option, text, "three numbers such as 1,2.5,-3");
 }
 
+bool argument_take_place(const char **at, double out[3]) {
+    for (int i = 0; i < 3; i++) {
+        if (i > 0 && *(*at)++ != ',') return false;
+        if (!argument_take_number(at, &out[i]) || !isfinite((float)out[i])) return false;
+    }
+    return true;
+}
+
+bool argument_place(const char *option, const char *text, double out[3]) {
+    const char *at = text;
+    return (argument_take_place(&at, out) && !*at) || argument_bad(option, text, "three numbers such as 1,2.5,-3");
+}
+
 bool argument_size(const char *option, const char *text, uint32_t *out_width, uint32_t *out_height) {
     const char *at = text;
     uint64_t width, height;

@@ -123,7 +123,8 @@ void bench_ways_describe(const struct bench_candidate *candidate, json_t *result
 
 struct bench_point {
     double time; /* seconds; poses the scene's animation */
-    fnl_camera camera;
+    double eye[3], target[3]; /* places: origin.h */
+    fnl_camera camera;        /* but for where it is */
 };
 
 /** Points of a path through a scene. */
@@ -137,6 +138,8 @@ bool bench_path_is_circle(const char *source, uint32_t *count);
 /** Loads a file of points, or makes a circle of `orbit_count` or N points; `base` gives what a point does not say. False with a message. */
 bool bench_path_create(struct bench_path *path, const char *source, const fnl_scene *scene, const fnl_camera *base,
                        uint32_t orbit_count, float aspect);
+/** The camera of a picture, past the last point from the first on; the scene's origin follows it (origin.h). False with a message. */
+bool bench_path_camera(const struct bench_path *path, fnl_scene *scene, uint32_t index, fnl_camera *out);
 void bench_path_destroy(struct bench_path *path);
 
 /* ---- scenes (bench_scene.c) ---- */

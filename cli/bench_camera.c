@@ -2,6 +2,7 @@
 /* Where the camera is in each frame: a file of points, or a circle round the scene. */
 #include "arguments.h"
 #include "bench.h"
+#include "origin.h"
 #include "print.h"
 
 #include "input.h"
@@ -31,17 +32,17 @@ static bool bad_line(const char *file, unsigned line, const char *problem) {
 
 static bool parse_line(struct bench_path *path, const char *file, unsigned line, const char *text, const fnl_camera *base) {
     struct bench_point point = {.camera = *base};
-    fnl_vec3 *eye = &point.camera.position, *target = &point.camera.target;
+    double *eye = point.eye, *target = point.target;
     int used = 0;
     text += strspn(text, " \t\r\n");
     if (!*text || *text == '#') return true;
-    if (sscanf(text, "%lf %f %f %f %f %f %f %n", &point.time, &eye->x, &eye->y, &eye->z, &target->x, &target->y, &target->z,
+    if (sscanf(text, "%lf %lf %lf %lf %lf %lf %lf %n", &point.time, &eye[0], &eye[1], &eye[2], &target[0], &target[1], &target[2],
                &used) != 7 ||
         !used || (text[used] && text[used] != '#'))
         return bad_line(file, line, "not 'seconds eye.x eye.y eye.z target.x target.y target.z'");
-    float sum = eye->x + eye->y + eye->z + target->x + target->y + target->z;
+    const float sum = (float)eye[0] + (float)eye[1] + (float)eye[2] + (float)target[0] + (float)target[1] + (float)target[2];
     if (!isfinite(point.time) || !isfinite(sum)) return bad_line(file, line, "a number is not finite");
-    if (eye->x == target->x && eye->y == target->y && eye->z == target->z)
+    if (eye[0] == target[0] && eye[1] == target[1] && eye[2] == target[2])
         return bad_line(file, line, "the target is where the eye is");
     if (path->count && point.time < path->points[path->count - 1].time) return bad_line(file, line, "time runs backwards");
     if (path->count == POINTS_MAX) return bad_line(file, line, "more than 1048576 points");
@@ -64,6 +65,14 @@ static bool load_points(struct bench_path *path, const char *file, const fnl_cam
     return good;
 }
 
+/* A camera as the scene's origin stands now. */
+static bool add_camera(struct bench_path *path, const fnl_scene *scene, double time, const fnl_camera *camera) {
+    struct bench_point point = {.time = time, .camera = *camera};
+    origin_place(scene, camera->position, point.eye);
+    origin_place(scene, camera->target, point.target);
+    return add_point(path, &point);
+}
+
 /*
  * A circle round the scene at the distance of the camera that frames it. The orbit keeps that camera's height and goes with the x axis towards
  * the z axis; on the turntable the camera is level, and the scene seems to turn that way, so the camera goes the other.
@@ -80,10 +89,9 @@ static bool make_circle(struct bench_path *path, const fnl_scene *scene, bool tu
     }
     for (uint32_t i = 0; i < count; i++) {
         float angle = start + turn * (float)i / (float)count;
-        struct bench_point point = {i * CIRCLE_STEP, framing};
-        point.camera.position.x = center.x + radius * cosf(angle);
-        point.camera.position.z = center.z + radius * sinf(angle);
-        if (!add_point(path, &point)) return false;
+        framing.position.x = center.x + radius * cosf(angle);
+        framing.position.z = center.z + radius * sinf(angle);
+        if (!add_camera(path, scene, i * CIRCLE_STEP, &framing)) return false;
     }
     return true;
 }
@@ -107,12 +115,21 @@ bool bench_path_is_circle(const char *source, uint32_t *count) {
 bool bench_path_create(struct bench_path *path, const char *source, const fnl_scene *scene, const fnl_camera *base,
                         uint32_t orbit_count, float aspect) {
     *path = (struct bench_path){0};
-    bool good = !source ? add_point(path, &(struct bench_point){.camera = *base})
+    bool good = !source ? add_camera(path, scene, 0, base)
                 : bench_path_is_circle(source, &orbit_count)
                     ? make_circle(path, scene, *source == 't', orbit_count, aspect)
                     : load_points(path, source, base);
     if (!good) bench_path_destroy(path);
     return good;
+}
+
+bool bench_path_camera(const struct bench_path *path, fnl_scene *scene, uint32_t index, fnl_camera *out) {
+    const struct bench_point *point = &path->points[index % path->count];
+    if (!origin_follow(scene, point->eye)) return false;
+    *out = point->camera;
+    out->position = origin_position(scene, point->eye);
+    out->target = origin_position(scene, point->target);
+    return true;
 }
 
 void bench_path_destroy(struct bench_path *path) {

@@ -140,7 +140,7 @@ static bool render(struct bench_run *run, struct lane *lane, const fnl_frame *fr
 static fnl_frame frame_at(struct bench_run *run, const struct lane *lane, uint32_t index) {
     fnl_frame frame = lane->frame;
     const struct bench_point *point = &run->path.points[index % run->path.count];
-    frame.camera = point->camera;
+    if (!bench_path_camera(&run->path, run->scene, index, &frame.camera)) run->failed = true;
     if (!run->settings->stereo) return frame;
     frame.views = run->eyes;
     frame.view_count = HEADSET_EYES;

@@ -295,10 +295,11 @@ static bool run_case(fnl_device *device, const struct bench_settings *settings, 
     struct subject *subjects = calloc(count, sizeof *subjects);
     const fnl_host host = fnl_host_default();
     struct bench_path path = {0};
+    fnl_camera camera;
     fnl_scene *scene = NULL;
     bool good = subjects && bench_scene_load(&host, settings, where->scene, where->lights, &scene) &&
-                bench_scene_path(scene, settings, NULL, (float)where->width / (float)where->height, &path) &&
-                open_lanes(device, scene, settings, where, &path.points[0].camera, subjects, kinds, count) &&
+                bench_scene_path(scene, settings, NULL, (float)where->width / (float)where->height, &path) && bench_path_camera(&path, scene, 0, &camera) &&
+                open_lanes(device, scene, settings, where, &camera, subjects, kinds, count) &&
                 measure(settings, part, subjects, count) && add_rows(settings, where, scene, subjects, kinds, data) &&
                 (!equal || add_equal_rows(where, subjects, count, data));
     if (good) add_pictures(settings, where, subjects, kinds, data->pictures);

@@ -78,9 +78,9 @@ static void test_paths(void **state) {
     struct bench_path path;
     assert_true(load_path("# comment\n\n  0 1 2 3  4 5 6\n0.5\t-1 2 3 4 5 6 # more\r\n1 7 8 9 1 1 1", &path));
     assert_int_equal(path.count, 3);
-    assert_true(path.points[0].camera.position.y == 2 && path.points[0].camera.target.z == 6);
-    assert_true(path.points[1].time == 0.5 && path.points[1].camera.position.x == -1);
-    assert_true(path.points[2].camera.position.z == 9);
+    assert_true(path.points[0].eye[1] == 2 && path.points[0].target[2] == 6);
+    assert_true(path.points[1].time == 0.5 && path.points[1].eye[0] == -1);
+    assert_true(path.points[2].eye[2] == 9);
     assert_true(path.points[2].camera.vertical_fov == fnl_camera_default().vertical_fov);
     bench_path_destroy(&path);
     static const char *const bad[] = {"",
@@ -112,7 +112,8 @@ static void test_circles(void **state) {
     float scale = hypotf(hypotf(x, z), y) / hypotf(x, z);
     const float quarter[2][3] = {{-z, y, x}, {z * scale, 0, -x * scale}}; /* from the x axis to the z axis, and back */
     for (int i = 0; i < 2; i++) {
-        const fnl_camera *first = &(i ? turntable : orbit).points[0].camera, *next = i ? &turntable.points[2].camera : &orbit.points[1].camera;
+        fnl_camera cameras[2], *first = &cameras[0], *next = &cameras[1];
+        for (uint32_t k = 0; k < 2; k++) assert_true(bench_path_camera(i ? &turntable : &orbit, scene, i && k ? 2 : k, &cameras[k]));
         assert_float_equal(first->position.x, center.x + (i ? scale : 1) * x, near);
         assert_float_equal(first->position.z, center.z + (i ? scale : 1) * z, near);
         assert_float_equal(first->position.y, center.y + quarter[i][1], near);

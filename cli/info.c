@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "json_text.h"
 #include "loading.h"
+#include "origin.h"
 #include "print.h"
 
 #include "fanal/scene.h"
@@ -67,7 +68,7 @@ static void print_count(const char *name, uint64_t value, const char *note) {
     printf("  %-12s %12s%s%s\n", name, grouped(value, text), *note ? "  " : "", note);
 }
 
-static void print_counts(const fnl_scene_info *info) {
+static void print_counts(const fnl_scene *scene, const fnl_scene_info *info) {
     char note[128], number[32];
     snprintf(note, sizeof note, "(%s in the meshes, each counted once)", grouped(info->unique_triangle_count, number));
     print_count("triangles", info->triangle_count, note);
@@ -104,9 +105,14 @@ static void print_counts(const fnl_scene_info *info) {
         puts("  extent       nothing is shown");
         return;
     }
-    printf("  %-12s %.4g x %.4g x %.4g m, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g)\n", "extent",
-           (double)(high.x - low.x), (double)(high.y - low.y), (double)(high.z - low.z), (double)low.x, (double)low.y,
-           (double)low.z, (double)high.x, (double)high.y, (double)high.z);
+    double from[3], to[3], origin[3];
+    const int digits = origin_digits(scene) > 9 ? 10 : 4;
+    origin_place(scene, low, from);
+    origin_place(scene, high, to);
+    printf("  %-12s %.4g x %.4g x %.4g m, from (%.*g, %.*g, %.*g) to (%.*g, %.*g, %.*g)\n", "extent", (double)(high.x - low.x), (double)(high.y - low.y),
+           (double)(high.z - low.z), digits, from[0], digits, from[1], digits, from[2], digits, to[0], digits, to[1], digits, to[2]);
+    if (digits > 4 && fnl_scene_query_origin(scene, origin) == FNL_OK)
+        printf("  %-12s (%.10g, %.10g, %.10g): near it floats are exact\n", "origin", origin[0], origin[1], origin[2]);
 }
 
 /** Long lists are cut in the text, not in the JSON. */
@@ -185,6 +191,12 @@ static void print_light_member(const fnl_light_params *light, const fnl_light_me
     }
 }
 
+static void print_place(const fnl_scene *scene, fnl_vec3 position) {
+    double place[3];
+    origin_place(scene, position, place);
+    printf("  at %8.3f %8.3f %8.3f", place[0], place[1], place[2]);
+}
+
 static void print_lights(const fnl_scene *scene, uint32_t count) {
     if (count) puts("\nLights");
     for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
@@ -193,7 +205,7 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
         const fnl_light_kind_info *kind = fnl_light_kind_find(light.kind);
         printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", fnl_value_name(FNL_ENUM_LIGHT_KIND, light.kind), (double)light.intensity, kind->parallel ? "lx" : "cd",
                (double)light.color[0], (double)light.color[1], (double)light.color[2]);
-        if (kind->has_position) printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
+        if (kind->has_position) print_place(scene, light.position);
         if (kind->has_range && isinf(light.range))
             printf("  no range");
         else if (kind->has_range)
@@ -217,7 +229,8 @@ static void print_cameras(const fnl_scene *scene, uint32_t count) {
             printf("orthographic, %.4g m high", (double)camera.vertical_extent);
         else
             printf("perspective, %.1f degrees", (double)camera.vertical_fov * 180 / 3.14159265358979);
-        printf("  at %8.3f %8.3f %8.3f\n", (double)camera.position.x, (double)camera.position.y, (double)camera.position.z);
+        print_place(scene, camera.position);
+        putchar('\n');
     }
     print_rest(count);
 }
@@ -265,7 +278,7 @@ static void print_metadata(const fnl_scene *scene) {
 
 static void print_text(const fnl_scene *scene, const char *source, const fnl_scene_info *info, uint32_t variant) {
     printf("%s\n", source);
-    print_counts(info);
+    print_counts(scene, info);
     print_images(scene, info->image_count);
     print_lights(scene, info->light_count);
     print_cameras(scene, info->camera_count);
@@ -284,6 +297,12 @@ static void print_text(const fnl_scene *scene, const char *source, const fnl_sce
 }
 
 /* ---- JSON ---- */
+
+static json_t *json_place(const fnl_scene *scene, fnl_vec3 position) {
+    double place[3];
+    origin_place(scene, position, place);
+    return json_pack("[f,f,f]", place[0], place[1], place[2]);
+}
 
 static json_t *json_vec3(fnl_vec3 v) { return json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z); }
 
@@ -328,12 +347,12 @@ static void add_light_members(json_t *object, const fnl_light_params *light, con
     }
 }
 
-static json_t *json_light(const char *name, const fnl_light_params *light) {
+static json_t *json_light(const fnl_scene *scene, const char *name, const fnl_light_params *light) {
     const fnl_light_kind_info *kind = fnl_light_kind_find(light->kind);
     json_t *object =
         json_pack("{s:o,s:s,s:f,s:[f,f,f]}", "name", json_text(name), "kind", fnl_value_name(FNL_ENUM_LIGHT_KIND, light->kind), "intensity", (double)light->intensity,
                   "color", (double)light->color[0], (double)light->color[1], (double)light->color[2]);
-    if (kind->has_position) json_object_set_new(object, "position", json_vec3(light->position));
+    if (kind->has_position) json_object_set_new(object, "position", json_place(scene, light->position));
     if (kind->has_range) json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
     if (kind->has_direction) json_object_set_new(object, "direction", json_vec3(light->direction));
     add_light_members(object, light, kind);
@@ -354,8 +373,8 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
     json_object_set_new(object, "orthographic", json_boolean(camera.orthographic));
     json_object_set_new(object, camera.orthographic ? "vertical_extent" : "vertical_fov",
                         json_real((double)(camera.orthographic ? camera.vertical_extent : camera.vertical_fov)));
-    json_object_set_new(object, "position", json_vec3(camera.position));
-    json_object_set_new(object, "target", json_vec3(camera.target));
+    json_object_set_new(object, "position", json_place(scene, camera.position));
+    json_object_set_new(object, "target", json_place(scene, camera.target));
     return object;
 }
 
@@ -384,7 +403,7 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     for (uint32_t i = 0; i < info->light_count; i++) {
         fnl_light_params light;
         fnl_scene_query_light(scene, i, &light);
-        json_array_append_new(lights, json_light(name_of(scene, FNL_ENTITY_LIGHT, i), &light));
+        json_array_append_new(lights, json_light(scene, name_of(scene, FNL_ENTITY_LIGHT, i), &light));
     }
     for (uint32_t i = 0; i < info->camera_count; i++) json_array_append_new(cameras, json_camera(scene, i));
     for (uint32_t i = 0; i < info->animation_count; i++) {
@@ -403,13 +422,16 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     for (uint32_t i = 0; i < info->message_count; i++)
         json_array_append_new(warnings, json_text(fnl_scene_message(scene, i)));
     bool empty = info->bounds_low.x > info->bounds_high.x;
+    double origin[3] = {0, 0, 0};
+    (void)fnl_scene_query_origin(scene, origin);
     json_object_set_new(root, "source", json_text(source));
     json_object_set_new(root, "counts", json_counts(info));
     json_object_set_new(root, "light_threshold", info->light_threshold > 0 ? json_real(info->light_threshold) : json_null());
     json_object_set_new(
         root, "extent",
         empty ? json_null()
-              : json_pack("{s:o,s:o}", "low", json_vec3(info->bounds_low), "high", json_vec3(info->bounds_high)));
+              : json_pack("{s:o,s:o}", "low", json_place(scene, info->bounds_low), "high", json_place(scene, info->bounds_high)));
+    json_object_set_new(root, "origin", json_pack("[f,f,f]", origin[0], origin[1], origin[2]));
     json_object_set_new(root, "images", images);
     json_object_set_new(root, "lights", lights);
     json_object_set_new(root, "cameras", cameras);

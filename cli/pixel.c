@@ -3,6 +3,7 @@
 
 #include "arguments.h"
 #include "json_text.h"
+#include "origin.h"
 #include "print.h"
 
 #include <stdio.h>
@@ -52,7 +53,10 @@ void pixel_print(const fnl_scene *scene, const fnl_pixel_info *p) {
         puts(": nothing is there");
         return;
     }
-    printf(": at %.6g %.6g %.6g, %.6g m deep\n", (double)p->position.x, (double)p->position.y, (double)p->position.z, (double)p->view_depth);
+    double at[3];
+    origin_place(scene, p->position, at);
+    const int digits = origin_digits(scene) > 9 ? 12 : 6;
+    printf(": at %.*g %.*g %.*g, %.6g m deep\n", digits, at[0], digits, at[1], digits, at[2], (double)p->view_depth);
     printf("  normal %.4f %.4f %.4f; base colour %.4f %.4f %.4f%s, metallic %.3f, roughness %.3f\n", (double)p->normal.x, (double)p->normal.y,
            (double)p->normal.z, (double)p->base_color[0], (double)p->base_color[1], (double)p->base_color[2], p->unlit ? " (unlit)" : "", (double)p->metallic,
            (double)p->roughness);
@@ -96,7 +100,9 @@ json_t *pixel_json(const fnl_scene *scene, const fnl_pixel_info *p) {
     json_t *json = json_pack("{s:i,s:i,s:i,s:b}", "x", (int)p->query.x, "y", (int)p->query.y, "view", (int)p->query.view, "hit", p->hit);
     json_t *lights = json_array();
     for (uint32_t i = 0; i < p->light_count; i++) json_array_append_new(lights, light_json(scene, &p->lights[i]));
-    json_object_set_new(json, "position", place(p->position));
+    double at[3];
+    origin_place(scene, p->position, at);
+    json_object_set_new(json, "position", json_pack("[f,f,f]", at[0], at[1], at[2]));
     json_object_set_new(json, "normal", place(p->normal));
     json_object_set_new(json, "view_depth", json_real((double)p->view_depth));
     json_object_set_new(json, "base_color", rgb(p->base_color));

@@ -111,7 +111,7 @@ struct render_report {
     uint32_t picture_count; /* that were written of a sequence */
     bool interrupted;       /* the sequence, before its end */
     fnl_frame_stats stats; /* of the last, counted frame; its passes are not used */
-    const fnl_scene *pixel_scene;
+    const fnl_scene *shown;
     fnl_pixel_info pixel;          /* that was asked for, if one was */
     fnl_pixel_light pixel_lights[FNL_PIXEL_LIGHTS];
     uint32_t frame_count;

@@ -361,11 +361,10 @@ static bool save_stats(const struct render_options *o, const struct render_repor
 }
 
 /* Of the last frame; the lights are copied, as the renderer keeps them only until the next call. */
-static bool query_pixel(fnl_renderer *renderer, const fnl_scene *scene, struct render_report *report) {
+static bool query_pixel(fnl_renderer *renderer, struct render_report *report) {
     if (fnl_renderer_query_pixel(renderer, &report->pixel) != FNL_OK) return false;
     if (report->pixel.light_count) memcpy(report->pixel_lights, report->pixel.lights, report->pixel.light_count * sizeof *report->pixel_lights);
     report->pixel.lights = report->pixel_lights;
-    report->pixel_scene = scene;
     return true;
 }
 
@@ -430,7 +429,8 @@ static int run(const struct render_options *o) {
     }
     if (good && !sequence && linear) good = run_linear(o, linear, frame, &mean);
     report.frame = frame;
-    if (good && frame.pixel.asked) good = query_pixel(renderer, scene, &report);
+    report.shown = scene;
+    if (good && frame.pixel.asked) good = query_pixel(renderer, &report);
     if (good && o->validate && fnl_device_validation_count(device)) {
         fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",
                 (unsigned long long)fnl_device_validation_count(device));

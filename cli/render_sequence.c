@@ -69,7 +69,7 @@ static bool pose(struct sequence *s, uint32_t index) {
     uint32_t ignored;
     bool file_time = o->camera_path && !bench_path_is_circle(o->camera_path, &ignored) && !o->has_frame_time;
     s->time = o->world.time + (file_time ? point->time : index * o->frame_time);
-    s->frame.camera = point->camera;
+    if (!bench_path_camera(&s->path, s->scene, index, &s->frame.camera)) return false;
     if (o->world.fov > 0) s->frame.camera.vertical_fov = o->world.fov;
     if (o->eyes && !stereo_cameras(o->eyes, &s->frame.camera, s->time, s->frame.width, s->frame.height, s->eyes)) return false;
     if (o->eyes) s->frame.gaze = stereo_gaze(o->eyes, &s->frame.camera, s->time, &s->gaze);

@@ -5,6 +5,7 @@
  */
 #include "counters.h"
 #include "json_text.h"
+#include "origin.h"
 #include "pixel.h"
 #include "program.h"
 #include "render.h"
@@ -21,8 +22,14 @@ static json_t *counted(bool is_known, uint64_t value) { return is_known ? intege
 static json_t *measured(bool is_known, double value) { return is_known ? json_real(value) : json_null(); }
 static json_t *vector(fnl_vec3 v) { return json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z); }
 
-static json_t *make_camera(const fnl_camera *c) {
-    return json_pack("{s:o,s:o,s:o,s:b,s:f,s:f}", "position", vector(c->position), "target", vector(c->target), "up",
+static json_t *place(const fnl_scene *scene, fnl_vec3 position) {
+    double at[3];
+    origin_place(scene, position, at);
+    return json_pack("[f,f,f]", at[0], at[1], at[2]);
+}
+
+static json_t *make_camera(const fnl_scene *scene, const fnl_camera *c) {
+    return json_pack("{s:o,s:o,s:o,s:b,s:f,s:f}", "position", place(scene, c->position), "target", place(scene, c->target), "up",
                                vector(c->up), "orthographic", c->orthographic, "vertical_fov",
                                (double)c->vertical_fov * 57.295779513082321, "vertical_extent", (double)c->vertical_extent);
 }
@@ -44,7 +51,7 @@ static json_t *make_view(const struct render_report *r) {
                      "shading", fnl_value_name(FNL_ENUM_SHADING, s->shading), "lists", fnl_value_name(FNL_ENUM_LISTS, s->lists), "msaa",
                      (int)s->msaa, "choice", s->choice[0] ? json_text(s->choice) : json_null(), "candidates", make_candidates(s), "picture",
                      counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera",
-                     make_camera(&r->frame.camera));
+                     make_camera(r->shown, &r->frame.camera));
 }
 
 static struct report_summary row_of(const struct render_report *r, const double *rows, uint32_t index) {
@@ -118,7 +125,7 @@ static json_t *make_views(const struct render_report *r) {
     for (uint32_t i = 0; i < r->stats.view_count; i++) {
         struct render_report view = *r;
         view.stats = r->stats.views[i];
-        json_t *own = json_pack("{s:o,s:o,s:o,s:f}", "camera", make_camera(&r->frame.views[i]), "lights", make_lights(&view),
+        json_t *own = json_pack("{s:o,s:o,s:o,s:f}", "camera", make_camera(r->shown, &r->frame.views[i]), "lights", make_lights(&view),
                                 "culling", make_culling(&view), "ev", (double)view.stats.ev);
         if (own) counters_set_groups(own, &view.stats);
         json_array_append_new(views, own);
@@ -150,7 +157,7 @@ char *report_text(const struct render_report *r, bool line) {
     json_object_set_new(json, "memory",
                         json_pack("{s:o,s:o,s:o}", "device_bytes", integer(s->device_bytes), "peak_bytes", integer(s->device_peak_bytes), "kinds", kinds));
     json_object_set_new(json, "images", make_images(r));
-    json_object_set_new(json, "pixel", pixel_json(r->pixel_scene, &r->pixel));
+    json_object_set_new(json, "pixel", pixel_json(r->shown, &r->pixel));
     counters_set_groups(json, s);
     char *text = json_text_write(json, (line ? JSON_COMPACT : JSON_INDENT(2)) | JSON_REAL_PRECISION(DIGITS));
     json_decref(json);

@@ -10,6 +10,7 @@
 static json_t *vector(bool is_set, fnl_vec3 v) {
     return is_set ? json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z) : json_null();
 }
+static json_t *place(bool is_set, const double p[3]) { return is_set ? json_pack("[f,f,f]", p[0], p[1], p[2]) : json_null(); }
 static json_t *number(bool is_set, double value) { return is_set ? json_real(value) : json_null(); }
 
 static json_t *names(uint32_t bits, const char *(*name_of)(int)) {
@@ -34,7 +35,7 @@ static json_t *make_picture(const struct render_options *o) {
     for (int i = 0; i < o->output_count; i++) json_array_append_new(outputs, json_text(o->outputs[i]));
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:o,s:b,s:b,s:o,s:o}", "output", outputs, "format",
                      json_text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", json_text(o->world.camera), "views", json_text(o->views), "camera_path",
-                     json_text(o->camera_path), "eye", vector(o->world.has_eye, o->world.eye), "look_at", vector(o->world.has_look_at, o->world.look_at), "fov",
+                     json_text(o->camera_path), "eye", place(o->world.has_eye, o->world.eye), "look_at", place(o->world.has_look_at, o->world.look_at), "fov",
                      number(o->world.fov > 0, (double)o->world.fov * 57.295779513082321), "near", number(o->world.near > 0, (double)o->world.near), "up",
                      vector(o->world.up.x != 0 || o->world.up.y != 0 || o->world.up.z != 0, o->world.up), "background",
                      vector(o->world.has_background, o->world.background), "ambient", vector(o->world.has_ambient, o->world.ambient), "environment",
@@ -48,9 +49,10 @@ static json_t *probes(const struct render_options *o) {
     json_t *array = json_array();
     for (uint32_t i = 0; i < o->world.probe_count; i++) {
         const fnl_probe_params *p = &o->world.probes[i];
-        const float values[] = {p->centre.x, p->centre.y, p->centre.z, p->half_size.x, p->half_size.y, p->half_size.z, p->softness};
+        const double *centre = o->world.probe_centres[i];
+        const double values[] = {centre[0], centre[1], centre[2], (double)p->half_size.x, (double)p->half_size.y, (double)p->half_size.z, (double)p->softness};
         json_t *probe = json_array();
-        for (size_t j = 0; j < sizeof values / sizeof *values; j++) json_array_append_new(probe, json_real((double)values[j]));
+        for (size_t j = 0; j < sizeof values / sizeof *values; j++) json_array_append_new(probe, json_real(values[j]));
         json_array_append_new(array, probe);
     }
     return array;

@@ -2,6 +2,7 @@
 #include "world.h"
 
 #include "arguments.h"
+#include "origin.h"
 #include "print.h"
 #include "progress.h"
 #include "views.h"
@@ -19,14 +20,15 @@ bool world_has(int option) { return loading_has(option) || (option >= WORLD_CAME
 static bool parse_probe(const char *value, struct world_options *o) {
     fnl_probe_params p = fnl_probe_params_default();
     const char *at = value;
-    float numbers[6];
+    float half[3];
+    double *centre = o->probe_centres[o->probe_count];
     if (strcmp(value, "auto") == 0) return o->probe_auto = true;
     if (o->probe_count == WORLD_PROBES) return argument_bad("probe", value, "given 32 times at most");
-    bool good = argument_take_numbers(&at, numbers, 6);
+    bool good = argument_take_place(&at, centre) && *at == ',';
+    good = good && (++at, argument_take_numbers(&at, half, 3));
     if (good && *at == ',') good = (++at, argument_take_numbers(&at, &p.softness, 1));
-    p.centre = (fnl_vec3){numbers[0], numbers[1], numbers[2]};
-    p.half_size = (fnl_vec3){numbers[3], numbers[4], numbers[5]};
     if (!good || *at) return argument_bad("probe", value, "auto, or six or seven numbers such as 0,1.5,0,3,1.5,4,0.5");
+    p.half_size = (fnl_vec3){half[0], half[1], half[2]};
     o->probes[o->probe_count++] = p;
     return true;
 }
@@ -65,10 +67,10 @@ bool world_parse(int option, const char *value, struct world_options *o) {
         return true;
     case WORLD_EYE:
         o->has_eye = true;
-        return argument_vector("eye", value, &o->eye);
+        return argument_place("eye", value, o->eye);
     case WORLD_LOOK_AT:
         o->has_look_at = true;
-        return argument_vector("look-at", value, &o->look_at);
+        return argument_place("look-at", value, o->look_at);
     case WORLD_FOV:
         if (!argument_number("fov", value, &number)) return false;
         if (!(number > 0 && number < 180)) return argument_bad("fov", value, "an angle between 0 and 180 degrees");
@@ -227,11 +229,11 @@ bool world_set_time(const struct world_options *o, fnl_scene *scene, double time
     return fnl_scene_set_times(scene, times, count) == FNL_OK;
 }
 
-static bool choose_camera(const struct world_options *o, const fnl_scene *scene, float aspect, fnl_camera *out) {
+static bool find_camera(const struct world_options *o, const fnl_scene *scene, float aspect, fnl_camera *out) {
     if (o->has_eye) {
         *out = fnl_camera_default();
-        out->position = o->eye;
-        out->target = o->look_at;
+        out->position = origin_position(scene, o->eye);
+        out->target = origin_position(scene, o->look_at);
     } else if (o->camera) {
         if (!views_find_camera(scene, "--camera", o->camera, out)) return false;
     } else if (fnl_scene_count(scene, FNL_ENTITY_CAMERA) > 0) {
@@ -243,6 +245,14 @@ static bool choose_camera(const struct world_options *o, const fnl_scene *scene,
     if (o->near > 0) out->near_distance = o->near;
     if (o->up.x != 0 || o->up.y != 0 || o->up.z != 0) out->up = o->up;
     return true;
+}
+
+/* The origin comes to the camera, which is then found once more, without the error of floats from afar. */
+static bool choose_camera(const struct world_options *o, fnl_scene *scene, float aspect, fnl_camera *out) {
+    double place[3];
+    if (!find_camera(o, scene, aspect, out)) return false;
+    origin_place(scene, out->position, place);
+    return origin_follow(scene, o->has_eye ? o->eye : place) && find_camera(o, scene, aspect, out);
 }
 
 static bool show_loading(void *user, uint32_t done, uint32_t total) {
@@ -285,6 +295,7 @@ static bool add_probes(const struct world_options *o, fnl_scene *scene) {
     }
     for (uint32_t i = 0; i < o->probe_count; i++) {
         params = o->probes[i];
+        params.centre = origin_position(scene, o->probe_centres[i]);
         params.reflection = o->probe_reflections;
         if (fnl_scene_add_probe(scene, &params, &id) != FNL_OK) return false;
     }

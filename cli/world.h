@@ -11,7 +11,8 @@ struct world_options {
     const char *scene, *camera, *animation, *variant;
     const char *ies; /* NULL: lights as the scene has them */
     bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, has_range_roughness;
-    fnl_vec3 eye, look_at, background, ambient;
+    double eye[3], look_at[3]; /* places: origin.h */
+    fnl_vec3 background, ambient;
     float anisotropy, range_roughness;
     float fov; /* radians; 0: the camera's */
     float near; /* metres; 0: the camera's */
@@ -24,7 +25,8 @@ struct world_options {
     uint32_t grow_metal; /* texels */
     fnl_load_params loading;
     double time; /* of the animation, seconds */
-    fnl_probe_params probes[WORLD_PROBES];
+    fnl_probe_params probes[WORLD_PROBES]; /* but for their centres */
+    double probe_centres[WORLD_PROBES][3]; /* places */
     uint32_t probe_count;
     bool probe_auto, probe_reflections;
     bool has_ground, has_studio, no_studio;

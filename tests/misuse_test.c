@@ -124,6 +124,7 @@ static fnl_frame_stats stats;
 static bool is_done;
 static fnl_pixel_info pixel_info;
 static fnl_scene_info info;
+static double somewhere[3];
 static fnl_entity_info entity_info;
 static fnl_instance_info instance_info;
 static fnl_image_info image_info;
@@ -363,6 +364,8 @@ static fnl_loaded loaded;
     X(fnl_scene_set_ambient, NULLED("scene", fnl_scene_set_ambient(NULL, camera.up, camera.up)))                            \
     X(fnl_scene_set_anisotropy, NULLED("scene", fnl_scene_set_anisotropy(NULL, 1)))                                         \
     X(fnl_scene_set_texture_bias, NULLED("scene", fnl_scene_set_texture_bias(NULL, 1)))                                     \
+    X(fnl_scene_set_origin, NULLED("scene", fnl_scene_set_origin(NULL, somewhere)))                                         \
+    X(fnl_scene_query_origin, NULLED("scene", fnl_scene_query_origin(NULL, somewhere)))                                     \
     X(fnl_scene_set_background, NULLED("scene", fnl_scene_set_background(NULL, camera.up)))                                 \
     X(fnl_scene_set_decal, NULLED("scene", fnl_scene_set_decal(NULL, w.decal, &decal));                                     \
       NULLED("params", fnl_scene_set_decal(w.scene, w.decal, NULL)))                                                        \
@@ -628,6 +631,7 @@ static void test_other_arguments(void **state) {
     environment.intensity = -1;
     SAYS("fnl_scene_set_environment", "intensity is -1, must be 0 .. 1e+06", fnl_scene_set_environment(w.scene, &environment));
     SAYS("fnl_scene_query_environment", "the scene has no environment", fnl_scene_query_environment(w.scene, &environment));
+    SAYS("fnl_scene_set_origin", "origin[1] is 2e+12, must be -1e+12 .. 1e+12 m", fnl_scene_set_origin(w.scene, (const double[]){0, 2e12, 0}));
     SAYS("fnl_scene_set_texture_bias", "levels is 17, must be -16 .. 16 levels of detail", fnl_scene_set_texture_bias(w.scene, 17));
     SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
     SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));

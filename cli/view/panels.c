@@ -4,6 +4,7 @@
 
 #include "legend.h"
 #include "options.h"
+#include "origin.h"
 #include "output.h"
 #include "print.h"
 #include "view/ui.h"
@@ -191,8 +192,12 @@ bool view_write_report(const struct view *v, const char *path) {
     fprintf(file, "area\t%.0f\t%.0f\t%.0f\t%.0f\n", (double)area.x, (double)area.y, (double)area.width, (double)area.height);
     fprintf(file, "shadows\t%s\n", fnl_value_name(FNL_ENUM_SHADOWS, v->frame.shadows));
     const fnl_camera *c = &v->camera.now;
-    fprintf(file, "camera\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\n", (double)c->position.x, (double)c->position.y, (double)c->position.z,
-            (double)c->target.x, (double)c->target.y, (double)c->target.z);
+    double eye[3], target[3];
+    const int digits = origin_digits(v->shown.scene);
+    origin_place(v->shown.scene, c->position, eye);
+    origin_place(v->shown.scene, c->target, target);
+    fprintf(file, "camera\t%.*g\t%.*g\t%.*g\t%.*g\t%.*g\t%.*g\n", digits, eye[0], digits, eye[1], digits, eye[2], digits, target[0], digits, target[1], digits,
+            target[2]);
     fprintf(file, "shading\t%s\nlists\t%s\npasses_ms\t%.4f\n", fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists),
             s->gpu_milliseconds);
     view_report_timeline(v, file);
@@ -236,8 +241,12 @@ static void print_camera(const struct view *v, FILE *file) {
         fprintf(file, " --camera %d", index);
         return;
     }
-    fprintf(file, " --eye %.9g,%.9g,%.9g --look-at %.9g,%.9g,%.9g --fov %.17g --near %.9g", (double)c->position.x, (double)c->position.y,
-            (double)c->position.z, (double)c->target.x, (double)c->target.y, (double)c->target.z,
+    double eye[3], target[3];
+    const int digits = origin_digits(v->shown.scene);
+    origin_place(v->shown.scene, c->position, eye);
+    origin_place(v->shown.scene, c->target, target);
+    fprintf(file, " --eye %.*g,%.*g,%.*g --look-at %.*g,%.*g,%.*g --fov %.17g --near %.9g", digits, eye[0], digits, eye[1], digits, eye[2], digits, target[0], digits,
+            target[1], digits, target[2],
             (double)c->vertical_fov * (180 / 3.14159265358979323846), (double)c->near_distance);
     if (c->up.x != 0 || c->up.y != 1 || c->up.z != 0) fprintf(file, " --up %.9g,%.9g,%.9g", (double)c->up.x, (double)c->up.y, (double)c->up.z);
 }

@@ -366,6 +366,7 @@ static fnl_result send(struct view *v, const fnl_overlay *overlay) {
 
 /* What cannot be drawn is taken back: the picture stays the last that could. */
 static bool draw_or_take_back(struct view *v, fnl_result (*begin)(struct view *, const fnl_overlay *), const fnl_overlay *overlay) {
+    view_follow_origin(v);
     fnl_result result = begin(v, overlay);
     if (result == FNL_OK) {
         v->good = v->frame;

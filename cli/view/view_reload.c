@@ -2,6 +2,8 @@
 /* Files of the shown scene that change on disk: it is loaded again, and seen from where the old one was. */
 #include "view/view.h"
 
+#include "origin.h"
+
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -101,7 +103,10 @@ bool view_take_loaded(struct view *v, bool wait) {
         view_want(v, 2);
         return true;
     }
-    const struct view_camera camera = v->camera;
+    struct view_camera camera = v->camera;
+    double position[3], target[3];
+    origin_place(v->shown.scene, camera.now.position, position);
+    origin_place(v->shown.scene, camera.now.target, target);
     const fnl_frame frame = v->frame;
     const uint32_t animation = v->animation;
     const double time = v->time;
@@ -118,6 +123,8 @@ bool view_take_loaded(struct view *v, bool wait) {
     if (variant[0] && fnl_scene_find(v->shown.scene, FNL_ENTITY_VARIANT, variant, &number) == FNL_OK && fnl_scene_select_variant(v->shown.scene, number) == FNL_OK)
         memcpy(v->variant, variant, sizeof variant);
     v->files.stamp = looked; /* what has changed while it was loaded is seen at the next look */
+    camera.now.position = origin_position(v->shown.scene, position); /* the file may have another origin now */
+    camera.now.target = origin_position(v->shown.scene, target);
     v->camera.now = camera.now;
     v->frame = v->good = frame;
     v->animation = animation < v->shown.info.animation_count ? animation : 0;

@@ -2,6 +2,7 @@
 /* Sequences of pictures: a turntable, and the way that the camera flew. They are those of `fanal render --camera-path`, by its own code. */
 #include "view/view.h"
 
+#include "origin.h"
 #include "output.h"
 #include "print.h"
 #include "render.h"
@@ -94,7 +95,9 @@ void view_record_flight(struct view *v, double seconds) {
         f->capacity = capacity;
     }
     if (f->count > 0) f->seconds += seconds;
-    f->points[f->count++] = (struct view_point){f->seconds, v->camera.now.position, v->camera.now.target};
+    f->points[f->count++] = (struct view_point){.seconds = f->seconds};
+    origin_place(v->shown.scene, v->camera.now.position, f->points[f->count - 1].eye);
+    origin_place(v->shown.scene, v->camera.now.target, f->points[f->count - 1].target);
 }
 
 static bool write_flight(const struct view *v) {
@@ -106,8 +109,9 @@ static bool write_flight(const struct view *v) {
     fputs("# seconds eye target, for --camera-path\n", out);
     for (uint32_t i = 0; i < f->count; i++) {
         const struct view_point *p = &f->points[i];
-        fprintf(out, "%.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", p->seconds, (double)p->eye.x, (double)p->eye.y, (double)p->eye.z, (double)p->target.x, (double)p->target.y,
-                (double)p->target.z);
+        const int digits = origin_digits(v->shown.scene);
+        fprintf(out, "%.9g %.*g %.*g %.*g %.*g %.*g %.*g\n", p->seconds, digits, p->eye[0], digits, p->eye[1], digits, p->eye[2], digits, p->target[0], digits,
+                p->target[1], digits, p->target[2]);
     }
     const bool good = fclose(out) == 0 && output_save(v->files.flight_path, text, length);
     free(text);

@@ -21,6 +21,46 @@ mat4 mat4_from_trs(vec3 t, quat q, vec3 s) {
                    (1 - 2 * (xx + yy)) * s.z, 0, t.x, t.y, t.z, 1}};
 }
 
+struct affine affine_identity(void) { return (struct affine){{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}}; }
+
+struct affine affine_mul(const struct affine *a, const struct affine *b) {
+    struct affine r;
+    for (int column = 0; column < 4; column++)
+        for (int row = 0; row < 3; row++) {
+            const double *v = b->m + 3 * column;
+            const double sum = a->m[row] * v[0] + a->m[3 + row] * v[1] + a->m[6 + row] * v[2];
+            r.m[3 * column + row] = column < 3 ? sum : sum + a->m[9 + row];
+        }
+    return r;
+}
+
+struct affine affine_from_trs(const double t[3], const double rotation[4], const double s[3]) {
+    double q[4] = {0, 0, 0, 1}, square = 0;
+    for (int i = 0; i < 4; i++) square += rotation[i] * rotation[i];
+    for (int i = 0; i < 4 && square > 0; i++) q[i] = rotation[i] / sqrt(square);
+    const double xx = q[0] * q[0], yy = q[1] * q[1], zz = q[2] * q[2], xy = q[0] * q[1], xz = q[0] * q[2], yz = q[1] * q[2];
+    const double wx = q[3] * q[0], wy = q[3] * q[1], wz = q[3] * q[2];
+    return (struct affine){{(1 - 2 * (yy + zz)) * s[0], 2 * (xy + wz) * s[0], 2 * (xz - wy) * s[0], 2 * (xy - wz) * s[1],
+                            (1 - 2 * (xx + zz)) * s[1], 2 * (yz + wx) * s[1], 2 * (xz + wy) * s[2], 2 * (yz - wx) * s[2],
+                            (1 - 2 * (xx + yy)) * s[2], t[0], t[1], t[2]}};
+}
+
+struct affine affine_from_mat4(const mat4 *matrix, const double origin[3]) {
+    struct affine r;
+    for (int column = 0; column < 4; column++)
+        for (int row = 0; row < 3; row++) r.m[3 * column + row] = (double)matrix->m[4 * column + row];
+    for (int row = 0; row < 3; row++) r.m[9 + row] += origin[row];
+    return r;
+}
+
+mat4 mat4_from_affine(const struct affine *a, const double origin[3]) {
+    mat4 r = mat4_identity();
+    for (int column = 0; column < 4; column++)
+        for (int row = 0; row < 3; row++) r.m[4 * column + row] = (float)a->m[3 * column + row];
+    for (int row = 0; row < 3; row++) r.m[12 + row] = (float)(a->m[9 + row] - origin[row]);
+    return r;
+}
+
 bool mat4_inverse(const mat4 *matrix, mat4 *out) {
     /* Gauss-Jordan with row pivoting, in double so that far-away cameras keep their precision. */
     double a[4][8];

@@ -181,7 +181,7 @@ static bool mesh_deforms(const fnl_scene *scene, const struct scene_node *node) 
 
 static mat4 node_matrix(const fnl_scene *scene, const struct scene_node *node, uint32_t k) {
     if (node->skin != SCENE_NONE) return skin_instance(skin_mirrors(scene, node)); /* the joints carry it (glTF 2.0, 3.7.3.1) */
-    return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+    return scene_instance_world(scene, node, k);
 }
 
 /* No ray can be brought into its space, or not with floats: there products of lengths are beyond them. */

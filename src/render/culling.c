@@ -48,7 +48,7 @@ void frame_cull(struct frame_state *f) {
     const struct geometry_scene *scene = &f->scene->geometry;
     struct hierarchy occluders = {0};
     if (frame_culls_hidden(frame))
-        f->draws = occlusion_add(f->graph, f->r->device, scene, &f->view, f->kept->temporal.valid ? &f->kept->temporal.view : NULL,
+        f->draws = occlusion_add(f->graph, f->r->device, scene, &f->view, f->kept->temporal.valid ? &f->temporal.previous : NULL,
                                  f->view_address, frame->msaa, &occluders);
     else
         f->draws = cull_add(f->graph, scene, f->view_address);

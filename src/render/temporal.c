@@ -57,6 +57,8 @@ void temporal_begin(struct frame_state *f) {
     const struct temporal_state *s = &f->kept->temporal;
     const fnl_camera camera = frame_camera(f);
     t->view = view_from_camera(&camera, f->frame->width, f->frame->height);
+    for (int i = 0; i < 3; i++) t->origin_moved[i] = f->r->scene->origin[i] - s->origin[i];
+    t->previous = view_with_origin(&s->view, t->origin_moved);
     t->keeps = keeps(f, &t->view);
     t->still = t->keeps && is_still(f, &t->view);
     t->still_frames = t->still ? s->still + 1 : 0;
@@ -72,13 +74,14 @@ static void add_motion(struct frame_state *f, graph_image depth) {
     const struct device_previous *previous = &f->scene->previous_layout;
     struct motion_input input = {.view = f->view_address,
                                  .current = &f->view,
-                                 .previous = t->keeps ? &f->kept->temporal.view : NULL,
+                                 .previous = t->keeps ? &t->previous : NULL,
                                  .jitter = t->jitter,
                                  .depth = depth,
                                  .objects = {.scene = &f->scene->geometry,
                                              .draws = &f->draws,
                                              .previous = f->scene->previous,
                                              .position_offset = device_previous_offset(previous),
+                                             .origin_moved = {(float)t->origin_moved[0], (float)t->origin_moved[1], (float)t->origin_moved[2]},
                                              .instance_count = previous->instance_count,
                                              .first_deformed = previous->first_deformed,
                                              .deformed_count = previous->deformed_count}};
@@ -113,6 +116,7 @@ static void finish_view(struct frame_state *f) {
     collect(f);
     f->made->temporal = (struct temporal_state){.valid = true,
                                                 .view = f->temporal.view,
+                                                .origin = {f->r->scene->origin[0], f->r->scene->origin[1], f->r->scene->origin[2]},
                                                 .jitter = f->temporal.jitter,
                                                 .uploads = f->r->device_scene->upload_count,
                                                 .light_version = f->r->scene->light_version,

@@ -9,6 +9,7 @@
 struct temporal_state {
     bool valid;                                     /* the last frame was rendered */
     struct gpu_view view;                           /* its view, without jitter */
+    double origin[3];                               /* of the scene then */
     vec2 jitter;
     uint64_t uploads, light_version, decal_version, probe_version, image_arrivals; /* of the scene then */
     uint32_t shadow_requests;

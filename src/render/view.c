@@ -10,6 +10,14 @@ static vec4 clip_plane(const mat4 *m, int row, float sign) {
     return (vec4){p[0] * scale, p[1] * scale, p[2] * scale, p[3] * scale};
 }
 
+static void set_planes(struct gpu_view *v) {
+    v->planes[0] = clip_plane(&v->world_to_clip, 0, 1);
+    v->planes[1] = clip_plane(&v->world_to_clip, 0, -1);
+    v->planes[2] = clip_plane(&v->world_to_clip, 1, 1);
+    v->planes[3] = clip_plane(&v->world_to_clip, 1, -1);
+    v->planes[4] = clip_plane(&v->world_to_clip, 2, -1);
+}
+
 /* What an orthographic depth of floats resolves: this part of the distance between its planes, with room to spare. */
 #define DEPTH_RANGE 1000
 
@@ -65,11 +73,25 @@ struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint3
     v.world_to_clip = mat4_mul(v.view_to_clip, v.world_to_view);
     mat4_inverse(&v.world_to_view, &v.view_to_world);
     v.back = (vec3){v.view_to_world.m[8], v.view_to_world.m[9], v.view_to_world.m[10]};
-    v.planes[0] = clip_plane(&v.world_to_clip, 0, 1);
-    v.planes[1] = clip_plane(&v.world_to_clip, 0, -1);
-    v.planes[2] = clip_plane(&v.world_to_clip, 1, 1);
-    v.planes[3] = clip_plane(&v.world_to_clip, 1, -1);
-    v.planes[4] = clip_plane(&v.world_to_clip, 2, -1);
+    set_planes(&v);
+    return v;
+}
+
+struct gpu_view view_with_origin(const struct gpu_view *view, const double moved[3]) {
+    struct gpu_view v = *view;
+    float *eye = &v.eye.x, *to_world = v.view_to_world.m + 12, *to_view = v.world_to_view.m + 12;
+    if (moved[0] == 0 && moved[1] == 0 && moved[2] == 0) return v;
+    for (int i = 0; i < 3; i++) {
+        eye[i] = (float)((double)eye[i] - moved[i]);
+        to_world[i] = (float)((double)to_world[i] - moved[i]);
+    }
+    for (int row = 0; row < 3; row++) {
+        double sum = 0;
+        for (int k = 0; k < 3; k++) sum -= (double)v.world_to_view.m[k * 4 + row] * (double)to_world[k];
+        to_view[row] = (float)sum;
+    }
+    v.world_to_clip = mat4_mul(v.view_to_clip, v.world_to_view);
+    set_planes(&v);
     return v;
 }
 

@@ -89,6 +89,17 @@ static void apply_property(fnl_scene *scene, const struct scene_channel *channel
     animation_set_property(scene, channel, values);
 }
 
+static void set_vector(double out[3], vec3 v) {
+    out[0] = (double)v.x;
+    out[1] = (double)v.y;
+    out[2] = (double)v.z;
+}
+
+static void set_rotation(double out[4], quat q) {
+    set_vector(out, vec3_make(q.x, q.y, q.z));
+    out[3] = (double)q.w;
+}
+
 /* ---- one animation ---- */
 
 fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds) {
@@ -114,18 +125,21 @@ fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds)
             continue;
         }
         if (node->has_matrix) continue; /* glTF 2.0, 3.5.2: a node that is animated has no matrix */
-        if (channel->path == SCENE_PATH_TRANSLATION) node->translation = interpolate_vector(channel, &span);
-        if (channel->path == SCENE_PATH_SCALE) node->scale = interpolate_vector(channel, &span);
-        if (channel->path == SCENE_PATH_ROTATION) node->rotation = interpolate_rotation(channel, &span);
-        node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
+        if (channel->path == SCENE_PATH_TRANSLATION) set_vector(node->translation, interpolate_vector(channel, &span));
+        if (channel->path == SCENE_PATH_SCALE) set_vector(node->scale, interpolate_vector(channel, &span));
+        if (channel->path == SCENE_PATH_ROTATION) set_rotation(node->rotation, interpolate_rotation(channel, &span));
+        scene_pose_node(node);
     }
     return animation_finish_properties(scene, what);
 }
 
 void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out) {
     const struct scene_skin *what = &scene->skins.data[skin];
-    for (uint32_t i = 0; i < what->joint_count; i++)
-        out[i] = mat4_mul(scene->nodes.data[what->joints[i]].world, what->inverse_bind[i]);
+    for (uint32_t i = 0; i < what->joint_count; i++) {
+        const struct affine bind = affine_from_mat4(&what->inverse_bind[i], (const double[3]){0, 0, 0});
+        const struct affine moved = affine_mul(&scene->nodes.data[what->joints[i]].world_exact, &bind);
+        out[i] = mat4_from_affine(&moved, scene->origin);
+    }
 }
 
 /* Of the vertices of a mesh that its skin moves, this many of each primitive say which way round it is. */
@@ -241,11 +255,12 @@ static quat blend_rotation(const struct blended *group, uint32_t count) {
     return used > 1 && square > 0 ? quat_normalize(sum) : main;
 }
 
-static void blend_vector(const struct blended *group, uint32_t count, vec3 *out) {
+static bool blend_vector(const struct blended *group, uint32_t count, vec3 *out) {
     float v[3];
     for (uint32_t i = 0; i < 3; i++)
-        if (!blend_component(group, count, i, &v[i])) return;
+        if (!blend_component(group, count, i, &v[i])) return false;
     *out = vec3_make(v[0], v[1], v[2]);
+    return true;
 }
 
 static void blend_node(fnl_scene *scene, const struct blended *group, uint32_t count) {
@@ -257,10 +272,11 @@ static void blend_node(fnl_scene *scene, const struct blended *group, uint32_t c
         return;
     }
     if (node->has_matrix) return;
-    if (path == SCENE_PATH_TRANSLATION) blend_vector(group, count, &node->translation);
-    if (path == SCENE_PATH_SCALE) blend_vector(group, count, &node->scale);
-    if (path == SCENE_PATH_ROTATION) node->rotation = blend_rotation(group, count);
-    node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
+    vec3 vector;
+    if (path == SCENE_PATH_TRANSLATION && blend_vector(group, count, &vector)) set_vector(node->translation, vector);
+    if (path == SCENE_PATH_SCALE && blend_vector(group, count, &vector)) set_vector(node->scale, vector);
+    if (path == SCENE_PATH_ROTATION) set_rotation(node->rotation, blend_rotation(group, count));
+    scene_pose_node(node);
 }
 
 /* All that set one thing. */

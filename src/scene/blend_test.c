@@ -71,18 +71,19 @@ static void test_means_by_weights(void **state) {
     const uint64_t before = scene->transform_version;
     pose(scene, 0.75f, 2.25f); /* a quarter, three quarters */
     assert_true(scene->transform_version > before);
-    near(node->translation.x, 1);
-    near(node->translation.y, 6);
+    near((float)node->translation[0], 1);
+    near((float)node->translation[1], 6);
     near(node->world.m[12], 1);
     /* The first weight is that of the one that sets it. */
     near(node->morph_weights[0], 1);
     near(node->morph_weights[1], 0.25f * 0.5f + 0.75f * 0.8f);
-    near(only->translation.x, 4);
-    assert_true(only->translation.x == 4 && node->morph_weights[0] == 1); /* without rounding */
+    near(only->translation[0], 4);
+    assert_true(only->translation[0] == 4 && node->morph_weights[0] == 1); /* without rounding */
     assert_true(only->hidden);                                             /* the heavier one hides it */
     near(scene->materials.data[0].base_color.y, 1);
     /* Of unit quaternions about one axis, on one side. */
-    quat q = node->rotation;
+    const double *r = node->rotation;
+    quat q = {(float)r[0], (float)r[1], (float)r[2], (float)r[3]};
     const float y = 0.25f * 0.70710678f + 0.75f * 0.38268343f, w = 0.25f * 0.70710678f + 0.75f * 0.92387953f, length = sqrtf(y * y + w * w);
     if (q.w < 0) q = (quat){-q.x, -q.y, -q.z, -q.w};
     near(q.y, y / length);
@@ -90,7 +91,7 @@ static void test_means_by_weights(void **state) {
     near(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w, 1);
     pose(scene, 2, 1);
     assert_false(only->hidden);
-    near(node->translation.x, 8 / 3.0f);
+    near((float)node->translation[0], 8 / 3.0f);
     fnl_scene_destroy(&scene);
 }
 
@@ -122,7 +123,7 @@ static void test_one_animation_is_set_time_to_the_bit(void **state) {
     for (int i = 1; i < 50; i++) {
         const fnl_animation_time times[] = {{0, 0.4975, (float)i * 0.037f}, {1, 0.9, 0.7f}};
         assert_int_equal(fnl_scene_set_times(blended, times, 2), FNL_OK);
-        assert_true(blended->nodes.data[1].translation.x == plain->nodes.data[1].translation.x);
+        assert_true(blended->nodes.data[1].translation[0] == plain->nodes.data[1].translation[0]);
         assert_true(blended->nodes.data[0].morph_weights[0] == plain->nodes.data[0].morph_weights[0]);
     }
     fnl_scene_destroy(&blended);

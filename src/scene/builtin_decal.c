@@ -187,8 +187,7 @@ struct surfaces {
 };
 
 static mat4 patch_matrix(const fnl_scene *scene, const struct patch *patch) {
-    const struct scene_node *node = &scene->nodes.data[patch->node];
-    return node->instances ? mat4_mul(node->world, node->instances[patch->instance]) : node->world;
+    return scene_instance_world(scene, &scene->nodes.data[patch->node], patch->instance);
 }
 
 static double triangle_area(const mat4 *m, const struct scene_primitive *p, uint32_t i, vec3 corners[3]) {

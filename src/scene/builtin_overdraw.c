@@ -22,10 +22,6 @@ static int farthest_first(const void *a, const void *b) {
     return (x->place > y->place) - (x->place < y->place);
 }
 
-static mat4 instance_matrix(const struct scene_node *node, uint32_t i) {
-    return node->instances ? mat4_mul(node->world, node->instances[i]) : node->world;
-}
-
 static vec3 transform(const mat4 *matrix, vec3 p) {
     vec4 h = mat4_mul_vec4(matrix, (vec4){p.x, p.y, p.z, 1});
     return (vec3){h.x, h.y, h.z};
@@ -38,7 +34,7 @@ static uint32_t list_pieces(const fnl_scene *scene, vec3 eye, vec3 axis, struct 
         if (node->mesh == SCENE_NONE || !node->active) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
         for (uint32_t i = 0; i < node->instance_count; i++) {
-            mat4 matrix = instance_matrix(node, i);
+            mat4 matrix = scene_instance_world(scene, node, i);
             for (uint32_t p = mesh->first_primitive; p < mesh->first_primitive + mesh->primitive_count; p++) {
                 const struct scene_primitive *primitive = &scene->primitives.data[p];
                 if (primitive->topology != SCENE_TOPOLOGY_TRIANGLES) continue;
@@ -70,7 +66,7 @@ static bool add_slab(fnl_scene *scene, const struct piece *pieces, uint32_t coun
     for (uint32_t i = 0; i < count; i++) {
         const struct scene_primitive *p = &scene->primitives.data[pieces[i].primitive];
         if (p->material != material) continue;
-        mat4 matrix = instance_matrix(&scene->nodes.data[pieces[i].node], pieces[i].instance);
+        mat4 matrix = scene_instance_world(scene, &scene->nodes.data[pieces[i].node], pieces[i].instance);
         for (uint32_t c = 0; c < 3; c++, used++) {
             uint32_t v = p->indices[pieces[i].first + c];
             vec3 end = transform(&matrix, vec3_add(p->positions[v], p->normals[v]));

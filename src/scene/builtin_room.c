@@ -100,9 +100,8 @@ static void add_ball(struct builtin *b, uint32_t material) {
     }
     struct scene_node *moves = &b->scene->nodes.data[node];
     moves->has_matrix = false;
-    moves->translation = vec3_make(-1.2f, 0.35f, 0.6f);
-    moves->rotation = quat_identity();
-    moves->scale = vec3_make(1, 1, 1);
+    memcpy(moves->translation, (const double[3]){-1.2, 0.35, 0.6}, sizeof moves->translation);
+    scene_pose_node(moves);
 }
 
 void builtin_make_room(struct builtin *b, const uint64_t *values) {

@@ -115,12 +115,18 @@ bool decal_touches(const vec3 corners[3]) {
 
 /* ---- adding and changing ---- */
 
+static void place_decal(const fnl_scene *scene, struct scene_decal *decal) {
+    const float *m = decal->params.transform.m;
+    place_from_vec3(vec3_make(m[12], m[13], m[14]), scene->origin, decal->place);
+}
+
 /* What changed besides the array of decals: pictures, draws, materials. */
 static void touch(fnl_scene *scene) { scene->decal_version++; }
 
 uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint32_t node) {
     if (++scene->next_generation == 0) scene->next_generation = 1;
     struct scene_decal decal = {.params = *params, .node = node, .generation = scene->next_generation};
+    place_decal(scene, &decal);
     uint32_t index;
     if (scene->free_decals.count > 0) {
         index = scene->free_decals.data[--scene->free_decals.count];
@@ -167,8 +173,10 @@ fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id id, const fnl_deca
     const fnl_instance_id instance = instance_of(scene, decal);
     bool same = params->instance.index == instance.index && params->instance.generation == instance.generation;
     if (!same && needs_instance(params->kind)) return misuse(call, "instance is another, must stay the same");
+    const bool placed = decal->node != SCENE_NONE || memcmp(params->transform.m + 12, decal->params.transform.m + 12, 3 * sizeof(float)) != 0;
     decal->params = *params;
     decal->node = params->instance.generation ? params->instance.index : SCENE_NONE;
+    if (placed) place_decal(scene, decal);
     touch(scene);
     return params->kind == FNL_DECAL_BAKED ? decal_bake(scene, decal->node) : FNL_OK;
 }

@@ -73,6 +73,18 @@ json_t *glb_floats(const float *values, uint32_t count) {
     return array;
 }
 
+json_t *glb_doubles(const double *values, uint32_t count) {
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++) {
+        const bool rounded = (double)(float)values[i] == values[i];
+        if (!array || json_array_append_new(array, rounded ? glb_float((float)values[i]) : json_real(values[i])) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
 void glb_set(struct glb *g, json_t *object, const char *key, json_t *value) {
     if (json_object_set_new(object, key, value) != 0) fail_memory(g);
 }

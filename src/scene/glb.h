@@ -65,6 +65,7 @@ json_t *glb_float(float value);
 /** A name, which JSON cannot hold unless it is UTF-8: otherwise cleaned, with a warning. */
 json_t *glb_text(const struct glb *g, const char *text);
 json_t *glb_floats(const float *values, uint32_t count);
+json_t *glb_doubles(const double *values, uint32_t count);
 void glb_set(struct glb *g, json_t *object, const char *key, json_t *value);
 /** The object or array at a key, made if it is not there. */
 json_t *glb_object(struct glb *g, json_t *object, const char *key);
@@ -88,10 +89,10 @@ bool glb_animates(const struct glb *g, enum scene_property_owner owner, uint32_t
 /** The scene that is shown: made, with all roots of the file, where there is none. And its nodes. */
 json_t *glb_shown_scene(struct glb *g);
 json_t *glb_roots(struct glb *g);
-/** A new root with this pose and what else is in `node`. */
-void glb_add_root(struct glb *g, json_t *node, const mat4 *pose);
+/** A new root, turned so, at a place that does not depend on the origin, with what else is in `node`. */
+void glb_add_root(struct glb *g, json_t *node, const mat4 *turn, const double place[3]);
 /** A matrix whose -Z axis and +Y axis make exactly this direction and this up again, as lights take them from their nodes. */
-mat4 glb_pose(vec3 position, vec3 direction, vec3 up);
+mat4 glb_turn(vec3 direction, vec3 up);
 
 uint32_t glb_material(struct glb *g, uint32_t material); /* where it is in the file; written, if it was not */
 uint32_t glb_mesh(struct glb *g, uint32_t mesh);

@@ -26,10 +26,10 @@ static vec3 make_direction(vec3 ignored, vec3 v) {
     return vec3_normalize(v);
 }
 
-mat4 glb_pose(vec3 position, vec3 direction, vec3 up) {
+mat4 glb_turn(vec3 direction, vec3 up) {
     if (fabsf(vec3_dot(direction, up)) > 1e-3f) up = light_up(direction, up); /* of no meaning for the light: scattered ones have any */
     const vec3 back = vec3_scale(find_exact(direction, make_direction, direction), -1), above = find_exact(up, light_up, direction), side = vec3_normalize(vec3_cross(above, back));
-    return (mat4){{side.x, side.y, side.z, 0, above.x, above.y, above.z, 0, back.x, back.y, back.z, 0, position.x, position.y, position.z, 1}};
+    return (mat4){{side.x, side.y, side.z, 0, above.x, above.y, above.z, 0, back.x, back.y, back.z, 0, 0, 0, 0, 1}};
 }
 
 /* ---- one light ---- */
@@ -149,17 +149,17 @@ static json_t *own_light(struct glb *g, uint32_t node, uint32_t *index) {
     return json_array_get(lights, *index);
 }
 
-static void add_light_node(struct glb *g, const fnl_light_params *p, const char *name, uint32_t index) {
+static void add_light_node(struct glb *g, const struct scene_light *light, const char *name, uint32_t index) {
+    const fnl_light_params *p = &light->params;
     json_t *node = json_object();
-    mat4 pose = mat4_identity();
     const fnl_light_kind_info *kind = &light_kinds[p->kind].info;
-    if (kind->has_direction)
-        pose = glb_pose(kind->has_position ? p->position : (vec3){0, 0, 0}, p->direction, p->up);
-    else
-        glb_set(g, node, "translation", glb_floats(&p->position.x, 3));
+    const mat4 turn = kind->has_direction ? glb_turn(p->direction, p->up) : mat4_identity();
+    double place[3] = {0, 0, 0};
+    if (kind->has_position && light->node == SCENE_NONE) memcpy(place, light->place, sizeof place);
+    else if (kind->has_position) place_from_vec3(p->position, g->scene->origin, place);
     if (name && *name) glb_set(g, node, "name", glb_text(g, name));
     glb_set(g, glb_extension(g, node, PUNCTUAL), "light", json_integer((json_int_t)index));
-    glb_add_root(g, node, &pose);
+    glb_add_root(g, node, &turn, place);
 }
 
 static void patch_light(struct glb *g, uint32_t index, const struct scene_light *now, const struct scene_light *base) {
@@ -188,7 +188,7 @@ static void patch_light(struct glb *g, uint32_t index, const struct scene_light 
         return;
     }
     glb_remove_extension(node_of(g, base->node), PUNCTUAL); /* it was put elsewhere */
-    add_light_node(g, &now->params, NULL, place);
+    add_light_node(g, now, NULL, place);
 }
 
 /* ---- lights that were added ---- */
@@ -210,7 +210,7 @@ static void add_light(struct glb *g, uint32_t index) {
     json_t *lights = glb_array(g, glb_extension(g, g->root, PUNCTUAL), "lights");
     const uint32_t place = glb_append(g, lights, object), node = light->node == SCENE_NONE ? SCENE_NONE : g->nodes[light->node];
     if (node == SCENE_NONE || reference_of(g, node, PUNCTUAL)) /* it follows a node that was added with it, or stands alone */
-        add_light_node(g, &light->params, light->name, place);
+        add_light_node(g, light, light->name, place);
     else
         glb_set(g, glb_extension(g, node_of(g, node), PUNCTUAL), "light", json_integer((json_int_t)place));
 }

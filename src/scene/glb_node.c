@@ -38,27 +38,38 @@ static bool is_identity(const mat4 *m) {
     return memcmp(m, &identity, sizeof identity) == 0;
 }
 
-void glb_add_root(struct glb *g, json_t *node, const mat4 *pose) {
+/* Nothing, for the identity. */
+static void add_matrix(struct glb *g, json_t *object, const struct affine *a) {
+    const struct affine identity = affine_identity();
+    double m[16] = {0};
+    for (int i = 0; i < 12; i++) m[i / 3 * 4 + i % 3] = a->m[i];
+    m[15] = 1;
+    if (memcmp(a, &identity, sizeof identity) != 0) glb_set(g, object, "matrix", glb_doubles(m, 16));
+}
+
+void glb_add_root(struct glb *g, json_t *node, const mat4 *turn, const double place[3]) {
     json_t *roots = glb_roots(g); /* before there is another node */
-    if (!is_identity(pose)) glb_set(g, node, "matrix", glb_floats(pose->m, 16));
+    struct affine pose = affine_from_mat4(turn, (const double[3]){0, 0, 0});
+    memcpy(pose.m + 9, place, 3 * sizeof *place);
+    add_matrix(g, node, &pose);
     glb_append(g, roots, json_integer((json_int_t)glb_add(g, "nodes", node)));
 }
 
 /* ---- poses ---- */
 
-static void set_trs(struct glb *g, json_t *object, vec3 translation, quat rotation, vec3 scale) {
-    const float r[4] = {rotation.x, rotation.y, rotation.z, rotation.w};
+static void set_trs(struct glb *g, json_t *object, const double translation[3], const double rotation[4], const double scale[3]) {
     json_object_del(object, "matrix");
-    glb_set(g, object, "translation", glb_floats(&translation.x, 3));
-    glb_set(g, object, "rotation", glb_floats(r, 4));
-    glb_set(g, object, "scale", glb_floats(&scale.x, 3));
+    glb_set(g, object, "translation", glb_doubles(translation, 3));
+    glb_set(g, object, "rotation", glb_doubles(rotation, 4));
+    glb_set(g, object, "scale", glb_doubles(scale, 3));
 }
 
-static void set_matrix(struct glb *g, json_t *object, const mat4 *matrix) {
+static void set_matrix(struct glb *g, json_t *object, const struct affine *a) {
     json_object_del(object, "translation");
     json_object_del(object, "rotation");
     json_object_del(object, "scale");
-    glb_set(g, object, "matrix", glb_floats(matrix->m, 16));
+    json_object_del(object, "matrix");
+    add_matrix(g, object, a);
 }
 
 /* Rotation of a matrix whose columns are at right angles (Shepperd's method). */
@@ -81,27 +92,23 @@ static quat rotation_of(vec3 x, vec3 y, vec3 z) {
 }
 
 /* glTF 2.0, 3.5.2: what is animated has no matrix. */
-static void set_decomposed(struct glb *g, json_t *object, const mat4 *m, uint32_t node) {
+static void set_decomposed(struct glb *g, json_t *object, const struct affine *a, uint32_t node) {
+    const mat4 m = mat4_from_affine(a, (const double[3]){0, 0, 0});
     vec3 axes[3];
-    float scale[3];
+    double scale[3];
     for (int i = 0; i < 3; i++) {
-        axes[i] = vec3_make(m->m[4 * i], m->m[4 * i + 1], m->m[4 * i + 2]);
-        scale[i] = vec3_length(axes[i]);
+        axes[i] = vec3_make(m.m[4 * i], m.m[4 * i + 1], m.m[4 * i + 2]);
+        scale[i] = (double)vec3_length(axes[i]);
         axes[i] = vec3_normalize(axes[i]);
     }
-    if (mat4_determinant3(m) < 0) {
+    if (mat4_determinant3(&m) < 0) {
         scale[0] = -scale[0];
         axes[0] = vec3_scale(axes[0], -1);
     }
     if (fabsf(vec3_dot(axes[0], axes[1])) > 1e-3f || fabsf(vec3_dot(axes[1], axes[2])) > 1e-3f || fabsf(vec3_dot(axes[2], axes[0])) > 1e-3f)
         glb_left_out(g, "the shear of node %u, which is animated", node);
-    set_trs(g, object, vec3_make(m->m[12], m->m[13], m->m[14]), rotation_of(axes[0], axes[1], axes[2]), vec3_make(scale[0], scale[1], scale[2]));
-}
-
-/* Put there by a call, and not by an animation since. */
-static bool is_placed(const struct scene_node *node) {
-    const mat4 posed = mat4_from_trs(node->translation, node->rotation, node->scale);
-    return node->placed && (node->has_matrix || memcmp(&posed, &node->local, sizeof posed) != 0);
+    const quat q = rotation_of(axes[0], axes[1], axes[2]);
+    set_trs(g, object, a->m + 9, (const double[4]){(double)q.x, (double)q.y, (double)q.z, (double)q.w}, scale);
 }
 
 /* ---- nodes of the document ---- */
@@ -124,11 +131,11 @@ static void patch_node(struct glb *g, json_t *object, uint32_t index) {
         }
         return;
     }
-    if (is_placed(now) && memcmp(&now->local, &base->local, sizeof now->local) != 0) {
+    if (now->placed && memcmp(&now->local_exact, &base->local_exact, sizeof now->local_exact) != 0) {
         if (moves)
-            set_decomposed(g, object, &now->local, index);
+            set_decomposed(g, object, &now->local_exact, index);
         else
-            set_matrix(g, object, &now->local);
+            set_matrix(g, object, &now->local_exact);
     }
     if (now->hidden != base->hidden && !glb_animates_node(g, index, SCENE_PATH_VISIBLE)) {
         if (!now->hidden && now->parent == SCENE_NONE && json_array_size(json_object_get(g->root, "scenes")) > 0) {
@@ -179,11 +186,11 @@ static void save_cameras(struct glb *g) {
         const struct scene_camera *camera = &g->scene->cameras.data[i];
         if (camera->node != SCENE_NONE) continue;
         const vec3 forward = vec3_normalize(vec3_sub(camera->camera.target, camera->camera.position));
-        const mat4 pose = glb_pose(camera->camera.position, forward, light_up(forward, camera->camera.up));
+        const mat4 pose = glb_turn(forward, light_up(forward, camera->camera.up));
         json_t *node = json_object();
         glb_set_name(g, node, camera->name, NULL);
         glb_set(g, node, "camera", json_integer((json_int_t)camera_of(g, camera)));
-        glb_add_root(g, node, &pose);
+        glb_add_root(g, node, &pose, camera->place);
     }
 }
 
@@ -238,8 +245,8 @@ static void write_node(struct glb *g, json_t *object, uint32_t index) {
     const struct scene_node *node = &g->scene->nodes.data[index];
     const uint32_t mesh = shown_mesh(g, index);
     glb_set_name(g, object, node->name, node->extras);
-    if (node->has_matrix || is_placed(node)) {
-        if (!is_identity(&node->local)) glb_set(g, object, "matrix", glb_floats(node->local.m, 16));
+    if (node->has_matrix || node->placed) {
+        add_matrix(g, object, &node->local_exact);
     } else {
         set_trs(g, object, node->translation, node->rotation, node->scale);
     }

@@ -71,7 +71,7 @@ static json_t *probes_of(struct glb *g, const fnl_scene *scene) {
         const fnl_probe_params *p = &scene->probes.data[i].params;
         if (scene->probes.data[i].removed) continue;
         json_t *object = json_object();
-        glb_set(g, object, "centre", glb_floats(&p->centre.x, 3));
+        glb_set(g, object, "centre", glb_doubles(scene->probes.data[i].place, 3));
         glb_set(g, object, "halfSize", glb_floats(&p->half_size.x, 3));
         glb_set(g, object, "rotation", glb_floats(&p->rotation.x, 4));
         glb_set(g, object, "capture", glb_floats(&p->capture.x, 3));

@@ -552,7 +552,7 @@ static void test_duplicate_channel_targets(void **state) {
     fnl_scene *scene = NULL; /* what the message says: the later one is played */
     assert_int_equal(test_load(&file_log, json, binary, sizeof binary, &scene), FNL_OK);
     assert_int_equal(fnl_scene_set_time(scene, 0, 0), FNL_OK);
-    assert_true(scene->nodes.data[0].translation.x == 2);
+    assert_true(scene->nodes.data[0].translation[0] == 2);
     fnl_scene_destroy(&scene);
 }
 
@@ -649,12 +649,12 @@ static void test_rotations_are_normalized(void **state) {
         snprintf(json, sizeof json, "{" ASSET ",\"nodes\":[{\"rotation\":[0,%.9g,0,%.9g]}]}", (double)(0.6f * lengths[i]), (double)(0.8f * lengths[i]));
         fnl_scene *scene = load_with_message(json, NULL, 0, i ? "/nodes/0/rotation: is not of unit length; it is normalized" : "");
         assert_int_equal(file_log.count, i > 0);
-        assert_float_equal(scene->nodes.data[0].rotation.y, 0.6f, 1e-6f);
-        assert_float_equal(scene->nodes.data[0].rotation.w, 0.8f, 1e-6f);
+        assert_float_equal((float)scene->nodes.data[0].rotation[1], 0.6f, 1e-6f);
+        assert_float_equal((float)scene->nodes.data[0].rotation[3], 0.8f, 1e-6f);
         fnl_scene_destroy(&scene);
     }
     fnl_scene *scene = load_with_message("{" ASSET ",\"nodes\":[{\"rotation\":[0,0,0,0]}]}", NULL, 0, "/nodes/0/rotation: is not of unit length; it is ignored");
-    assert_true(scene->nodes.data[0].rotation.w == 1);
+    assert_true(scene->nodes.data[0].rotation[3] == 1);
     fnl_scene_destroy(&scene);
 }
 

@@ -280,7 +280,7 @@ uint32_t gltf_index(struct gltf *g, json_t *object, const struct at *at, const c
     return value ? gltf_index_value(g, value, AT_KEY(at, key), count) : SCENE_NONE;
 }
 
-static bool float_value(struct gltf *g, json_t *value, const struct at *at, float low, float high, float *out) {
+static bool number_value(struct gltf *g, json_t *value, const struct at *at, float low, float high, double *out) {
     if (!json_is_number(value)) {
         gltf_warn(g, at, "is %s, not a finite number; it is ignored", type_name(value));
         return false;
@@ -291,18 +291,21 @@ static bool float_value(struct gltf *g, json_t *value, const struct at *at, floa
         gltf_warn(g, at, "is %g, not in %g to %g; %g is used", number, (double)low, (double)high, (double)clamped);
         number = (double)clamped;
     }
-    *out = (float)number;
+    *out = number;
     return true;
 }
 
 bool gltf_float(struct gltf *g, json_t *object, const struct at *at, const char *key, bool required, float low, float high,
                 float *out) {
     json_t *value = member(g, object, at, key, required);
-    return value && float_value(g, value, AT_KEY(at, key), low, high, out);
+    double number;
+    if (!value || !number_value(g, value, AT_KEY(at, key), low, high, &number)) return false;
+    *out = (float)number;
+    return true;
 }
 
-bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char *key, uint32_t count, float low, float high,
-                 float *out) {
+bool gltf_doubles(struct gltf *g, json_t *object, const struct at *at, const char *key, uint32_t count, float low, float high,
+                  double *out) {
     json_t *array = json_object_get(object, key);
     if (!array) return false;
     const struct at *here = AT_KEY(at, key);
@@ -310,22 +313,36 @@ bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char
         gltf_warn(g, here, "is not an array of %u numbers; it is ignored", count);
         return false;
     }
-    float values[16];
+    double values[16];
     bool good = count <= COUNT_OF(values);
     for (uint32_t i = 0; i < count && i < COUNT_OF(values); i++)
-        good &= float_value(g, json_array_get(array, i), AT_INDEX(here, i), low, high, &values[i]);
+        good &= number_value(g, json_array_get(array, i), AT_INDEX(here, i), low, high, &values[i]);
     if (good) memcpy(out, values, sizeof *values * count);
     return good;
 }
 
-bool gltf_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, quat *out) {
-    float v[4];
-    if (!gltf_floats(g, object, at, key, 4, -FLT_MAX, FLT_MAX, v)) return false;
-    double square = 0;
-    for (int i = 0; i < 4; i++) square += (double)v[i] * (double)v[i];
+bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char *key, uint32_t count, float low, float high,
+                 float *out) {
+    double values[16];
+    if (!gltf_doubles(g, object, at, key, count, low, high, values)) return false;
+    for (uint32_t i = 0; i < count; i++) out[i] = (float)values[i];
+    return true;
+}
+
+bool gltf_exact_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, double out[4]) {
+    double v[4], square = 0;
+    if (!gltf_doubles(g, object, at, key, 4, -FLT_MAX, FLT_MAX, v)) return false;
+    for (int i = 0; i < 4; i++) square += v[i] * v[i];
     if (fabs(sqrt(square) - 1) > 5e-3) gltf_warn(g, AT_KEY(at, key), "is not of unit length; it is %s", square > 0 ? "normalized" : "ignored");
-    if (square > 0) *out = quat_normalize((quat){v[0], v[1], v[2], v[3]});
+    for (int i = 0; i < 4 && square > 0; i++) out[i] = v[i] / sqrt(square);
     return square > 0;
+}
+
+bool gltf_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, quat *out) {
+    double v[4];
+    if (!gltf_exact_rotation(g, object, at, key, v)) return false;
+    *out = (quat){(float)v[0], (float)v[1], (float)v[2], (float)v[3]};
+    return true;
 }
 
 json_t *gltf_extension(json_t *object, const struct at *at, const char *name, struct gltf_extension_place *place) {

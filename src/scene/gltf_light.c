@@ -215,6 +215,7 @@ static void place_camera(struct gltf *g, uint32_t node_index, struct scene_node 
 /** Only what is part of the shown scene: every such node with a camera or light gets one of its own, in node order. */
 void gltf_place(struct gltf *g) {
     scene_update_transforms(g->scene);
+    scene_find_origin(g->scene);
     for (uint32_t i = 0; i < g->node_count && g->result == FNL_OK; i++) {
         struct scene_node *node = &g->scene->nodes.data[i];
         if (node->camera != SCENE_NONE && g->in_scene[i])

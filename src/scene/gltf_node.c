@@ -5,8 +5,9 @@
 /* ---- transforms ---- */
 
 /** Whether a matrix is a product of translation, rotation and scale: affine, with columns at right angles. */
-static bool is_decomposable(const mat4 *matrix) {
-    const float *m = matrix->m;
+static bool is_decomposable(const double matrix[16]) {
+    float m[16];
+    for (int i = 0; i < 16; i++) m[i] = (float)matrix[i];
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || fabsf(m[15] - 1) > 1e-5f) return false;
     vec3 x = vec3_make(m[0], m[1], m[2]), y = vec3_make(m[4], m[5], m[6]), z = vec3_make(m[8], m[9], m[10]);
     if (vec3_length(x) == 0 || vec3_length(y) == 0 || vec3_length(z) == 0) return false;
@@ -17,22 +18,19 @@ static bool is_decomposable(const mat4 *matrix) {
 }
 
 static void load_transform(struct gltf *g, json_t *object, const struct at *at, struct scene_node *node) {
-    float values[16];
-    if (gltf_floats(g, object, at, "translation", 3, -FLT_MAX, FLT_MAX, values))
-        node->translation = vec3_make(values[0], values[1], values[2]);
-    if (gltf_floats(g, object, at, "scale", 3, -FLT_MAX, FLT_MAX, values))
-        node->scale = vec3_make(values[0], values[1], values[2]);
-    gltf_rotation(g, object, at, "rotation", &node->rotation);
-    if (!gltf_floats(g, object, at, "matrix", 16, -FLT_MAX, FLT_MAX, values)) return;
+    double values[16];
+    gltf_doubles(g, object, at, "translation", 3, -FLT_MAX, FLT_MAX, node->translation);
+    gltf_doubles(g, object, at, "scale", 3, -FLT_MAX, FLT_MAX, node->scale);
+    gltf_exact_rotation(g, object, at, "rotation", node->rotation);
+    scene_pose_node(node);
+    if (!gltf_doubles(g, object, at, "matrix", 16, -FLT_MAX, FLT_MAX, values)) return;
     const struct at *here = AT_KEY(at, "matrix");
     if (json_object_get(object, "translation") || json_object_get(object, "rotation") || json_object_get(object, "scale"))
         gltf_warn(g, here, "stands beside translation, rotation or scale; the matrix is used");
-    memcpy(node->local.m, values, sizeof values);
     node->has_matrix = true;
-    if (!is_decomposable(&node->local))
+    if (!is_decomposable(values))
         gltf_warn(g, here, "is no product of translation, rotation and scale; its affine part is used as it is");
-    node->local.m[3] = node->local.m[7] = node->local.m[11] = 0;
-    node->local.m[15] = 1;
+    for (int i = 0; i < 12; i++) node->local_exact.m[i] = values[i / 3 * 4 + i % 3];
 }
 
 /* ---- what a node carries ---- */
@@ -162,8 +160,9 @@ void gltf_load_nodes(struct gltf *g) {
             .parent = SCENE_NONE,
             .first_child = SCENE_NONE,
             .next_sibling = SCENE_NONE,
-            .rotation = quat_identity(),
+            .rotation = {0, 0, 0, 1},
             .scale = {1, 1, 1},
+            .local_exact = affine_identity(),
             .mesh = SCENE_NONE,
             .skin = SCENE_NONE,
             .camera = SCENE_NONE,

@@ -55,7 +55,9 @@ static void load_probe(struct gltf *g, json_t *object, const struct at *at) {
     uint64_t face_size = p.face_size, mask = p.mask;
     float priority = 0;
     fnl_probe_id id;
-    gltf_floats(g, object, at, "centre", 3, -FLT_MAX, FLT_MAX, &p.centre.x);
+    double centre[3] = {0, 0, 0};
+    gltf_doubles(g, object, at, "centre", 3, -FLT_MAX, FLT_MAX, centre);
+    p.centre = vec3_from_place(centre, g->scene->origin);
     gltf_floats(g, object, at, "halfSize", 3, FLT_MIN, FLT_MAX, &p.half_size.x);
     gltf_rotation(g, object, at, "rotation", &p.rotation);
     gltf_floats(g, object, at, "capture", 3, -FLT_MAX, FLT_MAX, &p.capture.x);
@@ -73,6 +75,7 @@ static void load_probe(struct gltf *g, json_t *object, const struct at *at) {
     const fnl_result result = fnl_scene_add_probe(g->scene, &p, &id); /* says what is wrong */
     if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
     if (result != FNL_OK) gltf_warn(g, at, "is no probe; it is left out");
+    else memcpy(g->scene->probes.data[id.index].place, centre, sizeof centre);
 }
 
 void gltf_load_surroundings(struct gltf *g) {

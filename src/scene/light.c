@@ -162,6 +162,8 @@ fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, co
     for (uint32_t i = 0; i < count; i++) {
         struct scene_light *light = &scene->lights.data[lights[i].index];
         if (light->node != SCENE_NONE && poses_differ(&params[i], &light->params)) light->node = SCENE_NONE;
+        if (memcmp(&params[i].position, &light->params.position, sizeof params->position) != 0 || light->node != SCENE_NONE)
+            place_from_vec3(params[i].position, scene->origin, light->place); /* else it is known better than floats say */
         light->params = aligned(&params[i]);
     }
     scene_lights_edited(scene, lights, count);
@@ -215,6 +217,7 @@ fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const 
     for (uint32_t i = 0; i < count; i++) TRY(check_finite(call, "points", points[i]));
     struct light_hull *hull;
     TRY(light_hull_create(&scene->host, points, count, &hull));
+    place_from_vec3(hull->center, scene->origin, hull->place);
     light_hull_free(scene, target);
     target->hull = hull;
     scene->hull_plane_count += hull->plane_count;

@@ -69,7 +69,7 @@ static bool grow_bounds(fnl_scene *scene, struct scene_reach *reach) {
             const bool known = node->moved_version <= reach->transform_version && node->edited_version <= reach->structure_version;
             if (known || !scene_node_draws(node) || node->staged) continue;
             for (uint32_t k = 0; k < node->instance_count; k++) {
-                const mat4 world = node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+                const mat4 world = scene_instance_world(scene, node, k);
                 const struct box box = box_transform(&scene->meshes.data[node->mesh].bounds, &world);
                 if (!box_is_empty(&box)) box_add_box(&reach->bounds, &box);
             }

@@ -189,8 +189,6 @@ static fnl_scene *animated_scene(const struct scene_channel *channels, uint32_t 
     assert_int_equal(scene_add_node(scene, "node", SCENE_NONE, &local, SCENE_NONE), 0);
     struct scene_node *node = &scene->nodes.data[0];
     node->has_matrix = false;
-    node->rotation = quat_identity();
-    node->scale = vec3_make(1, 1, 1);
     struct scene_animation animation = {.name = "a", .channels = channels, .channel_count = count, .duration = 4};
     assert_true(array_push(&scene->host, &scene->animations, animation));
     return scene;

@@ -40,6 +40,7 @@ bool scene_has_reflections(const fnl_scene *scene) {
 uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params) {
     struct scene_probe probe = {.params = *params, .generation = scene_take_generation(scene), .version = ++scene->probe_version};
     probe.params.rotation = quat_normalize(params->rotation);
+    place_from_vec3(params->centre, scene->origin, probe.place);
     scene_use_light_masks(scene, params->mask != 255);
     uint32_t index = scene->probes.count;
     if (scene->free_probes.count > 0)
@@ -71,6 +72,7 @@ fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id id, const fnl_prob
     TRY(check_probe_id(CALL(&scene->host), scene, id));
     TRY(scene_check_probe(CALL(&scene->host), params));
     struct scene_probe *probe = &scene->probes.data[id.index];
+    if (memcmp(&params->centre, &probe->params.centre, sizeof params->centre) != 0) place_from_vec3(params->centre, scene->origin, probe->place);
     probe->params = *params;
     probe->params.rotation = quat_normalize(params->rotation);
     probe->version = ++scene->probe_version;

@@ -80,7 +80,7 @@ static void visit_all(struct rooms *r, visit *what) {
         if (!scene_node_draws(node) || node->staged || node->skin != SCENE_NONE) continue;
         const struct scene_mesh *mesh = &r->scene->meshes.data[node->mesh];
         for (uint32_t k = 0; k < node->instance_count; k++) {
-            const mat4 world = node->instances ? mat4_mul(node->world, node->instances[k]) : node->world, matrix = mat4_mul(r->into, world);
+            const mat4 world = scene_instance_world(r->scene, node, k), matrix = mat4_mul(r->into, world);
             for (uint32_t i = 0; i < mesh->primitive_count; i++)
                 visit_primitive(r, &r->scene->primitives.data[mesh->first_primitive + i], &matrix, what);
         }

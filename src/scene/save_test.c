@@ -706,6 +706,52 @@ static void test_probes(void **state) {
 
 /* ---- what goes wrong ---- */
 
+/* Places in doubles: of nodes of a file that were moved, and of what was added beside a far origin, also when that has moved away since. */
+static void test_places_far_away(void **state) {
+    UNUSED(state);
+    static const double far[3] = {6371000, -48, 0.3}, home[3] = {0, 0, 0};
+    for (int of_file = 0; of_file < 2; of_file++) {
+        fnl_scene *scene = of_file ? load_document() : NULL;
+        if (!of_file) assert_int_equal(fnl_scene_load(NULL, "builtin:spheres?lights=3", NULL, &scene), FNL_OK);
+        fnl_light_params light = fnl_light_params_default();
+        fnl_probe_params probe = fnl_probe_params_default();
+        fnl_camera camera = fnl_camera_default();
+        fnl_light_id light_id;
+        fnl_probe_id probe_id;
+        fnl_instance_id instance;
+        const mat4 moved = mat4_from_trs(vec3_make(0.7f, 0.1f, 0), quat_axis_angle(vec3_make(0, 1, 0), 0.3f), vec3_make(2, 1, 1));
+        light.kind = FNL_LIGHT_SPOT;
+        light.position = probe.centre = camera.position = vec3_make(0.3f, 0.7f, 0.9f);
+        assert_int_equal(fnl_scene_set_origin(scene, far), FNL_OK);
+        assert_int_equal(fnl_scene_add_light(scene, &light, &light_id), FNL_OK);
+        assert_int_equal(fnl_scene_add_probe(scene, &probe, &probe_id), FNL_OK);
+        assert_int_equal(fnl_scene_add_camera(scene, "own", &camera), FNL_OK);
+        assert_int_equal(fnl_scene_add_instance(scene, (fnl_mesh_id){0, FIXED_GENERATION}, &moved, &instance), FNL_OK);
+        const fnl_instance_id root = {0, scene->nodes.data[0].generation};
+        assert_int_equal(fnl_scene_set_instance_transform(scene, root, &moved), FNL_OK);
+        assert_int_equal(fnl_scene_set_origin(scene, home), FNL_OK);
+        save(scene);
+        json_decref(validate(false));
+        fnl_scene *again = load(saved);
+        assert_int_equal(fnl_scene_set_origin(again, far), FNL_OK);
+        assert_int_equal(fnl_scene_set_origin(scene, far), FNL_OK);
+        for (uint32_t i = 0; i < scene->nodes.count; i++) {
+            const struct scene_node *a = &scene->nodes.data[i], *b = &again->nodes.data[i];
+            if (a->instances) continue; /* they become nodes */
+            for (int k = 0; k < 3; k++) assert_true(fabs(a->world_exact.m[9 + k] - b->world_exact.m[9 + k]) <= 1e-8);
+            for (int k = 0; k < 9; k++) assert_true(fabs(a->world_exact.m[k] - b->world_exact.m[k]) <= 1e-6);
+        }
+        fnl_camera copy;
+        assert_int_equal(fnl_scene_query_camera(again, fnl_scene_count(again, FNL_ENTITY_CAMERA) - 1, &copy), FNL_OK);
+        const struct scene_light *last = &again->lights.data[again->lights.count - 1];
+        const vec3 places[] = {last->params.position, copy.position, again->probes.data[again->probes.count - 1].params.centre};
+        for (int k = 0; k < 3; k++)
+            if (!(vec3_distance(places[k], light.position) < 2e-7f)) fail_msg("%d is at %.9g %.9g %.9g", k, (double)places[k].x, (double)places[k].y, (double)places[k].z);
+        fnl_scene_destroy(&scene);
+        fnl_scene_destroy(&again);
+    }
+}
+
 static bool exists(const char *path) {
     struct stat status;
     return stat(path, &status) == 0;
@@ -830,6 +876,7 @@ int main(void) {
         cmocka_unit_test(test_masks_of_what_was_added),
         cmocka_unit_test(test_environments),
         cmocka_unit_test(test_probes),
+        cmocka_unit_test(test_places_far_away),
         cmocka_unit_test(test_errors_leave_no_file),
         cmocka_unit_test(test_what_is_left_out_is_told),
         cmocka_unit_test(test_names_that_are_not_utf8_are_told),

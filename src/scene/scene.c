@@ -214,10 +214,11 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
         .next_sibling = SCENE_NONE,
         .has_matrix = true,
         .active = true,
-        .rotation = quat_identity(),
+        .rotation = {0, 0, 0, 1},
         .scale = {1, 1, 1},
         .local = *local,
         .world = *local,
+        .local_exact = affine_from_mat4(local, parent == SCENE_NONE ? scene->origin : (const double[3]){0, 0, 0}),
         .mesh = mesh,
         .skin = SCENE_NONE,
         .camera = SCENE_NONE,
@@ -226,11 +227,13 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
         .moved_version = moved_version,
         .edited_version = edited_version,
     };
+    node->world_exact = node->local_exact;
     if (parent != SCENE_NONE) {
         struct scene_node *above = &scene->nodes.data[parent];
         node->next_sibling = above->first_child;
         above->first_child = index;
-        node->world = mat4_mul(above->world, *local);
+        node->world_exact = affine_mul(&above->world_exact, &node->local_exact);
+        node->world = mat4_from_affine(&node->world_exact, scene->origin);
         node->active = above->active;
     }
     scene->structure_version++;
@@ -267,11 +270,19 @@ static uint32_t next_in_tree(const struct scene_node *nodes, uint32_t index, uin
     return SCENE_NONE;
 }
 
-static bool update_node(struct scene_node *nodes, uint32_t index, uint64_t version) {
-    struct scene_node *node = &nodes[index];
-    if (!node->has_matrix && !node->placed) node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
-    mat4 world = node->parent == SCENE_NONE ? node->local : mat4_mul(nodes[node->parent].world, node->local);
-    bool moved = node->moved_version == version || memcmp(&world, &node->world, sizeof world) != 0;
+void scene_pose_node(struct scene_node *node) {
+    node->local_exact = affine_from_trs(node->translation, node->rotation, node->scale);
+    node->placed = false;
+}
+
+static bool update_node(fnl_scene *scene, uint32_t index, uint64_t version) {
+    static const double none[3] = {0, 0, 0};
+    struct scene_node *nodes = scene->nodes.data, *node = &nodes[index];
+    const bool root = node->parent == SCENE_NONE;
+    node->world_exact = root ? node->local_exact : affine_mul(&nodes[node->parent].world_exact, &node->local_exact);
+    node->local = mat4_from_affine(&node->local_exact, root ? scene->origin : none);
+    const mat4 world = root ? node->local : mat4_from_affine(&node->world_exact, scene->origin);
+    const bool moved = node->moved_version == version || memcmp(&world, &node->world, sizeof world) != 0;
     node->world = world;
     if (moved) node->moved_version = version;
     return moved;
@@ -285,7 +296,7 @@ void scene_update_transforms(fnl_scene *scene) {
     for (uint32_t root = 0; root < scene->nodes.count; root++) {
         if (nodes[root].parent != SCENE_NONE || nodes[root].removed) continue;
         for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
-            if (!update_node(nodes, i, version)) continue;
+            if (!update_node(scene, i, version)) continue;
             any = true;
             if (listed) scene->moved.data[moved_count++] = i;
         }
@@ -312,7 +323,7 @@ static void move_tree(fnl_scene *scene, uint32_t root, uint64_t version) {
     for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
         uint64_t before = nodes[i].moved_version;
         scene->nodes_placed++;
-        if (update_node(nodes, i, version)) list_moved(scene, i, before);
+        if (update_node(scene, i, version)) list_moved(scene, i, before);
     }
 }
 
@@ -322,7 +333,7 @@ void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *ids, const mat4 *
     bool linked = false;
     for (uint32_t i = 0; i < count; i++) {
         struct scene_node *node = &nodes[ids[i].index];
-        node->local = locals[i];
+        node->local_exact = affine_from_mat4(&locals[i], node->parent == SCENE_NONE ? scene->origin : (const double[3]){0, 0, 0});
         node->placed = node->moves = true;
         linked = linked || node->linked;
     }
@@ -411,6 +422,7 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
         struct scene_camera *camera = &scene->cameras.data[i];
         if (camera->node == SCENE_NONE || !nodes[camera->node].removed) continue;
         UNUSED(fnl_scene_query_camera(scene, i, &camera->camera));
+        memcpy(camera->place, nodes[camera->node].world_exact.m + 9, sizeof camera->place);
         camera->node = SCENE_NONE;
     }
     for (uint32_t i = 0; i < scene->lights.count && linked; i++) {
@@ -440,6 +452,12 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
 }
 
 /* ---- bounds ---- */
+
+mat4 scene_instance_world(const fnl_scene *scene, const struct scene_node *node, uint32_t k) {
+    if (!node->instances) return node->world;
+    const struct affine own = affine_from_mat4(&node->instances[k], (const double[3]){0, 0, 0}), world = affine_mul(&node->world_exact, &own);
+    return mat4_from_affine(&world, scene->origin);
+}
 
 /** Grows `out` by all that a skinned primitive can reach: a skinned vertex is a weighted mean of its joints' images. */
 static void add_skinned_bounds(const struct scene_primitive *primitive, const mat4 *joints, struct box *out) {
@@ -476,7 +494,7 @@ static void add_node_bounds(const fnl_scene *scene, const struct scene_node *nod
         }
         if (box_is_empty(&primitive->bounds)) continue;
         for (uint32_t k = 0; k < node->instance_count; k++) {
-            mat4 world = node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+            const mat4 world = scene_instance_world(scene, node, k);
             struct box moved = box_transform(&primitive->bounds, &world);
             box_add_box(out, &moved);
         }

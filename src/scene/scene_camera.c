@@ -58,6 +58,7 @@ fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_ca
     if (!(vec3_length(camera->up) > 0)) return misuse(CALL(&scene->host), "up is 0, 0, 0, must have a length");
     struct scene_camera added = {
         .name = arena_string(&scene->arena, name ? name : ""), .node = SCENE_NONE, .camera = *camera};
+    place_from_vec3(camera->position, scene->origin, added.place);
     if (!added.name || !array_push(&scene->host, &scene->cameras, added)) return FNL_ERROR_MEMORY;
     return FNL_OK;
 }
@@ -156,7 +157,7 @@ static void visit_primitive(const fnl_scene *scene, const struct scene_node *nod
     const uint32_t instances = skin ? 1 : node->instance_count;
     const bool exact = (uint64_t)p->index_count * instances <= EXACT_POINTS;
     for (uint32_t k = 0; k < instances; k++) {
-        const mat4 world = skin ? mat4_identity() : node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+        const mat4 world = skin ? mat4_identity() : scene_instance_world(scene, node, k);
         const struct box box = box_transform(&p->bounds, &world);
         if (!skin && (box_is_empty(&box) || (box.low.x == box.high.x && box.low.y == box.high.y && box.low.z == box.high.z))) continue;
         for (uint32_t i = 0; i < p->index_count && exact; i++)

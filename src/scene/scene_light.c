@@ -153,6 +153,7 @@ uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint3
     struct scene_light light = {
         .params = *params, .node = node, .slot = SCENE_NONE, .unlimited_at = SCENE_NONE, .reach = 1e18f, .generation = scene_take_generation(scene), .shadow_request = scene->shadow_requests++};
     if (node != SCENE_NONE) pose_light(scene, &light);
+    place_from_vec3(light.params.position, scene->origin, light.place);
     uint32_t index;
     if (scene_reserve_lights(scene, 1) != FNL_OK) return SCENE_NONE;
     if (scene->free_lights.count > 0) {

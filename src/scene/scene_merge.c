@@ -62,7 +62,10 @@ static void append_meshes(fnl_scene *into, const fnl_scene *from, const struct o
     for (uint32_t i = at->meshes; i < into->meshes.count; i++) into->meshes.data[i].first_primitive += at->primitives;
 }
 
-/* The file's roots become children of `root`, in their order. */
+/*
+ * The file's roots become children of `root`, in their order. What stood on no node stays where it was, beside the scene's origin: a file may have had
+ * one of its own.
+ */
 static void append_nodes(fnl_scene *into, const fnl_scene *from, const struct offsets *at, uint32_t root) {
     APPEND(nodes);
     struct scene_node *nodes = into->nodes.data;
@@ -144,7 +147,9 @@ static void append_lights(fnl_scene *into, const fnl_scene *from, const struct o
             params.profile.index += first_profile;
             params.profile.generation = into->profiles.data[params.profile.index].generation;
         }
+        if (light->node == SCENE_NONE) params.position = vec3_from_place(light->place, into->origin);
         uint32_t index = scene_add_light(into, &params, moved(light->node, at->nodes)); /* there is room */
+        if (light->node == SCENE_NONE) memcpy(into->lights.data[index].place, light->place, sizeof light->place);
         into->lights.data[index].name = light->name;
         into->lights.data[index].extras = light->extras;
     }
@@ -182,6 +187,7 @@ static void append_probes(fnl_scene *into, const fnl_scene *from, const struct o
     if (from->probes.count) into->probe_version++;
     for (uint32_t i = at->probes; i < into->probes.count; i++) {
         into->probes.data[i].generation = scene_take_generation(into);
+        into->probes.data[i].params.centre = vec3_from_place(into->probes.data[i].place, into->origin);
         into->probes.data[i].version = into->probe_version;
     }
 }
@@ -210,6 +216,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     into->free_nodes.count = 0; /* the root stands before its nodes */
     const uint32_t root = scene_add_node(into, from->source, parent, &identity, SCENE_NONE);
     into->free_nodes.count = holes;
+    into->nodes.data[root].local_exact = affine_identity(); /* where the file says, wherever the origin is */
     const struct offsets at = {into->images.count,     into->samplers.count, into->materials.count, into->primitives.count,
                                into->meshes.count,     into->nodes.count,    into->skins.count,     into->animations.count,
                                into->lights.count,     into->cameras.count,  into->decals.count,

@@ -190,8 +190,8 @@ static void test_children_follow_their_parents(void **state) {
     assert_true(scene->nodes.data[child].world.m[13] == 2 && scene->lights.data[light].params.position.y == 2);
     scene_update_transforms(scene);
     uint64_t version = scene->transform_version, light_version = scene->light_version;
-    scene->nodes.data[parent].local =
-        mat4_mul(mat4_from_trs(vec3_make(5, 0, 0), quat_axis_angle(vec3_make(0, 1, 0), PI / 2), vec3_make(1, 1, 1)), up);
+    const mat4 turned = mat4_mul(mat4_from_trs(vec3_make(5, 0, 0), quat_axis_angle(vec3_make(0, 1, 0), PI / 2), vec3_make(1, 1, 1)), up);
+    scene->nodes.data[parent].local_exact = affine_from_mat4(&turned, scene->origin);
     scene_update_transforms(scene);
     assert_int_equal(scene->transform_version, version + 1);
     assert_int_equal(scene->moved.count, 2);

@@ -81,7 +81,7 @@ static bool has_floor(const fnl_scene *scene, const struct box *bounds) {
         if (!scene_node_draws(node) || node->staged || node->skin != SCENE_NONE) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
         for (uint32_t k = 0; k < node->instance_count; k++) {
-            const mat4 world = node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+            const mat4 world = scene_instance_world(scene, node, k);
             const struct box box = box_transform(&mesh->bounds, &world);
             if (!(box.low.y <= bounds->low.y + slack)) continue;
             for (uint32_t i = 0; i < mesh->primitive_count; i++) {

@@ -21,7 +21,9 @@ int fuzz_render_run(const struct render_options *o) {
         if (fnl_frame_get(&o->frame, option.key, text, sizeof text) >= sizeof text) abort();
         if (fnl_frame_set(NULL, &frame, option.key, text) != FNL_OK) abort();
     }
-    if (!finite3(o->world.eye) || !finite3(o->world.look_at) || !finite3(o->world.ambient) || !finite3(o->world.background)) abort();
+    for (int i = 0; i < 3; i++)
+        if (!isfinite(o->world.eye[i]) || !isfinite(o->world.look_at[i])) abort();
+    if (!finite3(o->world.ambient) || !finite3(o->world.background)) abort();
     if (!isfinite(o->world.time) || !isfinite(o->world.fov) || !isfinite(o->frame.ev) || !isfinite(o->frame_time)) abort();
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (!(o->world.scatter.shares[i] >= 0) || isinf(o->world.scatter.shares[i])) abort();

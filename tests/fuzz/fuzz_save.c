@@ -54,7 +54,7 @@ static void compare_material(const struct scene_material *a, const struct scene_
 static void compare_node(const struct scene_node *a, const struct scene_node *b) {
     SAME(same_text(a->name, b->name) && same_text(a->extras, b->extras) && a->parent == b->parent && a->mesh == b->mesh && a->skin == b->skin);
     SAME(a->camera == b->camera && a->hidden == b->hidden && a->active == b->active && a->instance_count == b->instance_count);
-    SAME(memcmp(&a->local, &b->local, sizeof a->local) == 0 && memcmp(&a->world, &b->world, sizeof a->world) == 0);
+    SAME(memcmp(&a->local_exact, &b->local_exact, sizeof a->local_exact) == 0 && memcmp(&a->world, &b->world, sizeof a->world) == 0);
     SAME(same_bytes(a->instances, b->instances, a->instance_count * sizeof *a->instances));
 }
 

@@ -75,7 +75,8 @@ graph_image motion_add(struct graph *graph, gpu_device *device, const struct mot
     *(struct gpu_motion *)slice.data = (struct gpu_motion){.previous = *previous,
                                                            .view_to_previous = view_to_previous(input->current, previous),
                                                            .jitter = input->jitter,
-                                                           .has_previous = input->previous != NULL};
+                                                           .has_previous = input->previous != NULL,
+                                                           .origin_moved = input->objects.origin_moved};
     graph_image objects = {0};
     if (input->objects.previous.id && input->previous) objects = add_objects(graph, input, slice.address, image);
     struct gpu_motion_push push = {.view = input->view, .motion = slice.address, .has_objects = objects.id != 0};

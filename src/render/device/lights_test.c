@@ -341,8 +341,9 @@ static void test_nodes_and_faded_lights(void **state) {
     for (uint32_t i = 0; i < NODES; i++) {
         fnl_light_params light = some_light(i);
         nodes[i] = scene_add_node(s.scene, "lamp", SCENE_NONE, &identity, SCENE_NONE);
-        s.scene->nodes.data[nodes[i]].translation = light.position;
+        place_from_vec3(light.position, s.scene->origin, s.scene->nodes.data[nodes[i]].translation);
         s.scene->nodes.data[nodes[i]].has_matrix = false;
+        scene_pose_node(&s.scene->nodes.data[nodes[i]]);
         assert_int_not_equal(scene_add_light(s.scene, &light, nodes[i]), SCENE_NONE);
     }
     scene_update_transforms(s.scene);
@@ -350,7 +351,11 @@ static void test_nodes_and_faded_lights(void **state) {
     for (uint32_t lod = 0; lod < 2; lod++) {
         s.frame.light_lod = lod ? 1000 : 0;
         check_frame(&s, lod ? 0 : NODES * LIGHT_BYTES);
-        for (uint32_t i = 0; i < 5; i++) s.scene->nodes.data[nodes[i * 3]].translation.y += 0.3f;
+        for (uint32_t i = 0; i < 5; i++) {
+            struct scene_node *node = &s.scene->nodes.data[nodes[i * 3]];
+            node->translation[1] += 0.3;
+            scene_pose_node(node);
+        }
         scene_update_transforms(s.scene);
         check_frame(&s, 5 * LIGHT_BYTES);
     }

@@ -10,7 +10,7 @@ static struct gpu_instance device_instance(const mat4 *m) {
 
 mat4 device_instance_matrix(const fnl_scene *scene, const struct scene_node *node, uint32_t k) {
     if (node->skin != SCENE_NONE) return skin_instance(skin_mirrors(scene, node)); /* the joints carry it (glTF 2.0, 3.7.3.1) */
-    return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+    return scene_instance_world(scene, node, k);
 }
 
 void device_scene_node_instances(const fnl_scene *scene, const struct scene_node *node, struct gpu_instance *out) {

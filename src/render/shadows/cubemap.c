@@ -25,7 +25,10 @@ static bool is_animated(const fnl_scene *scene, uint32_t node) {
     return false;
 }
 
-/* Nodes from `first` on are new. */
+/*
+ * Nodes from `first` on are new. Where the origin has moved, all nodes have, and those that a call moved besides, for the first time and before that, are not
+ * told from the others.
+ */
 static fnl_result find_movers(fnl_renderer *r) {
     struct renderer_probes *p = &r->probes;
     const fnl_scene *scene = r->scene;
@@ -33,15 +36,16 @@ static fnl_result find_movers(fnl_renderer *r) {
         return FNL_ERROR_MEMORY;
     for (uint32_t n = p->known_generations.count; n < scene->nodes.count; n++) p->known_generations.data[n] = p->mover_generations.data[n] = 0;
     p->known_generations.count = p->mover_generations.count = scene->nodes.count;
-    if (p->started && p->transforms != scene->transform_version) {
-        if (scene->moved_since <= p->transforms)
+    const uint64_t since = MAX(p->transforms, scene->origin_version);
+    if (p->started && since != scene->transform_version) {
+        if (scene->moved_since <= since)
             for (uint32_t i = 0; i < scene->moved.count; i++) {
                 const uint32_t n = scene->moved.data[i];
-                if (scene->nodes.data[n].moved_version > p->transforms) see_node(r, n);
+                if (scene->nodes.data[n].moved_version > since) see_node(r, n);
             }
         else
             for (uint32_t n = 0; n < scene->nodes.count; n++)
-                if (scene->nodes.data[n].moved_version > p->transforms) see_node(r, n);
+                if (scene->nodes.data[n].moved_version > since) see_node(r, n);
     }
     p->transforms = scene->transform_version;
     if (!p->started || p->structure != r->device_scene->structure_version)

@@ -24,7 +24,7 @@ struct shade_guide shadow_sampled_guide(struct frame_state *f) {
 void shadow_sampled_denoise(struct frame_state *f, const struct shade_apart *apart) {
     temporal_add_motion(f);
     const struct denoise_input input = {.view = f->view_address,
-                                        .previous = f->temporal.keeps ? &f->kept->temporal.view : NULL,
+                                        .previous = f->temporal.keeps ? &f->temporal.previous : NULL,
                                         .depth = f->depth,
                                         .motion = f->temporal.motion,
                                         .apart = apart,
