@@ -21,7 +21,7 @@ bool argument_number(const char *option, const char *text, double *out);
 bool argument_bytes(const char *option, const char *text, uint64_t *out);
 /** Three numbers: "1,2.5,-3". */
 bool argument_vector(const char *option, const char *text, fnl_vec3 *out);
-/** The same of a place in the world (origin.h). */
+/** Three numbers in doubles: a place (origin.h). */
 bool argument_place(const char *option, const char *text, double out[3]);
 bool argument_take_place(const char **at, double out[3]);
 /** "1280x720". */

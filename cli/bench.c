@@ -359,6 +359,7 @@ static bool complete_options(struct bench_options *o) {
     bool good = bench_create_device(s, NULL, &device) && fnl_device_query_info(device, &info) == FNL_OK,
          cpu = info.type == FNL_DEVICE_CPU;
     fnl_device_destroy(&device);
+    if (o->suite && !s->camera_path) s->camera_path = bench_suite_camera_path(o->suite);
     s->all = o->all;
     m->every_shading |= o->all && m->shading_count == 0;
     m->every_lists |= o->all && m->lists_count == 0;
@@ -375,7 +376,7 @@ static bool complete_options(struct bench_options *o) {
 
 /* Whether there is anything to be written. */
 static bool has_results(const struct bench_data *data) {
-    static const char *const parts[] = {"results", "antialiasing", "coarse", "dais", "shadows"};
+    static const char *const parts[] = {"results", "antialiasing", "coarse", "dais", "shadows", "stereo"};
     size_t count = 0;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) count += json_array_size(json_object_get(data->root, parts[i]));
     return count > 0;

@@ -123,8 +123,8 @@ void bench_ways_describe(const struct bench_candidate *candidate, json_t *result
 
 struct bench_point {
     double time; /* seconds; poses the scene's animation */
-    double eye[3], target[3]; /* places: origin.h */
-    fnl_camera camera;        /* but for where it is */
+    double eye[3], target[3]; /* places (origin.h) */
+    fnl_camera camera;        /* all except position and target */
 };
 
 /** Points of a path through a scene. */
@@ -138,7 +138,7 @@ bool bench_path_is_circle(const char *source, uint32_t *count);
 /** Loads a file of points, or makes a circle of `orbit_count` or N points; `base` gives what a point does not say. False with a message. */
 bool bench_path_create(struct bench_path *path, const char *source, const fnl_scene *scene, const fnl_camera *base,
                        uint32_t orbit_count, float aspect);
-/** The camera of a picture, past the last point from the first on; the scene's origin follows it (origin.h). False with a message. */
+/** Camera of a picture; `index` wraps around. The scene's origin moves with it (origin.h). False with a message. */
 bool bench_path_camera(const struct bench_path *path, fnl_scene *scene, uint32_t index, fnl_camera *out);
 void bench_path_destroy(struct bench_path *path);
 
@@ -189,6 +189,22 @@ void bench_coarse_print(const struct bench_data *data);
  */
 bench_suite_tabulator bench_table_geometry, bench_table_orders;
 void bench_tables_print(const struct bench_data *data);
+
+/* ---- stereo (bench_stereo.c) ---- */
+
+/** Measures it into root.stereo; width 0: 1440 x 1600, on a CPU 320 x 180. False with a message, or when it was interrupted. */
+bool bench_stereo_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
+bench_suite_tabulator bench_table_stereo;
+
+/* ---- the four pipelines of a textbook (bench_rtr20.c) ---- */
+
+#define BENCH_RTR20_FORWARD {FNL_SHADING_FORWARD, FNL_LISTS_MESH, ""}
+#define BENCH_RTR20_VOLUMES {FNL_SHADING_DEFERRED_VOLUMES, FNL_LISTS_ALL, ""}
+#define BENCH_RTR20_DEFERRED {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, ""}
+#define BENCH_RTR20_PREPASS {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED, ""}
+#define BENCH_RTR20_SMALL "builtin:city?triangles=3000000"
+#define BENCH_RTR20_DECALS "builtin:city?decals=2000"
+bench_suite_tabulator bench_table_rtr20;
 
 /* ---- deferred attribute interpolation (bench_dais.c) ---- */
 
@@ -325,6 +341,8 @@ enum bench_suite_kind { BENCH_SUITE_RATIOS, BENCH_SUITE_OWN, BENCH_SUITE_MATRIX 
 enum bench_suite_kind bench_suite_kind_of(const struct bench_suite *suite);
 /** Whether --all means something to a suite that measures by itself. */
 bool bench_suite_takes_all(const struct bench_suite *suite);
+/** A suite of ratios: the camera's path; NULL: it stands still. */
+const char *bench_suite_camera_path(const struct bench_suite *suite);
 /** Of a matrix: its scenes, and its options by name and value, which others may replace; NULL beyond the last. */
 const char *const *bench_suite_scenes(const struct bench_suite *suite);
 const char *const *bench_suite_option(const struct bench_suite *suite, int index);

@@ -65,7 +65,7 @@ static bool load_points(struct bench_path *path, const char *file, const fnl_cam
     return good;
 }
 
-/* A camera as the scene's origin stands now. */
+/* Adds a point for a camera that is relative to the scene's current origin. */
 static bool add_camera(struct bench_path *path, const fnl_scene *scene, double time, const fnl_camera *camera) {
     struct bench_point point = {.time = time, .camera = *camera};
     origin_place(scene, camera->position, point.eye);

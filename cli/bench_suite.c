@@ -18,13 +18,16 @@ struct setup {
 
 /* ours = quantity(a) / quantity(b), and should be at most (or at least) `limit`. */
 struct row {
-    const char *quantity;
-    const char *metric; /* a time or a number of a result; "fill" or "shell": the list passes with this in their name */
+    const char *quantity; /* NULL: both are measured for a table */
+    const char *metric;   /* a time or a number of a result; "fill" or "shell": the list passes with this in their name;
+                             "gpu_ms p95/median": how uneven frames are */
     const char *scene;
     int64_t lights_a, lights_b; /* -1: as the scene has them */
     struct setup a, b;
     bool at_least;
     double source, limit;
+    uint32_t msaa_a, msaa_b; /* 0: 1 sample */
+    const char *scene_b;     /* NULL: the same */
 };
 
 struct bench_suite {
@@ -35,6 +38,7 @@ struct bench_suite {
     uint32_t row_count;
     bench_suite_measurer *measure;
     bool takes_all; /* bench_settings.all */
+    const char *camera_path; /* bench_settings.camera_path; NULL: the camera stands still */
     /* Of a matrix; both end with NULL. */
     const char *scenes[4], *options[8][2];
     bench_suite_tabulator *tabulate;
@@ -47,7 +51,7 @@ struct bench_suite {
 #define TILED {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, ""}
 #define BACKFACE {FNL_SHADING_DEFERRED, FNL_LISTS_BACKFACE, ""}
 #define WALL(test, quantity, a, b, at_least, source)                                                                         \
-    {"test " #test ": " quantity, "gpu_ms", "builtin:wall?test=" #test, -1, -1, a, b, at_least, source, source}
+    {"test " #test ": " quantity, "gpu_ms", "builtin:wall?test=" #test, -1, -1, a, b, at_least, source, source, .msaa_a = 1}
 #define WALLS(test, volumes_tiled, backface_tiled, volumes_backface)                                                         \
     WALL(test, "light volumes / tiled", VOLUMES, TILED, true, volumes_tiled),                                                \
     WALL(test, "tiled with back faces / tiled", BACKFACE, TILED, false, backface_tiled),                                     \
@@ -68,10 +72,10 @@ static const struct row thesis_rows[] = {
 #define RASTER(size, slices) GRID(size, slices, "exponential")
 #define LINEAR(size, slices) GRID(size, slices, "linear")
 #define HALL(quantity, metric, lights_a, lights_b, a, b, source, limit)                                                      \
-    {quantity, metric, "builtin:hall", lights_a, lights_b, a, b, false, source, limit}
+    {quantity, metric, "builtin:hall", lights_a, lights_b, a, b, false, source, limit, .msaa_a = 1}
 #define SLICES(tiles, size, slices, lights)                                                                                  \
     {tiles "x" #slices ": shading, linear / exponential, " #lights " lights", "shading_ms", "builtin:hall", lights, lights,  \
-     LINEAR(size, slices), RASTER(size, slices), true, NAN, 0}
+     LINEAR(size, slices), RASTER(size, slices), true, NAN, 0, .msaa_a = 1}
 #define GRIDS(lights)                                                                                                        \
     SLICES("24x12", 64, 32, lights), SLICES("24x12", 64, 64, lights), SLICES("24x12", 64, 128, lights),                      \
     SLICES("48x24", 32, 32, lights), SLICES("48x24", 32, 64, lights), SLICES("48x24", 32, 128, lights)
@@ -98,7 +102,7 @@ static const struct row clustered_rows[] = {
 /* Without masks of pixels, as the source builds its lists. */
 #define PRUNED {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, "fine.masks=0"}
 #define INTERIOR(quantity, metric, lights, a, b, at_least, source)                                                           \
-    {quantity ", " #lights " lights", metric, "builtin:interior?overlap=3", lights, lights, a, b, at_least, source, source}
+    {quantity ", " #lights " lights", metric, "builtin:interior?overlap=3", lights, lights, a, b, at_least, source, source, .msaa_a = 1}
 #define INTERIORS(lights)                                                                                                    \
     INTERIOR("deferred lighting, coarse / fine", "shading_ms", lights, COARSE, FINE, true, 3.86),                            \
     INTERIOR("lists and lighting, coarse / fine", "lists_ms+shading_ms", lights, COARSE, FINE, true, 1.64),                  \
@@ -106,6 +110,42 @@ static const struct row clustered_rows[] = {
     INTERIOR("lights per pixel, coarse / fine", "per_pixel", lights, COARSE, FINE, true, NAN)
 
 static const struct row fine_rows[] = {INTERIORS(40), INTERIORS(80), INTERIORS(120)};
+
+/* ---- Akenine-Moeller et al.: Real-Time Rendering, 4th edition, chapter 20: nine rankings, and table 20.1 ---- */
+
+#define CITY "builtin:city"
+#define FORWARD(options) {FNL_SHADING_FORWARD, FNL_LISTS_CLUSTERED, options}
+#define PREPASS {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED, ""}
+#define DEFERRED(lists) {FNL_SHADING_DEFERRED, FNL_LISTS_##lists, ""}
+#define VISIBILITY {FNL_SHADING_VISIBILITY, FNL_LISTS_CLUSTERED, ""}
+#define TEXTURING(options) {FNL_SHADING_TEXTURING, FNL_LISTS_CLUSTERED, options}
+/* The source says which one wins, not by how much. */
+#define RANK(quantity, lights, samples, a, b, at_least)                                                                      \
+    {quantity, "gpu_ms", CITY, lights, lights, a, b, at_least, 1, 1, .msaa_a = samples, .msaa_b = samples}
+/* One pipeline of the table, with and without what a row of it is about. */
+#define PIPELINE(setup)                                                                                                      \
+    {NULL, NULL, CITY, 256, 256, setup, setup, .msaa_b = 4},                                                                 \
+    {NULL, NULL, CITY, 256, 256, setup, setup, .scene_b = BENCH_RTR20_SMALL},                                                \
+    {NULL, NULL, CITY, 256, 256, setup, setup, .scene_b = BENCH_RTR20_DECALS}
+
+static const struct row rtr20_rows[] = {
+    RANK("1: clustered forward / clustered deferred, 1 sample, 1024 lights", 1024, 1, PREPASS, DEFERRED(CLUSTERED), true),
+    RANK("1: clustered forward / clustered deferred, 4 samples, 1024 lights", 1024, 4, PREPASS, DEFERRED(CLUSTERED), false),
+    RANK("2: tiled / half-Z, deferred, 1024 lights", 1024, 1, DEFERRED(TILED), DEFERRED(HALFZ), true),
+    RANK("2: half-Z / tiled, deferred, 128 lights", 128, 1, DEFERRED(HALFZ), DEFERRED(TILED), true),
+    RANK("3: half-Z / 2.5D, deferred, 4096 lights", 4096, 1, DEFERRED(HALFZ), DEFERRED(25D), true),
+    RANK("4: forward front to back / with a separate prepass, 1024 lights", 1024, 1, FORWARD("front-to-back=on"), PREPASS, true),
+    RANK("5: clustered forward without prepass / deferred texturing, 1024 lights", 1024, 1, FORWARD(""), TEXTURING(""), true),
+    RANK("5: clustered forward with prepass / deferred texturing, 1024 lights", 1024, 1, PREPASS, TEXTURING(""), true),
+    RANK("6: deferred / visibility buffer, 1 sample, 256 lights", 256, 1, DEFERRED(CLUSTERED), VISIBILITY, true),
+    RANK("6: deferred / visibility buffer, 4 samples, 256 lights", 256, 4, DEFERRED(CLUSTERED), VISIBILITY, true),
+    RANK("7: clustered forward / deferred+, 1024 lights", 1024, 1, PREPASS, TEXTURING("occlusion=on"), true),
+    {"8: unevenness along an orbit, tiled / clustered, deferred, 1024 lights", "gpu_ms p95/median", CITY, 1024, 1024, DEFERRED(TILED), DEFERRED(CLUSTERED), true, 1, 1, .msaa_a = 1},
+    PIPELINE(BENCH_RTR20_FORWARD),
+    PIPELINE(BENCH_RTR20_VOLUMES),
+    PIPELINE(BENCH_RTR20_DEFERRED),
+    PIPELINE(BENCH_RTR20_PREPASS),
+};
 /* clang-format on */
 
 static const struct bench_suite suites[] = {
@@ -135,6 +175,19 @@ static const struct bench_suite suites[] = {
      .height = 1080,
      .rows = fine_rows,
      .row_count = sizeof fine_rows / sizeof *fine_rows},
+    {.name = "rtr20",
+     .title = "Akenine-Moeller et al. 2018, chapter 20: rankings and table 20.1",
+     .width = 1280,
+     .height = 720,
+     .rows = rtr20_rows,
+     .row_count = sizeof rtr20_rows / sizeof *rtr20_rows,
+     .camera_path = "orbit",
+     .tabulate = bench_table_rtr20},
+    {.name = "stereo",
+     .title = "two eyes: what they cost over one, and what mono in the distance saves",
+     .kind = BENCH_SUITE_OWN,
+     .measure = bench_stereo_measure,
+     .tabulate = bench_table_stereo},
     {.name = "dais",
      .title = "Schied and Dachsbacher 2016: deferred attribute interpolation",
      .kind = BENCH_SUITE_OWN,
@@ -175,6 +228,7 @@ const struct bench_suite *bench_suite_find(const char *name) {
 
 enum bench_suite_kind bench_suite_kind_of(const struct bench_suite *suite) { return suite->kind; }
 bool bench_suite_takes_all(const struct bench_suite *suite) { return suite->takes_all; }
+const char *bench_suite_camera_path(const struct bench_suite *suite) { return suite->camera_path; }
 const char *const *bench_suite_scenes(const struct bench_suite *suite) { return suite->scenes; }
 const char *const *bench_suite_option(const struct bench_suite *suite, int index) {
     return suite->options[index][0] ? suite->options[index] : NULL;
@@ -188,13 +242,14 @@ enum bench_end bench_suite_measure(const struct bench_suite *suite, const struct
 
 /* ---- plan ---- */
 
-static struct bench_case case_of(const struct bench_suite *suite, const struct row *row, int64_t lights, uint32_t width,
-                                 uint32_t height) {
-    return (struct bench_case){.scene = row->scene,
-                               .lights = lights,
+/* Of the second setup with `b`. */
+static struct bench_case case_of(const struct bench_suite *suite, const struct row *row, bool b, uint32_t width, uint32_t height) {
+    const uint32_t msaa = b ? row->msaa_b : row->msaa_a;
+    return (struct bench_case){.scene = b && row->scene_b ? row->scene_b : row->scene,
+                               .lights = b ? row->lights_b : row->lights_a,
                                .width = width ? width : suite->width,
                                .height = height ? height : suite->height,
-                               .msaa = 1};
+                               .msaa = msaa ? msaa : 1};
 }
 
 /* At another size than the source's clusters shrink along, so that their grid stays; within what the lists take. */
@@ -216,7 +271,7 @@ bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t 
         const struct row *row = &suite->rows[i];
         const struct setup *setups[2] = {&row->a, &row->b};
         for (int side = 0; side < 2; side++) {
-            struct bench_case wanted = case_of(suite, row, side ? row->lights_b : row->lights_a, width, height);
+            struct bench_case wanted = case_of(suite, row, side, width, height);
             struct bench_case *to = bench_plan_case(plan, &wanted);
             char options[128];
             struct bench_candidate candidate = candidate_of(suite, setups[side], width, options);
@@ -256,6 +311,11 @@ static struct quantity passes_named(const json_t *result, const char *word) {
 
 static struct quantity quantity_of(const json_t *result, const char *metric) {
     if (strcmp(metric, "fill") == 0 || strcmp(metric, "shell") == 0) return passes_named(result, metric);
+    if (strcmp(metric, "gpu_ms p95/median") == 0) {
+        const json_t *times = json_object_get(result, "gpu_ms");
+        const double median = bench_number(times, "median", NAN);
+        return (struct quantity){bench_number(times, "p95", NAN) / median, bench_number(times, "mad", 0) / median};
+    }
     if (strcmp(metric, "lists_ms+shading_ms") == 0) {
         struct quantity lists = time_of(json_object_get(result, "lists_ms")), shading = time_of(json_object_get(result, "shading_ms"));
         return (struct quantity){lists.value + shading.value, lists.spread + shading.spread};
@@ -271,8 +331,7 @@ const char *bench_verdict(double ours, double spread, double limit, bool at_leas
 
 static json_t *conclude_row(const struct bench_suite *suite, const struct row *row, uint32_t width, uint32_t height,
                             const struct bench_data *data) {
-    struct bench_case at = case_of(suite, row, row->lights_a, width, height),
-                      bt = case_of(suite, row, row->lights_b, width, height);
+    struct bench_case at = case_of(suite, row, false, width, height), bt = case_of(suite, row, true, width, height);
     char a_options[128], b_options[128];
     struct bench_candidate ac = candidate_of(suite, &row->a, width, a_options),
                            bc = candidate_of(suite, &row->b, width, b_options);
@@ -331,7 +390,7 @@ void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint3
     if (suite->row_count == 0) return;
     json_t *rows = json_array();
     for (uint32_t i = 0; i < suite->row_count; i++)
-        json_array_append_new(rows, conclude_row(suite, &suite->rows[i], width, height, data));
+        if (suite->rows[i].quantity) json_array_append_new(rows, conclude_row(suite, &suite->rows[i], width, height, data));
     json_t *suite_json = json_pack("{s:s,s:s,s:o,s:o}", "name", suite->name, "title", suite->title, "headline", headline(rows), "rows", rows);
     const char *type = json_string_value(json_object_get(json_object_get(data->root, "device"), "type"));
     if (type && strcmp(type, fnl_value_name(FNL_ENUM_DEVICE_TYPE, FNL_DEVICE_CPU)) == 0)

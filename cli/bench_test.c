@@ -687,7 +687,7 @@ static void test_suites(void **state) {
                 json_t *result = bench_key(at, &at->candidates[i]), *passes = json_array();
                 static const char *const times[] = {"gpu_ms", "lists_ms", "shading_ms"};
                 for (int t = 0; t < 3; t++)
-                    json_object_set_new(result, times[t], json_pack("{s:f,s:f}", "median", 2.0, "mad", 0.0));
+                    json_object_set_new(result, times[t], json_pack("{s:f,s:f,s:f}", "median", 2.0, "mad", 0.0, "p95", 5.0));
                 json_object_set_new(result, "per_pixel", json_real(3));
                 json_object_set_new(result, "list_used_bytes", json_integer(64));
                 json_array_append_new(passes,
@@ -699,10 +699,12 @@ static void test_suites(void **state) {
                 assert_true(bench_find(&data, at, &at->candidates[i]) == result);
             }
         }
+        if (strcmp(bench_suite_name(s), "rtr20") == 0) assert_int_equal(json_array_size(plan.skipped), 0);
         bench_suite_conclude(suite, 0, 0, &data);
         const json_t *row;
         size_t i;
         json_array_foreach(json_object_get(json_object_get(data.root, "suite"), "rows"), i, row) {
+            assert_true(json_is_string(json_object_get(row, "quantity")));
             const char *verdict = json_string_value(json_object_get(row, "verdict"));
             bool least = strcmp(json_string_value(json_object_get(row, "comparison")), ">=") == 0;
             double limit = bench_number(row, "limit", NAN), ours = bench_number(row, "ours", NAN);
@@ -785,6 +787,67 @@ static void test_crossing_DI_15(void **state) {
 }
 
 /* At a quarter of the size as many clusters: they shrink along. */
+/* The four pipelines of the textbook, each with numbers of its own, in the columns where they belong. */
+static void test_table_of_pipelines(void **state) {
+    (void)state;
+    const struct bench_suite *suite = bench_suite_find("rtr20");
+    struct bench_plan plan = {.skipped = json_array()};
+    struct bench_data data = {json_pack("{s:[]}", "results"), NULL};
+    assert_string_equal(bench_suite_camera_path(suite), "orbit");
+    assert_null(bench_suite_camera_path(bench_suite_find("thesis")));
+    assert_true(bench_suite_plan(suite, 100, 50, &plan));
+    for (uint32_t c = 0; c < plan.case_count; c++)
+        for (uint32_t i = 0; i < plan.cases[c].candidate_count; i++) {
+            const struct bench_case *at = &plan.cases[c];
+            json_t *result = bench_key(at, &at->candidates[i]);
+            const double time = (strstr(at->scene, "decals") ? 3 : strstr(at->scene, "triangles") ? 7 : 2) * at->msaa + at->candidates[i].shading;
+            json_object_set_new(result, "gpu_ms", json_pack("{s:f,s:f,s:f}", "median", time, "mad", 0.0, "p95", 1.5 * time));
+            json_object_set_new(result, "per_pixel", json_real(at->candidates[i].shading + 0.5));
+            json_object_set_new(result, "image_bytes_read", json_integer(5000 * at->candidates[i].shading));
+            json_object_set_new(result, "image_bytes_written", json_integer(20000));
+            json_object_set_new(result, "passes", json_pack("[{},{},{}]"));
+            json_array_append_new(json_object_get(data.root, "results"), result);
+        }
+    bench_suite_conclude(suite, 100, 50, &data);
+    const json_t *table = json_array_get(json_object_get(data.root, "tables"), 0), *rows = json_object_get(table, "rows");
+    const fnl_shading shadings[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED_VOLUMES, FNL_SHADING_DEFERRED, FNL_SHADING_FORWARD_PREPASS};
+    assert_int_equal(json_array_size(rows), 7);
+    for (uint32_t p = 0; p < 4; p++) {
+        const double s = shadings[p], plain = 2 + s, expected[] = {3, s + 0.5, 0, s + 4, (8 + s) / plain, (7 + s) / plain, (3 + s) / plain};
+        for (size_t r = 0; r < 7; r++) {
+            const double found = json_number_value(json_array_get(json_array_get(rows, r), p + 1));
+            if (!(fabs(found - expected[r]) < 1e-9)) fail_msg("pipeline %u, row %zu: %g, not %g", p, r, found, expected[r]);
+        }
+    }
+    bench_plan_free(&plan);
+    json_decref(data.root);
+}
+
+/* Ratios of times, and what becomes of one that was not measured. */
+static void test_table_of_stereo(void **state) {
+    (void)state;
+    struct bench_data data = {json_pack("{s:[{s:f,s:f},{s:f,s:f},{s:f,s:f},{s:f,s:f}]}", "stereo", "gpu_ms", 10.0, "mad", 0.1, "gpu_ms", 18.0, "mad", 0.1, "gpu_ms",
+                                        16.0, "mad", 0.1, "gpu_ms", 13.0, "mad", 0.1), NULL};
+    static const double ratios[] = {1.8, 16 / 18.0, 13 / 16.0, 1.6};
+    static const char *const verdicts[] = {"reached", "reached", "missed", "reached"};
+    json_t *tables = json_array();
+    bench_table_stereo(&data, tables);
+    const json_t *rows = json_object_get(json_array_get(tables, 0), "rows");
+    assert_int_equal(json_array_size(rows), 4);
+    for (size_t i = 0; i < 4; i++) {
+        const json_t *row = json_array_get(rows, i);
+        assert_true(fabs(json_number_value(json_array_get(row, 2)) - ratios[i]) < 1e-9);
+        assert_string_equal(json_string_value(json_array_get(row, 4)), verdicts[i]);
+    }
+    json_array_remove(json_object_get(data.root, "stereo"), 3);
+    json_decref(tables);
+    tables = json_array();
+    bench_table_stereo(&data, tables);
+    assert_int_equal(json_array_size(json_object_get(json_array_get(tables, 0), "rows")), 2);
+    json_decref(tables);
+    json_decref(data.root);
+}
+
 static void test_suites_scale_their_clusters(void **state) {
     (void)state;
     struct bench_plan plan = {.skipped = json_array()};
@@ -915,6 +978,8 @@ int main(void) {
         cmocka_unit_test(test_likely_ways_are_those_of_auto),
         cmocka_unit_test(test_named_ways_are_planned),
         cmocka_unit_test(test_suites),
+        cmocka_unit_test(test_table_of_pipelines),
+        cmocka_unit_test(test_table_of_stereo),
         cmocka_unit_test(test_verdicts_heed_the_spread),
         cmocka_unit_test(test_crossing_DI_15),
         cmocka_unit_test(test_suites_scale_their_clusters),

@@ -112,7 +112,7 @@ static void print_counts(const fnl_scene *scene, const fnl_scene_info *info) {
     printf("  %-12s %.4g x %.4g x %.4g m, from (%.*g, %.*g, %.*g) to (%.*g, %.*g, %.*g)\n", "extent", (double)(high.x - low.x), (double)(high.y - low.y),
            (double)(high.z - low.z), digits, from[0], digits, from[1], digits, from[2], digits, to[0], digits, to[1], digits, to[2]);
     if (digits > 4 && fnl_scene_query_origin(scene, origin) == FNL_OK)
-        printf("  %-12s (%.10g, %.10g, %.10g): near it floats are exact\n", "origin", origin[0], origin[1], origin[2]);
+        printf("  %-12s (%.10g, %.10g, %.10g): floats are exact nearby\n", "origin", origin[0], origin[1], origin[2]);
 }
 
 /** Long lists are cut in the text, not in the JSON. */

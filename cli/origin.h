@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Places far from 0, 0, 0. Options, files of camera paths and reports have places as the scene's file counts them, in doubles; positions of the library are
- * relative to the scene's origin (fnl_scene_set_origin).
+ * Places are positions in the coordinates of the scene's file, in doubles. Options, camera path files and reports use
+ * places; positions in the library are relative to the scene's origin (fnl_scene_set_origin).
  */
 #ifndef FNL_CLI_ORIGIN_H
 #define FNL_CLI_ORIGIN_H
@@ -10,11 +10,11 @@
 
 fnl_vec3 origin_position(const fnl_scene *scene, const double place[3]);
 void origin_place(const fnl_scene *scene, fnl_vec3 position, double out[3]);
-/** Digits that a place is printed with so that it reads as the same position: those of a float while the origin is 0, 0, 0. */
+/** Digits that print a place without loss: 9, as for a float, if the origin is 0, 0, 0; otherwise 17 (a double). */
 int origin_digits(const fnl_scene *scene);
-/** Moves the origin, by multiples of 16 m, if it is more than 2048 m from this place on some axis; false with a message. */
+/** Moves the origin to this place, rounded to 16 m, if it is over 2048 m away on any axis. False with a message. */
 bool origin_follow(fnl_scene *scene, const double place[3]);
-/** The same for a camera, whose position and target stay where they are. */
+/** The same for a camera; converts its position and target to the new origin. */
 bool origin_follow_camera(fnl_scene *scene, fnl_camera *camera);
 
 #endif

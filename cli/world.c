@@ -247,7 +247,7 @@ static bool find_camera(const struct world_options *o, const fnl_scene *scene, f
     return true;
 }
 
-/* The origin comes to the camera, which is then found once more, without the error of floats from afar. */
+/* Moves the origin to the camera, then finds the camera again, without the rounding error of distant floats. */
 static bool choose_camera(const struct world_options *o, fnl_scene *scene, float aspect, fnl_camera *out) {
     double place[3];
     if (!find_camera(o, scene, aspect, out)) return false;

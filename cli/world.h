@@ -11,7 +11,7 @@ struct world_options {
     const char *scene, *camera, *animation, *variant;
     const char *ies; /* NULL: lights as the scene has them */
     bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, has_range_roughness;
-    double eye[3], look_at[3]; /* places: origin.h */
+    double eye[3], look_at[3]; /* places (origin.h) */
     fnl_vec3 background, ambient;
     float anisotropy, range_roughness;
     float fov; /* radians; 0: the camera's */
@@ -25,8 +25,8 @@ struct world_options {
     uint32_t grow_metal; /* texels */
     fnl_load_params loading;
     double time; /* of the animation, seconds */
-    fnl_probe_params probes[WORLD_PROBES]; /* but for their centres */
-    double probe_centres[WORLD_PROBES][3]; /* places */
+    fnl_probe_params probes[WORLD_PROBES]; /* all except their centers */
+    double probe_centres[WORLD_PROBES][3]; /* their centers, as places */
     uint32_t probe_count;
     bool probe_auto, probe_reflections;
     bool has_ground, has_studio, no_studio;

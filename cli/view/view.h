@@ -264,7 +264,7 @@ struct view_entry {
 
 struct view_point {
     double seconds;
-    double eye[3], target[3]; /* places: origin.h */
+    double eye[3], target[3]; /* places (origin.h) */
 };
 
 struct view_files {
@@ -579,7 +579,7 @@ void view_choose_shadows(struct view *view);
 void view_frame_all(struct view *view);
 /** The camera that the scene was opened with. */
 void view_reset_camera(struct view *view);
-/** Lets the scene's origin follow the camera; not during a drag. */
+/** Moves the scene's origin along with the camera, except during a drag. */
 void view_follow_origin(struct view *view);
 /** Keeps what framing has found in sight when the area gets other proportions. */
 void view_frame_again(struct view *view);

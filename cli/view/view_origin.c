@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The window's own positions, where the scene's origin follows the camera (origin.h). */
+/* Shifts the positions that the window stores when the scene's origin follows the camera (origin.h). */
 #include "origin.h"
 #include "view/view.h"
 #include "view/view_maths.h"
@@ -39,5 +39,5 @@ void view_follow_origin(struct view *v) {
     shift_camera(&v->shown.camera, by);
     shift_camera(&v->framed, by);
     for (uint32_t i = 0; i < v->select.edits.count; i++) shift_edit(v, &v->select.edits.list[i], by);
-    v->select.stamp++; /* lights stand elsewhere */
+    v->select.stamp++; /* the lights' positions have changed */
 }

@@ -123,7 +123,7 @@ bool view_take_loaded(struct view *v, bool wait) {
     if (variant[0] && fnl_scene_find(v->shown.scene, FNL_ENTITY_VARIANT, variant, &number) == FNL_OK && fnl_scene_select_variant(v->shown.scene, number) == FNL_OK)
         memcpy(v->variant, variant, sizeof variant);
     v->files.stamp = looked; /* what has changed while it was loaded is seen at the next look */
-    camera.now.position = origin_position(v->shown.scene, position); /* the file may have another origin now */
+    camera.now.position = origin_position(v->shown.scene, position); /* the reloaded file may have another origin */
     camera.now.target = origin_position(v->shown.scene, target);
     v->camera.now = camera.now;
     v->frame = v->good = frame;

@@ -106,8 +106,9 @@ FNL_API fnl_load_params fnl_load_params_default(void);
 /**
  * Loads `source`: the path of a .gltf or .glb file, or of a folder that holds one such file, or
  * "builtin:NAME?key=value&key=value" (docs/cli.md lists them). `params` NULL: defaults. Other scene formats, such as
- * OBJ or FBX, give FNL_ERROR_UNSUPPORTED, and the log says how to convert them. A file
- * whose parts are far from 0, 0, 0 but near each other gets an origin among them (fnl_scene_set_origin), a multiple of 16 m. On failure `*out` is NULL and the log
+ * OBJ or FBX, give FNL_ERROR_UNSUPPORTED, and the log says how to convert them. Files whose parts
+ * are far from 0, 0, 0 but near each other get an origin among their parts, a multiple of 16 m
+ * (fnl_scene_set_origin). On failure `*out` is NULL and the log
  * says which file, where in it, and what is wrong.
  */
 FNL_API fnl_result fnl_scene_load(const fnl_host *host, const char *source, const fnl_load_params *params, fnl_scene **out);
@@ -121,8 +122,9 @@ typedef struct fnl_loaded {
 
 /**
  * Loads a .gltf or .glb file, not a built-in scene, into a scene that is there, under `parent` (all-zero: under nothing). What the scene has
- * keeps its ids and indices; ambient light, environment, background and origin stay as they are. Without a parent, the file's
- * coordinates count from 0, 0, 0, not from the origin. `out` may be NULL. After an error the scene is as it was.
+ * keeps its ids and indices; ambient light, environment, background and origin stay as they are.
+ * Without a parent, the file's coordinates are relative to 0, 0, 0, not to the origin. `out` may be
+ * NULL. After an error the scene is unchanged.
  */
 FNL_API fnl_result fnl_scene_load_into(fnl_scene *scene, fnl_instance_id parent, const char *source, const fnl_load_params *params,
                                        fnl_loaded *out);
@@ -168,15 +170,15 @@ FNL_API fnl_result fnl_scene_save(const fnl_scene *scene, const char *path, cons
  * to (cameras, lights, decals, probes, instances without a parent). Default 0, 0, 0;
  * fnl_scene_load() chooses one for a file whose geometry is far away.
  *
- * Floats are as good as exact near the origin. Their steps are 0.1 mm at 1 km, 8 mm at 131 km and
+ * Floats are practically exact near the origin. Their steps are 0.1 mm at 1 km, 8 mm at 131 km and
  * 0.5 m at 6371 km, so a scene far from the origin jitters and loses shadows.
  *
  * Moving the origin moves nothing in the world. The scene stores positions in doubles and derives
- * the floats from them, so an origin that returns gives the same bytes. Shift the positions that
- * your program stores, such as its camera, by the old origin minus the new one.
+ * the floats from them, so restoring an earlier origin restores the same bytes. Shift the positions
+ * that your program stores, such as its camera, by the old origin minus the new one.
  *
- * Advice: if the camera travels, move the origin once the camera is 2 km away from it, by multiples
- * of 16 m, which floats represent exactly. Do not move it every frame: the next frame uploads all
+ * Advice: move the origin once the camera is 2 km away from it, by multiples of 16 m, which floats
+ * represent exactly. Do not move the origin every frame: after each move the next frame uploads all
  * transforms and lights, and redraws shadow maps. Motion vectors and history survive.
  *
  * FNL_ERROR_INVALID: a value is not within FNL_ORIGIN_MAX of 0.

@@ -57,7 +57,7 @@ typedef struct fnl_scene_info {
     uint32_t variant_count; /**< of materials */
     bool has_ambient;       /**< nonzero, from fnl_scene_set_ambient or the file */
     bool has_environment;   /**< fnl_scene_set_environment, or the file's own */
-    fnl_vec3 bounds_low, bounds_high; /**< metres, relative to the origin; low > high for an empty scene */
+    fnl_vec3 bounds_low, bounds_high; /**< meters, relative to the origin; low > high: empty */
 } fnl_scene_info;
 
 FNL_API fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out);
@@ -105,8 +105,8 @@ typedef struct fnl_mesh_info {
 FNL_API fnl_result fnl_scene_query_mesh(const fnl_scene *scene, uint32_t index, uint32_t primitive, fnl_mesh_info *out);
 
 typedef struct fnl_instance_info {
-    fnl_mat4 transform;     /**< to the space of `parent`; without one to the world */
-    fnl_mat4 world;         /**< to the world, relative to its origin */
+    fnl_mat4 transform;     /**< to the space of `parent`; to the world if there is no parent */
+    fnl_mat4 world;         /**< to the world, relative to the scene's origin */
     fnl_instance_id parent; /**< all-zero: none */
     fnl_mesh_id mesh;       /**< all-zero: none */
     bool visible;           /**< as set by fnl_scene_set_instance_visible */

@@ -112,7 +112,7 @@ mat4 mat4_look_at(vec3 eye, vec3 target, vec3 up);
 quat quat_slerp(quat a, quat b, float t);
 
 /**
- * An affine transform in doubles, for places that are too far away for floats: three columns of its linear part, then the
+ * Affine transform in doubles, for positions too distant for floats: the three columns of the linear part, then the
  * translation.
  */
 struct affine {
@@ -120,12 +120,12 @@ struct affine {
 };
 struct affine affine_identity(void);
 struct affine affine_mul(const struct affine *a, const struct affine *b);
-/** translation * rotation * scale; the quaternion is made a unit. */
+/** translation * rotation * scale; the quaternion is normalized. */
 struct affine affine_from_trs(const double translation[3], const double rotation[4], const double scale[3]);
-/** The affine part of a matrix whose translation is relative to `origin`; and back. */
+/** Converts the affine part of a matrix whose translation is relative to `origin`, and back. */
 struct affine affine_from_mat4(const mat4 *matrix, const double origin[3]);
 mat4 mat4_from_affine(const struct affine *affine, const double origin[3]);
-/** A point relative to `origin`; and where a point lies that is relative to `origin`. */
+/** Converts a place to a point relative to `origin`, and back. */
 static inline vec3 vec3_from_place(const double place[3], const double origin[3]) {
     return (vec3){(float)(place[0] - origin[0]), (float)(place[1] - origin[1]), (float)(place[2] - origin[2])};
 }

@@ -28,8 +28,8 @@ struct frame_decals {
 
 /** Of the frame and the last one (temporal.c). */
 struct frame_temporal {
-    struct gpu_view view, previous; /* without jitter; the last frame's as it is beside the present origin, if there was a frame */
-    double origin_moved[3];         /* since then */
+    struct gpu_view view, previous; /* without jitter; `previous`: the last frame's, if any, relative to this origin */
+    double origin_moved[3];         /* since the last frame */
     vec2 jitter;          /* pixels right of and below their centres */
     uint32_t index;
     bool keeps, still; /* the last frame's history counts; and nothing has changed since */

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Pictures do not depend on where the origin is (fnl_scene_set_origin), at home and on the far side of the planet, and a renderer that shows the scene
- * while the origin moves loses nothing: no light, no shadow, no capture, no history.
+ * Pictures do not depend on the origin (fnl_scene_set_origin), near 0, 0, 0 and on the far side of the planet. A
+ * renderer keeps its lights, shadows, captures and history while the origin moves.
  */
 #include "tests/render_harness.h"
 
 static const double home[3] = {0, 0, 0}, far[3] = {6371000, 1024, -3000000};
 
-/* By as much as an origin that follows a camera would never move: floats of the scene become others. */
+/* Less than any move of an origin that follows a camera, but enough to change the scene's floats. */
 static const double step[3] = {48, -16, 32};
 
-/* Carries all that there is away, with the origin: floats stay. */
+/* Moves the whole scene together with the origin, so its floats stay the same. */
 static void carry(fnl_scene *scene, const double by[3]) {
     for (int i = 0; i < 3; i++) {
         scene->origin[i] += by[i];
@@ -30,7 +30,7 @@ static void carry(fnl_scene *scene, const double by[3]) {
     scene_update_transforms(scene);
 }
 
-/* To so far from its base, where the camera is `from`, which stays where it is. */
+/* Moves the origin to `base` + `by`. The camera, which is `from` relative to `base`, stays in place. */
 static void move_origin(struct stage *s, const double base[3], const double by[3], const fnl_camera *from) {
     double to[3];
     fnl_camera *c = &s->frame.camera;
@@ -86,7 +86,7 @@ static void expect_near(const char *what, const struct shot *a, const struct sho
     if (off * 1000 > pixels + 999) fail_msg("%s, way %u: %llu of %llu pixels are off", what, way, (unsigned long long)off, (unsigned long long)pixels);
 }
 
-/* One renderer, before the origin moves, after it, and when it is back: the last is the first to the bit. */
+/* One renderer: before the origin moves, after, and once it is back. The last picture equals the first to the bit. */
 static void check_way(const char *source, const double base[3], uint32_t number) {
     const struct way *way = &ways[number];
     struct stage s = open_world(source);
@@ -104,7 +104,7 @@ static void check_way(const char *source, const double base[3], uint32_t number)
     expect_near("moved", &first, &moved, number);
     assert_int_equal(counter(&moved.stats, "reflections.captures"), 0);
     const struct box now = s.renderer->device_scene->bounds;
-    for (int i = 0; i < 3; i++) { /* they have moved along, and not grown */
+    for (int i = 0; i < 3; i++) { /* the bounds have moved along, and have not grown */
         assert_true(fabs((double)(&now.low.x)[i] + step[i] - (double)(&bounds.low.x)[i]) < 1e-4);
         assert_true(fabs((double)(&now.high.x)[i] + step[i] - (double)(&bounds.high.x)[i]) < 1e-4);
     }
@@ -122,7 +122,7 @@ static void test_pictures_with_any_origin(void **state) {
     for (uint32_t i = 0; i < COUNT_OF(ways); i++) check_way(ways[i].shadows == FNL_SHADOWS_CUBEMAP ? "builtin:room" : "builtin:hall?lights=8", i % 2 ? far : home, i);
 }
 
-/* Where everything was, in pixels. Frames before and after have moved the camera and what the scene animates. */
+/* Motion vectors in pixels. The camera and the animation move between two frames, and the origin moves by `by`. */
 static fnl_image motion(const char *source, const double by[3], uint32_t *moving) {
     struct stage s = stage_open(source, 0);
     s.frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_MOTION;
@@ -166,12 +166,12 @@ static void test_motion_over_a_moved_origin(void **state) {
     }
 }
 
-/* Temporal antialiasing goes on: its picture is that of frames without a move, not that of a history that begins anew. */
+/* Temporal antialiasing keeps its history: the picture matches frames without a move, not a reset history. */
 static void test_history_over_a_moved_origin(void **state) {
     UNUSED(state);
     enum { FRAMES = 12 };
     fnl_image pictures[3] = {0};
-    for (int run = 0; run < 3; run++) { /* at rest; the origin moves before the last frame; the history is lost there */
+    for (int run = 0; run < 3; run++) { /* 0: at rest; 1: the origin moves before the last frame; 2: a reset there */
         struct stage s = stage_open("builtin:room", 0);
         s.frame.aa = FNL_ANTIALIASING_TAA;
         s.frame.outputs = FNL_OUTPUT_COLOR;

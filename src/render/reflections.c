@@ -67,7 +67,7 @@ static fnl_result take_probes(fnl_renderer *r) {
         struct renderer_reflection *known = find_slot(p, slot);
         if (!known && !array_push(&r->host, &p->list, (struct renderer_reflection){.slot = slot})) return FNL_ERROR_MEMORY;
         if (!known) known = &p->list.data[p->list.count - 1];
-        known->params.centre = probe->params.centre; /* as the origin moves */
+        known->params.centre = probe->params.centre; /* the origin may have moved */
         if (known->version == probe->version) continue;
         const uint32_t side = side_of(&probe->params);
         if (known->maps.side != side) known->is_captured = false;

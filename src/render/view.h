@@ -15,7 +15,7 @@ fnl_camera view_fit_depth(const fnl_camera *camera, const struct box *bounds, bo
 /** Fills in everything that follows from the camera; samples, frame and decals stay zero. The camera was checked with camera_check. */
 struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height);
 
-/** The view of the same eye once the origin has moved by so much (fnl_scene_set_origin). */
+/** The same view, relative to an origin that has moved by `moved` (fnl_scene_set_origin). */
 struct gpu_view view_with_origin(const struct gpu_view *view, const double moved[3]);
 /** View depth of the farthest corner of a box in world space, 1 at least, metres. */
 float view_reach(const struct gpu_view *view, const struct box *bounds);

@@ -89,7 +89,7 @@ bool glb_animates(const struct glb *g, enum scene_property_owner owner, uint32_t
 /** The scene that is shown: made, with all roots of the file, where there is none. And its nodes. */
 json_t *glb_shown_scene(struct glb *g);
 json_t *glb_roots(struct glb *g);
-/** A new root, turned so, at a place that does not depend on the origin, with what else is in `node`. */
+/** Adds `node`, with the members it has, as a root: rotation `turn`, translation `place`, independent of the origin. */
 void glb_add_root(struct glb *g, json_t *node, const mat4 *turn, const double place[3]);
 /** A matrix whose -Z axis and +Y axis make exactly this direction and this up again, as lights take them from their nodes. */
 mat4 glb_turn(vec3 direction, vec3 up);

@@ -38,7 +38,7 @@ static bool is_identity(const mat4 *m) {
     return memcmp(m, &identity, sizeof identity) == 0;
 }
 
-/* Nothing, for the identity. */
+/* Writes nothing for the identity. */
 static void add_matrix(struct glb *g, json_t *object, const struct affine *a) {
     const struct affine identity = affine_identity();
     double m[16] = {0};

@@ -245,7 +245,7 @@ bool gltf_float(struct gltf *g, json_t *object, const struct at *at, const char 
 /** A unit quaternion; others are normalized with a warning. False: absent or no quaternion. */
 bool gltf_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, quat *out);
 bool gltf_exact_rotation(struct gltf *g, json_t *object, const struct at *at, const char *key, double out[4]);
-/** Exactly `count` finite numbers, at most 16, clamped as by gltf_float. */
+/** Exactly `count` finite numbers (16 at most), clamped as in gltf_float(). */
 bool gltf_doubles(struct gltf *g, json_t *object, const struct at *at, const char *key, uint32_t count, float low, float high,
                   double *out);
 bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char *key, uint32_t count, float low, float high,

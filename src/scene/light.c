@@ -163,7 +163,7 @@ fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, co
         struct scene_light *light = &scene->lights.data[lights[i].index];
         if (light->node != SCENE_NONE && poses_differ(&params[i], &light->params)) light->node = SCENE_NONE;
         if (memcmp(&params[i].position, &light->params.position, sizeof params->position) != 0 || light->node != SCENE_NONE)
-            place_from_vec3(params[i].position, scene->origin, light->place); /* else it is known better than floats say */
+            place_from_vec3(params[i].position, scene->origin, light->place); /* otherwise `place` is more precise */
         light->params = aligned(&params[i]);
     }
     scene_lights_edited(scene, lights, count);

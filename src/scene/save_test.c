@@ -706,7 +706,7 @@ static void test_probes(void **state) {
 
 /* ---- what goes wrong ---- */
 
-/* Places in doubles: of nodes of a file that were moved, and of what was added beside a far origin, also when that has moved away since. */
+/* Saved places are doubles: of a file's moved nodes, and of entities added near a distant origin that moved since. */
 static void test_places_far_away(void **state) {
     UNUSED(state);
     static const double far[3] = {6371000, -48, 0.3}, home[3] = {0, 0, 0};
@@ -737,7 +737,7 @@ static void test_places_far_away(void **state) {
         assert_int_equal(fnl_scene_set_origin(scene, far), FNL_OK);
         for (uint32_t i = 0; i < scene->nodes.count; i++) {
             const struct scene_node *a = &scene->nodes.data[i], *b = &again->nodes.data[i];
-            if (a->instances) continue; /* they become nodes */
+            if (a->instances) continue; /* saved as nodes */
             for (int k = 0; k < 3; k++) assert_true(fabs(a->world_exact.m[9 + k] - b->world_exact.m[9 + k]) <= 1e-8);
             for (int k = 0; k < 9; k++) assert_true(fabs(a->world_exact.m[k] - b->world_exact.m[k]) <= 1e-6);
         }

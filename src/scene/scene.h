@@ -21,7 +21,7 @@
 
 #define SCENE_NONE UINT32_MAX
 
-/** Meters between the origins that Fanal itself chooses: powers of two, so that floats and doubles hold them exactly. */
+/** Step of the origins that Fanal chooses, meters: a power of two, so floats and doubles represent them exactly. */
 #define ORIGIN_STEP 16.0
 
 /** The generation of images, materials and meshes, which are never removed. */
@@ -166,7 +166,7 @@ struct scene_node {
     const char *name, *extras;
     uint32_t parent, first_child, next_sibling; /* SCENE_NONE ends */
     bool has_matrix;                            /* local is given as matrix, not as TRS */
-    bool placed; /* the local transform was set by a call, and not by an animation since */
+    bool placed; /* a call set the local transform, and no animation has set it since */
     bool hidden; /* with what is below it */
     bool unchosen; /* another level of detail is shown in its place, and in that of what is below it */
     bool mesh_off; /* the same of its mesh alone */
@@ -176,8 +176,8 @@ struct scene_node {
     bool moves;   /* within scene_move_nodes: it has a new local transform */
     bool linked; /* a file's: skins, animations, cameras and lights may refer to it, so its place is not used again */
     double translation[3], rotation[4], scale[3];
-    struct affine local_exact, world_exact; /* from here on the origin plays no part */
-    mat4 local, world;                      /* rounded; of roots both are relative to the origin, else `world` alone */
+    struct affine local_exact, world_exact; /* independent of the origin */
+    mat4 local, world;                      /* rounded; `world` is relative to the origin, for roots also `local` */
     uint32_t mesh, skin, camera; /* SCENE_NONE: none */
     float *morph_weights;        /* this node's weights, or NULL: the mesh's */
     bool owns_weights;           /* they are the host's; else the arena's */
@@ -265,13 +265,13 @@ struct light_hull {
     uint32_t plane_count;
     double planes[LIGHT_HULL_PLANES_MAX][4]; /* outside is dot(xyz, p) + w > 0; xyz is unit */
     vec3 center;                             /* a sphere that holds it */
-    double place[3];                         /* where that is, whatever the origin */
+    double place[3];                         /* of `center`, independent of the origin */
     float radius;
 };
 
 struct scene_light {
     fnl_light_params params; /* position, direction and up in world space; the latter two unit and at right angles */
-    double place[3];         /* where params.position is, whatever the origin; unused while a node carries the light */
+    double place[3];         /* params.position, independent of the origin; unused while a node carries the light */
     struct light_hull *hull; /* or NULL */
     const char *name, *extras; /* NULL: none */
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
@@ -301,8 +301,8 @@ struct scene_light_slot {
 /* A decal (decal.c). Pictures are indices; the transform is that of the parameters. */
 struct scene_decal {
     fnl_decal_params params;
-    double place[3]; /* where params.transform moves to, whatever the origin; unused with a node */
-    uint32_t node;   /* what it is on or moves with, or SCENE_NONE */
+    double place[3]; /* translation of params.transform, independent of the origin; unused with a node */
+    uint32_t node;   /* the node it is on or moves with, or SCENE_NONE */
     uint32_t generation;
     bool removed;
 };
@@ -310,7 +310,7 @@ struct scene_decal {
 /* A probe (probe.c). */
 struct scene_probe {
     fnl_probe_params params;
-    double place[3]; /* where params.centre is, whatever the origin */
+    double place[3]; /* params.centre, independent of the origin */
     uint64_t version; /* of the scene's probes when it was added or set */
     uint32_t generation;
     bool removed;
@@ -326,7 +326,7 @@ struct scene_camera {
     const char *name, *extras;
     uint32_t node;     /* pose comes from the node; SCENE_NONE: `camera` holds it */
     fnl_camera camera; /* projection, and the pose of free cameras */
-    double place[3];   /* where camera.position is, whatever the origin; unused with a node */
+    double place[3];   /* camera.position, independent of the origin; unused with a node */
 };
 
 /* A variant of materials (fnl_scene_select_variant). */
@@ -410,8 +410,8 @@ struct fnl_scene {
     ARRAY(struct scene_extension) extensions;
     ARRAY(const char *) messages;
 
-    double origin[3];        /* fnl_scene_set_origin: all positions that are floats are relative to it */
-    uint64_t origin_version; /* the transform_version of its last move; of nodes with that moved_version nothing but their floats may have changed */
+    double origin[3];        /* fnl_scene_set_origin: float positions are relative to it */
+    uint64_t origin_version; /* transform_version of its last move; nodes moved at it may differ only in floats */
 
     vec3 ambient_sky, ambient_ground, background;
     struct scene_environment environment;
@@ -524,7 +524,7 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__(
  * Recomputes world matrices, light poses and `moved` from the local transforms; call once after building.
  */
 void scene_update_transforms(fnl_scene *scene);
-/** Translation, rotation and scale become the node's local transform, in place of what a call set. Nothing that follows from it is told. */
+/** Makes the local transform from translation, rotation and scale; replaces one set by a call. Updates nothing else. */
 void scene_pose_node(struct scene_node *node);
 /** After the morph weights of a node changed. */
 void scene_weights_changed(fnl_scene *scene, uint32_t node);
@@ -586,11 +586,12 @@ fnl_result scene_environment_stage(fnl_scene *scene, enum stage_light light);
 void scene_environment_fill(fnl_scene *scene, const struct box *bounds);
 /** After a change of what one node shows. */
 void scene_node_edited(fnl_scene *scene, uint32_t node);
-/** Where instance k of a node is; of a skinned node it says nothing. */
+/** World matrix of instance k of a node; meaningless for skinned nodes. */
 mat4 scene_instance_world(const fnl_scene *scene, const struct scene_node *node, uint32_t k);
 /**
- * The origin for what is shown: a multiple of ORIGIN_STEP meters on each axis, near the middle of its bounds. 0, 0, 0 while that is not far away, or while
- * the scene is so large that an origin would not help. For scenes that have been loaded, before anything looks at their places.
+ * Sets the origin to the middle of the shown geometry's bounds, rounded to ORIGIN_STEP meters on each axis. Keeps
+ * 0, 0, 0 if the middle is not far away, or if the scene is so large that an origin would not help. Call after loading,
+ * before anything uses positions.
  */
 void scene_find_origin(fnl_scene *scene);
 /** World-space bounds of a tree, active or not; `alone`: of its root. */

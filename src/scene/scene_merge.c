@@ -63,8 +63,8 @@ static void append_meshes(fnl_scene *into, const fnl_scene *from, const struct o
 }
 
 /*
- * The file's roots become children of `root`, in their order. What stood on no node stays where it was, beside the scene's origin: a file may have had
- * one of its own.
+ * The file's roots become children of `root`, in their order. Entities without a node keep their places, now relative
+ * to the scene's origin: a file may have had its own origin.
  */
 static void append_nodes(fnl_scene *into, const fnl_scene *from, const struct offsets *at, uint32_t root) {
     APPEND(nodes);
@@ -216,7 +216,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     into->free_nodes.count = 0; /* the root stands before its nodes */
     const uint32_t root = scene_add_node(into, from->source, parent, &identity, SCENE_NONE);
     into->free_nodes.count = holes;
-    into->nodes.data[root].local_exact = affine_identity(); /* where the file says, wherever the origin is */
+    into->nodes.data[root].local_exact = affine_identity(); /* the file's coordinates, independent of the origin */
     const struct offsets at = {into->images.count,     into->samplers.count, into->materials.count, into->primitives.count,
                                into->meshes.count,     into->nodes.count,    into->skins.count,     into->animations.count,
                                into->lights.count,     into->cameras.count,  into->decals.count,

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The origin of a scene. Nodes know where they are in doubles, and so does what stands on no node (struct scene_light and
- * others: `place`). Floats are what is left of that beside the origin; they are made again whenever the origin moves.
+ * The origin of a scene. Nodes store their transforms in doubles, and entities without a node their positions (`place`
+ * in struct scene_light and others). Floats are derived relative to the origin, again whenever the origin moves.
  */
 #include "scene/scene.h"
 
-static const double FAR = 2048;  /* meters from 0, 0, 0 from where on a loaded scene gets an origin */
-static const double LARGE = 4; /* of the distance: a scene whose half is larger than a LARGE-th of it gets none */
+static const double FAR = 2048;  /* meters from 0, 0, 0 beyond which a loaded scene gets an origin */
+static const double LARGE = 4; /* a scene gets no origin if half its extent is at least 1 / LARGE of its distance */
 
-/* ---- what moves along ---- */
+/* ---- moving the origin ---- */
 
 static void move_nodes(fnl_scene *scene) {
     const uint64_t version = ++scene->transform_version;
-    for (uint32_t i = 0; i < scene->nodes.count; i++) { /* the removed ones too, which may be joints */
+    for (uint32_t i = 0; i < scene->nodes.count; i++) { /* also removed nodes, which may be joints */
         struct scene_node *node = &scene->nodes.data[i];
         node->world = mat4_from_affine(&node->world_exact, scene->origin);
         if (node->parent == SCENE_NONE) node->local = node->world;
@@ -23,7 +23,7 @@ static void move_nodes(fnl_scene *scene) {
     scene_pose_lights(scene, version);
 }
 
-/* Planes are relative to the origin that was. */
+/* The planes are still relative to the old origin. */
 static void move_hull(struct light_hull *hull, const double by[3], const double origin[3]) {
     hull->center = vec3_from_place(hull->place, origin);
     for (uint32_t i = 0; i < hull->plane_count; i++) {
@@ -129,7 +129,7 @@ static void add_corners(struct extent *e, const struct box *box, const struct af
     }
 }
 
-/* Of a skin, where its joints are. */
+/* For a skinned node, the positions of its joints. */
 static void add_node(const fnl_scene *scene, const struct scene_node *node, struct extent *e) {
     const struct box *bounds = &scene->meshes.data[node->mesh].bounds;
     if (node->skin != SCENE_NONE) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Places far from 0, 0, 0: composed in doubles, told in floats beside an origin that moves without a trace. */
+/* Distant places: composed in doubles, returned in floats relative to an origin that moves without a trace. */
 #include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
@@ -39,7 +39,7 @@ static void expect_place(const fnl_scene *scene, uint32_t node, double x, double
 
 #define LAMP "{\"translation\":[0.125,2,0.5],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}"
 
-/* The same place, said in four ways: doubles keep it, floats beside the origin are the same to the bit. */
+/* One place in four notations: exact in doubles, and the floats relative to the origin are the same to the bit. */
 static void test_nodes_are_composed_in_doubles(void **state) {
     UNUSED(state);
     static const char *const files[] = {
@@ -48,7 +48,7 @@ static void test_nodes_are_composed_in_doubles(void **state) {
         /* A quarter turn about y and back: a parent's x is its child's -z. */
         "{\"children\":[4],\"rotation\":[0,0.70710678118654752440,0,0.70710678118654752440]},{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,3]}," LAMP
         ",{\"children\":[1,2,3],\"translation\":[-1234567.75,-40.5,6371000.25],\"rotation\":[0,-0.70710678118654752440,0,0.70710678118654752440]}",
-        /* Far the other way first. */
+        /* The parent is far in the other direction. */
         "{\"children\":[4],\"translation\":[-6371000.25,0,0],\"scale\":[2,2,2]},{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,3]}," LAMP
         ",{\"children\":[1,2,3],\"translation\":[6371000.25,-20.25,617283.875],\"scale\":[0.5,0.5,0.5]}"};
     fnl_camera first_camera = {0};
@@ -77,7 +77,7 @@ static void test_nodes_are_composed_in_doubles(void **state) {
     }
 }
 
-/* Only what is far away and not large gets one: the bounds of what is shown decide. */
+/* Only distant scenes that are not large get an origin, by the bounds of the shown geometry. */
 static void test_who_gets_an_origin(void **state) {
     UNUSED(state);
     static const struct {
@@ -96,7 +96,7 @@ static void test_who_gets_an_origin(void **state) {
         expect_origin(scene, cases[i].x, cases[i].y, cases[i].z);
         fnl_scene_destroy(&scene);
     }
-    /* Instances of one node, and the joints of a skin, count where they are. */
+    /* Instances of one node, and the joints of a skin, count with their own positions. */
     fnl_scene *scene = load("{\"mesh\":0}");
     const mat4 far = mat4_translation(vec3_make(1 << 20, 0, 0));
     scene->nodes.data[0].instances = &far;
@@ -107,7 +107,7 @@ static void test_who_gets_an_origin(void **state) {
     fnl_scene_destroy(&scene);
 }
 
-/* Everything that has a place, as floats. */
+/* A hash of all float positions. */
 static uint64_t places_of(const fnl_scene *scene) {
     uint64_t hash = 1;
     for (uint32_t i = 0; i < scene->nodes.count; i++) {
@@ -139,7 +139,7 @@ struct world {
 
 static const float hull[] = {-0.1f, 0, 0, 1, 0, 0, 0, 1.3f, 0, 0.1f, 0.2f, 1};
 
-/* Of each kind one that stands by itself, and one that a node carries. */
+/* One free entity of each kind, and one that a node carries. */
 static struct world make_world(void) {
     struct world w = {.scene = load("{\"children\":[1,2,3],\"translation\":[0.3,0,-0.7]},{\"mesh\":0,\"translation\":[0.1,0.7,0]},"
                                     "{\"camera\":0,\"translation\":[0,0,3]}," LAMP)};
@@ -170,7 +170,7 @@ static void move(const struct world *w, double x, double y, double z) {
     assert_int_equal(fnl_scene_set_origin(w->scene, (const double[]){x, y, z}), FNL_OK);
 }
 
-/* Floats follow, and come back as they were; the way there leaves no trace. */
+/* Floats follow the origin, and are restored when it is back, independent of its path. */
 static void test_origin_moves_and_comes_back(void **state) {
     UNUSED(state);
     struct world w = make_world();
@@ -188,18 +188,18 @@ static void test_origin_moves_and_comes_back(void **state) {
     fnl_camera camera;
     assert_true(s->transform_version > transforms && s->light_version > lights && s->origin_version == s->transform_version);
     assert_true(vec3_distance(light->params.position, vec3_add(vec3_make(0.3f, 1.7f, -0.9f), by)) < 4e-6f);
-    assert_true(vec3_distance(s->lights.data[0].params.position, vec3_add(vec3_make(0.425f, 2, -0.2f), by)) < 4e-6f); /* the node's */
+    assert_true(vec3_distance(s->lights.data[0].params.position, vec3_add(vec3_make(0.425f, 2, -0.2f), by)) < 4e-6f); /* of a node */
     assert_true(fabsf(s->decals.data[w.decal.index].params.transform.m[12] + 62.9f) < 4e-6f);
     assert_true(s->decals.data[w.carried.index].params.transform.m[12] == 1.1f); /* in its node's space */
     assert_true(fabsf(s->probes.data[w.probe.index].params.centre.z + 15.1f) < 2e-6f);
     assert_int_equal(fnl_scene_query_camera(s, 1, &camera), FNL_OK);
     assert_true(vec3_distance(camera.position, vec3_make(-60.7f, 33.1f, -15.3f)) < 4e-6f);
     assert_true(vec3_distance(camera.target, vec3_add(fnl_camera_default().target, by)) < 1e-5f);
-    assert_int_equal(fnl_scene_query_instance(s, 4, &info), FNL_OK); /* a root's transform is beside the origin, a child's beside its parent */
+    assert_int_equal(fnl_scene_query_instance(s, 4, &info), FNL_OK); /* root: relative to origin; child: to parent */
     assert_true(fabsf(info.transform.m[12] + 63.9f) < 4e-6f && info.transform.m[12] == info.world.m[12]);
     assert_int_equal(fnl_scene_query_instance(s, 1, &info), FNL_OK);
     assert_true(info.transform.m[12] == 0.1f && fabsf(info.world.m[12] + 63.6f) < 4e-6f);
-    for (int i = 0; i < 4; i++) { /* the hull's planes hold the same points */
+    for (int i = 0; i < 4; i++) { /* the hull's planes moved with its points */
         const double *n = light->hull->planes[i], *old = planes[i];
         const vec3 p = ((const vec3 *)(const void *)hull)[i];
         const double there = n[0] * ((double)p.x - 64) + n[1] * ((double)p.y + 32) + n[2] * ((double)p.z - 16) + n[3];
@@ -214,7 +214,7 @@ static void test_origin_moves_and_comes_back(void **state) {
     fnl_scene_destroy(&w.scene);
 }
 
-/* What is added or set at an origin is there when it moves; setting what a query said changes nothing. */
+/* Added or set positions keep their place when the origin moves; setting queried parameters changes nothing. */
 static void test_floats_mean_the_origin_of_their_time(void **state) {
     UNUSED(state);
     struct world w = make_world();
@@ -250,14 +250,14 @@ static void test_floats_mean_the_origin_of_their_time(void **state) {
     move(&w, 6371001, 0, 0);
     assert_true(s->lights.data[w.light.index].params.position.x == -0.625f && s->decals.data[w.decal.index].params.transform.m[12] == -0.625f &&
                 s->probes.data[w.probe.index].params.centre.x == -0.625f && s->nodes.data[w.root.index].world.m[12] == -0.625f);
-    const fnl_mat4 beside = mat4_translation(vec3_make(0.5f, 0, 0)); /* a child's is its parent's matter */
+    const fnl_mat4 beside = mat4_translation(vec3_make(0.5f, 0, 0)); /* children are relative to parents */
     assert_int_equal(fnl_scene_set_instance_transform(s, w.child, &beside), FNL_OK);
     assert_true(s->nodes.data[w.child.index].local.m[12] == 0.5f);
     expect_place(s, w.child.index, 0.8, 0, -0.7, 1e-6);
     fnl_scene_destroy(&w.scene);
 }
 
-/* Two parts of a planet: near either, floats are exact. */
+/* Two ends of a planet: floats are exact near both. */
 static void test_both_ends_of_a_planet(void **state) {
     UNUSED(state);
     fnl_scene *scene = load("{\"children\":[1,2]},{\"mesh\":0,\"translation\":[-6371000.3,0.1,0]},{\"mesh\":0,\"translation\":[6371000.7,0.1,0]}");
@@ -270,7 +270,7 @@ static void test_both_ends_of_a_planet(void **state) {
     fnl_scene_destroy(&scene);
 }
 
-/* A file comes where its own numbers say, whatever origins both have. */
+/* A file loaded into a scene keeps its coordinates, independent of both origins. */
 static void test_files_into_a_scene(void **state) {
     UNUSED(state);
     char json[4000];
@@ -298,7 +298,7 @@ static void test_files_into_a_scene(void **state) {
     free(glb);
 }
 
-/* An animation of a far root keeps what the file says in doubles beside what it sets. */
+/* An animation that rotates a distant root keeps the translation in doubles. */
 static void test_animated_far_away(void **state) {
     UNUSED(state);
     struct {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# origin_test.sh FANAL: files far from 0, 0, 0 look as they do near it, and all that is said of places is said as the file counts them.
+# origin_test.sh FANAL: distant files render as they do near 0, 0, 0, and all positions are in the file's coordinates.
 set -u
 fanal=$1
 work=$(mktemp -d)
@@ -8,7 +8,7 @@ trap 'rm -rf "$work"' EXIT
 failures=0
 fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
 size='--size 96x54'
-say() { # FILE X Y Z [EXTRA]: a red triangle 1 m high before a large one, a lamp and a camera, round this place; and a root more
+say() { # FILE X Y Z [EXTRA]: a red triangle before a large one, a lamp and a camera, at this place; and one more root
     cat >"$work/$1" <<END
 {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0${5:+, 5}]}],
  "extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 40, "range": 20}]}},
@@ -22,7 +22,7 @@ say() { # FILE X Y Z [EXTRA]: a red triangle 1 m high before a large one, a lamp
  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}, {"primitives": [{"attributes": {"POSITION": 0}}]}]}
 END
 }
-same() { "$fanal" compare "$work/$1" "$work/$2" --max-diff 2/255 >"$work/log" 2>&1 || fail "$3: another picture: $(cat "$work/log")"; }
+same() { "$fanal" compare "$work/$1" "$work/$2" --max-diff 2/255 >"$work/log" 2>&1 || fail "$3: the pictures differ: $(cat "$work/log")"; }
 picture() { # FILE OUT OPTION…
     local file=$1 out=$2
     shift 2
@@ -31,19 +31,19 @@ picture() { # FILE OUT OPTION…
 
 say near.gltf 0 0 0
 say far.gltf 6371000.3 -20000.1 3000000.7
-# A planet: what lies on its other side makes the scene so large that the file gets no origin.
+# A planet: the triangle on its other side makes the scene so large that the file gets no origin.
 say planet.gltf 6371000.3 -20000.1 3000000.7 '{"mesh": 0, "translation": [-6371000.3, 0, 0]}'
 
 "$fanal" info "$work/near.gltf" | grep -q origin && fail 'a near file has an origin'
 "$fanal" info "$work/planet.gltf" | grep -q origin && fail 'a planet has an origin'
 "$fanal" info "$work/far.gltf" >"$work/info" || fail 'info'
-grep -q 'origin       (6371008, -20000, 3000000)' "$work/info" || fail "info does not tell the origin: $(cat "$work/info")"
-grep -q 'to (6371005.3, -19996.1, 3000000.7)' "$work/info" || fail "info does not tell the extent as the file has it: $(cat "$work/info")"
-grep -q 'at 6370999.300 -19998.100 3000002.700' "$work/info" || fail "info does not tell the lamp's place: $(cat "$work/info")"
+grep -q 'origin       (6371008, -20000, 3000000)' "$work/info" || fail "info does not print the origin: $(cat "$work/info")"
+grep -q 'to (6371005.3, -19996.1, 3000000.7)' "$work/info" || fail "info does not print the extent in file coordinates: $(cat "$work/info")"
+grep -q 'at 6370999.300 -19998.100 3000002.700' "$work/info" || fail "info does not print the lamp's place: $(cat "$work/info")"
 [ "$("$fanal" info "$work/far.gltf" --json | jq -c '[.origin, (.cameras[0].position | map(. * 10 | round / 10))]')" = \
     '[[6371008,-20000,3000000],[6371000.5,-19999.8,3000003.7]]' ] || fail 'info --json'
 
-# The camera of the file, of the options and of a path; the planet's far ends; what is saved is where it was.
+# The cameras of the file, the options and a path; the planet's two ends; a saved scene keeps its positions.
 picture near.gltf near.png
 picture planet.gltf planet.png --pixel 50,30 --stats "$work/stats.json"
 same near.png planet.png 'the camera of planet.gltf'
@@ -60,7 +60,7 @@ same near-0.png eye.png '--eye in planet.gltf'
 say other.gltf 12742000.6 0 0 '{"mesh": 0}'
 picture other.gltf other.png --eye 0,0.2,3 --look-at 0,0,0
 same other.png planet-0.png 'the other end of the planet'
-"$fanal" render "$work/planet.gltf" -q --save-scene "$work/saved.glb" >"$work/log" 2>&1 || fail "it is not saved: $(cat "$work/log")"
+"$fanal" render "$work/planet.gltf" -q --save-scene "$work/saved.glb" >"$work/log" 2>&1 || fail "--save-scene failed: $(cat "$work/log")"
 picture saved.glb saved.png
 same near.png saved.png 'the saved planet'
 for file in near planet; do

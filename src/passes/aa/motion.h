@@ -20,7 +20,7 @@ struct motion_objects {
         id 0: nothing moved or came. */
     graph_buffer previous;
     uint64_t position_offset;
-    vec3 origin_moved; /* since then: what is in `previous` is relative to the origin that was */
+    vec3 origin_moved; /* since the last frame; `previous` is relative to the old origin */
     uint32_t instance_count, first_deformed, deformed_count;
 };
 

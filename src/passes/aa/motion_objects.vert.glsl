@@ -28,7 +28,7 @@ void main() {
     gl_Position = clip;
     gl_PointSize = 1.0;
     vec3 moved = push.motion.motion.origin_moved;
-    vec3 was = out_new == 1u ? position : transform_point(before, point_before) - moved; // a new one as if it had stood there
+    vec3 was = out_new == 1u ? position : transform_point(before, point_before) - moved; // new objects have not moved
     out_previous = (push.motion.motion.previous.world_to_view * vec4(was, 1.0)).xyz;
     // Triangles of what is at rest fall together before the near plane.
     if (out_new == 0u && !deforms && moved == vec3(0.0) && instance.rows == before.rows) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);

@@ -13,7 +13,7 @@ struct gpu_motion {
     mat4 view_to_previous;     /* from this frame's view space to the last one's */
     vec2 jitter;
     uint has_previous;
-    vec3 origin_moved; /* what objects were is relative to the origin that was */
+    vec3 origin_moved; /* since the last frame, whose transforms are relative to the old origin */
 };
 
 struct gpu_motion_push {

@@ -237,7 +237,7 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
         ((uint32_t *)nodes.data)[count++] = n;
         size += scene->nodes.data[n].instance_count * sizeof(struct gpu_instance);
     }
-    if (d->sent.transforms < scene->origin_version) d->bounds = scene_bounds(scene); /* they do not grow by how far the origin moved */
+    if (d->sent.transforms < scene->origin_version) d->bounds = scene_bounds(scene); /* not grown by the move */
     d->sent.transforms = scene->transform_version;
     if (count == 0) return FNL_OK;
     struct move_data move = {.d = d, .nodes = nodes.data, .node_count = count, .slice = gpu_frame_allocate(d->device, size)};

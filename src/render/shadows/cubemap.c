@@ -26,8 +26,8 @@ static bool is_animated(const fnl_scene *scene, uint32_t node) {
 }
 
 /*
- * Nodes from `first` on are new. Where the origin has moved, all nodes have, and those that a call moved besides, for the first time and before that, are not
- * told from the others.
+ * A move of the origin marks all nodes as moved. If a call first moved a node since the
+ * last frame and before the origin moved, the node is therefore not recognized as a mover.
  */
 static fnl_result find_movers(fnl_renderer *r) {
     struct renderer_probes *p = &r->probes;
