@@ -147,9 +147,7 @@ static void append_lights(fnl_scene *into, const fnl_scene *from, const struct o
             params.profile.index += first_profile;
             params.profile.generation = into->profiles.data[params.profile.index].generation;
         }
-        if (light->node == SCENE_NONE) params.position = vec3_from_place(light->place, into->origin);
         uint32_t index = scene_add_light(into, &params, moved(light->node, at->nodes)); /* there is room */
-        if (light->node == SCENE_NONE) memcpy(into->lights.data[index].place, light->place, sizeof light->place);
         into->lights.data[index].name = light->name;
         into->lights.data[index].extras = light->extras;
     }

@@ -45,9 +45,9 @@ static void test_nodes_are_composed_in_doubles(void **state) {
     static const char *const files[] = {
         "{\"children\":[1,2,3],\"translation\":[6371000.25,-40.5,1234567.75]},{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,3]}," LAMP,
         "{\"children\":[1,2,3],\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,6371000.25,-40.5,1234567.75,1]},{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,3]}," LAMP,
-        /* A quarter turn about y and back: a parent's x is its child's -z. */
-        "{\"children\":[4],\"rotation\":[0,0.70710678118654752440,0,0.70710678118654752440]},{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,3]}," LAMP
-        ",{\"children\":[1,2,3],\"translation\":[-1234567.75,-40.5,6371000.25],\"rotation\":[0,-0.70710678118654752440,0,0.70710678118654752440]}",
+        /* Turned about y by an angle with the cosine 0.28 and the sine 0.96, and back. */
+        "{\"children\":[4],\"rotation\":[0,0.6,0,0.8]},{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,3]}," LAMP
+        ",{\"children\":[1,2,3],\"translation\":[598695.03,-40.5,6461839.21],\"rotation\":[0,-0.6,0,0.8]}",
         /* The parent is far in the other direction. */
         "{\"children\":[4],\"translation\":[-6371000.25,0,0],\"scale\":[2,2,2]},{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,3]}," LAMP
         ",{\"children\":[1,2,3],\"translation\":[6371000.25,-20.25,617283.875],\"scale\":[0.5,0.5,0.5]}"};
@@ -199,6 +199,8 @@ static void test_origin_moves_and_comes_back(void **state) {
     assert_true(fabsf(info.transform.m[12] + 63.9f) < 4e-6f && info.transform.m[12] == info.world.m[12]);
     assert_int_equal(fnl_scene_query_instance(s, 1, &info), FNL_OK);
     assert_true(info.transform.m[12] == 0.1f && fabsf(info.world.m[12] + 63.6f) < 4e-6f);
+    assert_true(vec3_distance(light->hull->center, vec3_make((float)(light->hull->place[0] - 64), (float)(light->hull->place[1] + 32),
+                                                             (float)(light->hull->place[2] - 16))) == 0);
     for (int i = 0; i < 4; i++) { /* the hull's planes moved with its points */
         const double *n = light->hull->planes[i], *old = planes[i];
         const vec3 p = ((const vec3 *)(const void *)hull)[i];
@@ -275,8 +277,8 @@ static void test_files_into_a_scene(void **state) {
     UNUSED(state);
     char json[4000];
     size_t size;
-    snprintf(json, sizeof json, "{" ASSET "," PARTS ",\"scenes\":[{\"nodes\":[0]}],\"scene\":0,\"nodes\":[{\"children\":[1,2],\"translation\":"
-             "[6371000.25,0,0]},{\"mesh\":0}," LAMP "]}");
+    snprintf(json, sizeof json, "{" ASSET "," PARTS ",\"scenes\":[{\"nodes\":[0],\"extensions\":{\"FNL_surroundings\":{\"probes\":[{\"centre\":[6371000.125,1,2],"
+             "\"halfSize\":[1,1,1]}]}}}],\"scene\":0,\"nodes\":[{\"children\":[1,2],\"translation\":[6371000.25,0,0]},{\"mesh\":0}," LAMP "]}");
     unsigned char *glb = test_glb(json, triangle, sizeof triangle, &size);
     fnl_load_params params = fnl_load_params_default();
     params.data = glb;
@@ -291,8 +293,10 @@ static void test_files_into_a_scene(void **state) {
         expect_place(scene, loaded.root.index, 0, 0, 0, 0);
         expect_place(scene, loaded.root.index + 2, 6371000.25, 0, 0, 0);
         if (far) assert_true(scene->nodes.data[loaded.root.index + 2].world.m[12] == -7.75f && scene->lights.data[0].params.position.x == -7.625f);
+        assert_int_equal(scene->probes.count, 1);
+        assert_true(scene->probes.data[0].params.centre.x == (far ? -7.875f : 6371000.125f));
         assert_int_equal(fnl_scene_set_origin(scene, (const double[]){6371000, 0, 0}), FNL_OK);
-        assert_true(scene->lights.data[0].params.position.x == 0.375f);
+        assert_true(scene->lights.data[0].params.position.x == 0.375f && scene->probes.data[0].params.centre.x == 0.125f);
         fnl_scene_destroy(&scene);
     }
     free(glb);
@@ -323,6 +327,58 @@ static void test_animated_far_away(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A skin is where its joints are, those that were removed too; and so are the bounds that give a file its origin. */
+static void test_skins(void **state) {
+    UNUSED(state);
+    struct {
+        float positions[9], weights[12], inverse_bind[32];
+        uint8_t joints[12];
+    } binary = {.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0}, .weights = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, .joints = {0, 0, 0, 0, 1}};
+    for (int i = 0; i < 32; i++) binary.inverse_bind[i] = i % 16 % 5 == 0;
+    char json[4000];
+    fnl_scene *scene;
+    snprintf(json, sizeof json,
+             "{" ASSET ",\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":48},"
+             "{\"buffer\":0,\"byteOffset\":84,\"byteLength\":128},{\"buffer\":0,\"byteOffset\":212,\"byteLength\":12}],"
+             "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"min\":[0,0,0],\"max\":[1,1,0]},"
+             "{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC4\",\"count\":3},{\"bufferView\":2,\"componentType\":5126,\"type\":\"MAT4\",\"count\":2},"
+             "{\"bufferView\":3,\"componentType\":5121,\"type\":\"VEC4\",\"count\":3}],"
+             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"WEIGHTS_0\":1,\"JOINTS_0\":3}}]}],"
+             "\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":2}],\"scenes\":[{\"nodes\":[0,1,2]}],\"nodes\":[{\"mesh\":0,\"skin\":0},"
+             "{\"translation\":[6371000.25,0,0]},{\"translation\":[6371000.5,0,0]}]}",
+             sizeof binary);
+    if (test_load(&file_log, json, &binary, sizeof binary, &scene) != FNL_OK || file_log.count) fail_msg("%s", file_log.text);
+    expect_origin(scene, 6371008, 0, 0);
+    assert_int_equal(fnl_scene_remove_instance(scene, (fnl_instance_id){2, scene->nodes.data[2].generation}), FNL_OK);
+    for (int i = 0; i < 2; i++) {
+        mat4 joints[2];
+        skin_matrices(scene, 0, joints);
+        const float at = i ? 0 : -8;
+        assert_true(joints[0].m[12] == at + 0.25f && joints[1].m[12] == at + 0.5f);
+        assert_int_equal(fnl_scene_set_origin(scene, (const double[]){6371000, 0, 0}), FNL_OK);
+    }
+    fnl_scene_destroy(&scene);
+}
+
+/* A camera stays when its node goes, and what the stage knows of the scene moves along. */
+static void test_what_stays_when_nodes_go(void **state) {
+    UNUSED(state);
+    struct world w = make_world();
+    fnl_camera camera;
+    fnl_entity_info info;
+    assert_int_equal(fnl_scene_query_entity(w.scene, FNL_ENTITY_INSTANCE, 2, &info), FNL_OK);
+    assert_int_equal(fnl_scene_remove_instance(w.scene, info.id.instance), FNL_OK);
+    assert_int_equal(scene_set_stage(w.scene, true, FNL_GROUND_OFF), FNL_OK);
+    assert_int_equal(w.scene->stage.light, STAGE_FILL);
+    const struct box before = w.scene->stage.bounds;
+    move(&w, 64, -32, 16);
+    assert_int_equal(fnl_scene_query_camera(w.scene, 0, &camera), FNL_OK);
+    assert_true(vec3_distance(camera.position, vec3_make(0.3f - 64, 32, 2.3f - 16)) < 4e-6f);
+    assert_true(vec3_distance(w.scene->stage.bounds.low, vec3_add(before.low, vec3_make(-64, 32, -16))) < 1e-5f &&
+                vec3_distance(w.scene->stage.bounds.high, vec3_add(before.high, vec3_make(-64, 32, -16))) < 1e-5f);
+    fnl_scene_destroy(&w.scene);
+}
+
 static void test_misuse(void **state) {
     UNUSED(state);
     fnl_host host = test_host(&file_log);
@@ -345,7 +401,8 @@ int main(void) {
         cmocka_unit_test(test_nodes_are_composed_in_doubles), cmocka_unit_test(test_who_gets_an_origin),
         cmocka_unit_test(test_origin_moves_and_comes_back),   cmocka_unit_test(test_floats_mean_the_origin_of_their_time),
         cmocka_unit_test(test_both_ends_of_a_planet),         cmocka_unit_test(test_files_into_a_scene),
-        cmocka_unit_test(test_animated_far_away),             cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_animated_far_away),             cmocka_unit_test(test_skins),
+        cmocka_unit_test(test_what_stays_when_nodes_go),      cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
