@@ -843,7 +843,7 @@ static void test_table_of_stereo(void **state) {
     json_decref(tables);
     tables = json_array();
     bench_table_stereo(&data, tables);
-    assert_int_equal(json_array_size(json_object_get(json_array_get(tables, 0), "rows")), 2);
+    assert_int_equal(json_array_size(json_object_get(json_array_get(tables, 0), "rows")), 3);
     json_decref(tables);
     json_decref(data.root);
 }

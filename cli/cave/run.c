@@ -6,6 +6,7 @@
 #include "input.h"
 #include "json_text.h"
 #include "loading.h"
+#include "origin.h"
 #include "output.h"
 #include "print.h"
 #include "program.h"
@@ -90,6 +91,15 @@ static bool check_fault(const struct run *run) {
     return false;
 }
 
+/* A place in file coordinates becomes one that is relative to the scene's origin, which moves there. */
+static bool come_near(fnl_scene *scene, struct cave_place *place) {
+    const double at[3] = {place->pose.position.x, place->pose.position.y, place->pose.position.z};
+    double origin[3];
+    if (!origin_follow(scene, at) || fnl_scene_query_origin(scene, origin) != FNL_OK) return false;
+    place->pose.position = (struct cave_vector){at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]};
+    return true;
+}
+
 static bool prepare(struct run *run, double *ev, bool *meters) {
     const struct cave_options *o = run->o;
     fnl_camera camera;
@@ -99,6 +109,7 @@ static bool prepare(struct run *run, double *ev, bool *meters) {
     progress_show("loading the scene", 0, 0);
     if (!world_load(&o->render.world, &run->host, run->views[0].width, run->views[0].height, o->render.quiet || run->ranks.rank > 0, &run->scene, &camera)) return false;
     run->place = cave_find_place(run->d, &first, &camera, o->places_by_camera);
+    if (run->d->has_origin && !o->places_by_camera && !come_near(run->scene, &run->place)) return false;
     if (run->ranks.rank == 0 && !check_track(run)) return false;
     if (!cave_stage_create(o, run->d, &run->host, run->scene, run->views, run->view_count, run->ranks.rank, &run->stage)) return false;
     *meters = o->render.frame.exposure == FNL_EXPOSURE_AUTO && run->views[0].rank == run->ranks.rank;
@@ -246,9 +257,14 @@ static char *stats_text(struct run *run) {
                                                "height", (int)view->height, "rank", (int)view->rank, "device", (int)view->device));
     }
     const struct cave_quaternion q = run->place.pose.rotation;
+    double at[3] = {0, 0, 0};
+    (void)fnl_scene_query_origin(run->scene, at);
+    at[0] += run->place.pose.position.x;
+    at[1] += run->place.pose.position.y;
+    at[2] += run->place.pose.position.z;
     json_t *json = json_pack("{s:i,s:{s:s,s:s},s:o,s:o,s:i,s:f,s:{s:o,s:[f,f,f,f],s:f},s:o,s:O}", "version", 1, "program", "version", fnl_version(), "commit",
                              program_commit, "scene", json_text(run->o->render.world.scene), "displays", json_text(run->d->source), "ranks", (int)run->ranks.count, "ev", run->ev, "origin", "position",
-                             vector_json(run->place.pose.position), "rotation", q.x, q.y, q.z, q.w, "scale", run->place.scale, "views", walls, "frames", run->frames);
+                             vector_json((struct cave_vector){at[0], at[1], at[2]}), "rotation", q.x, q.y, q.z, q.w, "scale", run->place.scale, "views", walls, "frames", run->frames);
     char *text = json ? json_text_write(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL, *ended = NULL;
     if (text && asprintf(&ended, "%s\n", text) < 0) ended = NULL;
     free(text);
