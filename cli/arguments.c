@@ -34,14 +34,24 @@ bool argument_take_count(const char **at, uint64_t *out) {
     return errno == 0;
 }
 
+/* The next of numbers with commas between, in the range of floats. */
+static bool take_next(const char **at, bool first, double *out) {
+    if (!first && *(*at)++ != ',') return false;
+    return argument_take_number(at, out) && isfinite((float)*out);
+}
+
 bool argument_take_numbers(const char **at, float *out, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         double number;
-        if (i > 0 && *(*at)++ != ',') return false;
-        if (!argument_take_number(at, &number)) return false;
+        if (!take_next(at, i == 0, &number)) return false;
         out[i] = (float)number;
-        if (!isfinite(out[i])) return false;
     }
+    return true;
+}
+
+bool argument_take_place(const char **at, double out[3]) {
+    for (int i = 0; i < 3; i++)
+        if (!take_next(at, i == 0, &out[i])) return false;
     return true;
 }
 
@@ -82,14 +92,6 @@ bool argument_vector(const char *option, const char *text, fnl_vec3 *out) {
         return true;
     }
     return argument_bad(option, text, "three numbers such as 1,2.5,-3");
-}
-
-bool argument_take_place(const char **at, double out[3]) {
-    for (int i = 0; i < 3; i++) {
-        if (i > 0 && *(*at)++ != ',') return false;
-        if (!argument_take_number(at, &out[i]) || !isfinite((float)out[i])) return false;
-    }
-    return true;
 }
 
 bool argument_place(const char *option, const char *text, double out[3]) {

@@ -37,7 +37,7 @@ static double bytes_of(const json_t *result) {
            (bench_number(result, "width", NAN) * bench_number(result, "height", NAN));
 }
 
-/* A number of the plain scene; or, without `number`, the time of another scene or number of samples in that of the plain one. */
+/* A number of the plain case. Without `number`: the time of another case, relative to the plain one. */
 static const struct quantity {
     const char *name, *source;
     double (*number)(const json_t *result);

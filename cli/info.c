@@ -298,12 +298,6 @@ static void print_text(const fnl_scene *scene, const char *source, const fnl_sce
 
 /* ---- JSON ---- */
 
-static json_t *json_place(const fnl_scene *scene, fnl_vec3 position) {
-    double place[3];
-    origin_place(scene, position, place);
-    return json_pack("[f,f,f]", place[0], place[1], place[2]);
-}
-
 static json_t *json_vec3(fnl_vec3 v) { return json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z); }
 
 static json_t *json_count(uint64_t value) { return json_integer((json_int_t)value); }
@@ -352,7 +346,7 @@ static json_t *json_light(const fnl_scene *scene, const char *name, const fnl_li
     json_t *object =
         json_pack("{s:o,s:s,s:f,s:[f,f,f]}", "name", json_text(name), "kind", fnl_value_name(FNL_ENUM_LIGHT_KIND, light->kind), "intensity", (double)light->intensity,
                   "color", (double)light->color[0], (double)light->color[1], (double)light->color[2]);
-    if (kind->has_position) json_object_set_new(object, "position", json_place(scene, light->position));
+    if (kind->has_position) json_object_set_new(object, "position", origin_json(scene, light->position));
     if (kind->has_range) json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
     if (kind->has_direction) json_object_set_new(object, "direction", json_vec3(light->direction));
     add_light_members(object, light, kind);
@@ -373,8 +367,8 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
     json_object_set_new(object, "orthographic", json_boolean(camera.orthographic));
     json_object_set_new(object, camera.orthographic ? "vertical_extent" : "vertical_fov",
                         json_real((double)(camera.orthographic ? camera.vertical_extent : camera.vertical_fov)));
-    json_object_set_new(object, "position", json_place(scene, camera.position));
-    json_object_set_new(object, "target", json_place(scene, camera.target));
+    json_object_set_new(object, "position", origin_json(scene, camera.position));
+    json_object_set_new(object, "target", origin_json(scene, camera.target));
     return object;
 }
 
@@ -430,7 +424,7 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     json_object_set_new(
         root, "extent",
         empty ? json_null()
-              : json_pack("{s:o,s:o}", "low", json_place(scene, info->bounds_low), "high", json_place(scene, info->bounds_high)));
+              : json_pack("{s:o,s:o}", "low", origin_json(scene, info->bounds_low), "high", origin_json(scene, info->bounds_high)));
     json_object_set_new(root, "origin", json_pack("[f,f,f]", origin[0], origin[1], origin[2]));
     json_object_set_new(root, "images", images);
     json_object_set_new(root, "lights", lights);

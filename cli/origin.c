@@ -2,6 +2,7 @@
 #include "origin.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double STEP = 16, FARTHEST = 2048; /* meters */
 
@@ -17,6 +18,12 @@ void origin_place(const fnl_scene *scene, fnl_vec3 position, double out[3]) {
     out[0] = origin[0] + (double)position.x;
     out[1] = origin[1] + (double)position.y;
     out[2] = origin[2] + (double)position.z;
+}
+
+json_t *origin_json(const fnl_scene *scene, fnl_vec3 position) {
+    double place[3];
+    origin_place(scene, position, place);
+    return json_pack("[f,f,f]", place[0], place[1], place[2]);
 }
 
 int origin_digits(const fnl_scene *scene) {
@@ -35,10 +42,11 @@ bool origin_follow(fnl_scene *scene, const double place[3]) {
 }
 
 bool origin_follow_camera(fnl_scene *scene, fnl_camera *camera) {
-    double position[3], target[3];
+    double position[3], target[3], before[3], after[3];
     origin_place(scene, camera->position, position);
     origin_place(scene, camera->target, target);
-    if (!origin_follow(scene, position)) return false;
+    if (fnl_scene_query_origin(scene, before) != FNL_OK || !origin_follow(scene, position) || fnl_scene_query_origin(scene, after) != FNL_OK) return false;
+    if (memcmp(before, after, sizeof before) == 0) return true; /* floats keep their last bits */
     camera->position = origin_position(scene, position);
     camera->target = origin_position(scene, target);
     return true;

@@ -8,8 +8,12 @@
 
 #include "fanal/scene.h"
 
+#include <jansson.h>
+
 fnl_vec3 origin_position(const fnl_scene *scene, const double place[3]);
 void origin_place(const fnl_scene *scene, fnl_vec3 position, double out[3]);
+/** [x, y, z] of the place. */
+json_t *origin_json(const fnl_scene *scene, fnl_vec3 position);
 /** Digits that print a place without loss: 9, as for a float, if the origin is 0, 0, 0; otherwise 17 (a double). */
 int origin_digits(const fnl_scene *scene);
 /** Moves the origin to this place, rounded to 16 m, if it is over 2048 m away on any axis. False with a message. */

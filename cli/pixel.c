@@ -100,9 +100,7 @@ json_t *pixel_json(const fnl_scene *scene, const fnl_pixel_info *p) {
     json_t *json = json_pack("{s:i,s:i,s:i,s:b}", "x", (int)p->query.x, "y", (int)p->query.y, "view", (int)p->query.view, "hit", p->hit);
     json_t *lights = json_array();
     for (uint32_t i = 0; i < p->light_count; i++) json_array_append_new(lights, light_json(scene, &p->lights[i]));
-    double at[3];
-    origin_place(scene, p->position, at);
-    json_object_set_new(json, "position", json_pack("[f,f,f]", at[0], at[1], at[2]));
+    json_object_set_new(json, "position", origin_json(scene, p->position));
     json_object_set_new(json, "normal", place(p->normal));
     json_object_set_new(json, "view_depth", json_real((double)p->view_depth));
     json_object_set_new(json, "base_color", rgb(p->base_color));

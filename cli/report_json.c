@@ -22,14 +22,8 @@ static json_t *counted(bool is_known, uint64_t value) { return is_known ? intege
 static json_t *measured(bool is_known, double value) { return is_known ? json_real(value) : json_null(); }
 static json_t *vector(fnl_vec3 v) { return json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z); }
 
-static json_t *place(const fnl_scene *scene, fnl_vec3 position) {
-    double at[3];
-    origin_place(scene, position, at);
-    return json_pack("[f,f,f]", at[0], at[1], at[2]);
-}
-
 static json_t *make_camera(const fnl_scene *scene, const fnl_camera *c) {
-    return json_pack("{s:o,s:o,s:o,s:b,s:f,s:f}", "position", place(scene, c->position), "target", place(scene, c->target), "up",
+    return json_pack("{s:o,s:o,s:o,s:b,s:f,s:f}", "position", origin_json(scene, c->position), "target", origin_json(scene, c->target), "up",
                                vector(c->up), "orthographic", c->orthographic, "vertical_fov",
                                (double)c->vertical_fov * 57.295779513082321, "vertical_extent", (double)c->vertical_extent);
 }

@@ -181,6 +181,13 @@ void view_panels(struct view *v) {
 
 /* ---- as text ---- */
 
+/* Where the camera is and looks, in file coordinates; returns the digits to print. */
+static int camera_places(const struct view *v, double eye[3], double target[3]) {
+    origin_place(v->shown.scene, v->camera.now.position, eye);
+    origin_place(v->shown.scene, v->camera.now.target, target);
+    return origin_digits(v->shown.scene);
+}
+
 bool view_write_report(const struct view *v, const char *path) {
     struct output report;
     if (!output_begin(path, &report)) return false;
@@ -191,11 +198,8 @@ bool view_write_report(const struct view *v, const char *path) {
     const struct ui_rectangle area = view_area(v);
     fprintf(file, "area\t%.0f\t%.0f\t%.0f\t%.0f\n", (double)area.x, (double)area.y, (double)area.width, (double)area.height);
     fprintf(file, "shadows\t%s\n", fnl_value_name(FNL_ENUM_SHADOWS, v->frame.shadows));
-    const fnl_camera *c = &v->camera.now;
     double eye[3], target[3];
-    const int digits = origin_digits(v->shown.scene);
-    origin_place(v->shown.scene, c->position, eye);
-    origin_place(v->shown.scene, c->target, target);
+    const int digits = camera_places(v, eye, target);
     fprintf(file, "camera\t%.*g\t%.*g\t%.*g\t%.*g\t%.*g\t%.*g\n", digits, eye[0], digits, eye[1], digits, eye[2], digits, target[0], digits, target[1], digits,
             target[2]);
     fprintf(file, "shading\t%s\nlists\t%s\npasses_ms\t%.4f\n", fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists),
@@ -242,9 +246,7 @@ static void print_camera(const struct view *v, FILE *file) {
         return;
     }
     double eye[3], target[3];
-    const int digits = origin_digits(v->shown.scene);
-    origin_place(v->shown.scene, c->position, eye);
-    origin_place(v->shown.scene, c->target, target);
+    const int digits = camera_places(v, eye, target);
     fprintf(file, " --eye %.*g,%.*g,%.*g --look-at %.*g,%.*g,%.*g --fov %.17g --near %.9g", digits, eye[0], digits, eye[1], digits, eye[2], digits, target[0], digits,
             target[1], digits, target[2],
             (double)c->vertical_fov * (180 / 3.14159265358979323846), (double)c->near_distance);

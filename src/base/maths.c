@@ -21,6 +21,8 @@ mat4 mat4_from_trs(vec3 t, quat q, vec3 s) {
                    (1 - 2 * (xx + yy)) * s.z, 0, t.x, t.y, t.z, 1}};
 }
 
+const double no_origin[3] = {0, 0, 0};
+
 struct affine affine_identity(void) { return (struct affine){{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}}; }
 
 struct affine affine_mul(const struct affine *a, const struct affine *b) {

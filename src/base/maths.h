@@ -118,6 +118,8 @@ quat quat_slerp(quat a, quat b, float t);
 struct affine {
     double m[12];
 };
+/** 0, 0, 0: for matrices that are relative to no origin. */
+extern const double no_origin[3];
 struct affine affine_identity(void);
 struct affine affine_mul(const struct affine *a, const struct affine *b);
 /** translation * rotation * scale; the quaternion is normalized. */

@@ -136,7 +136,7 @@ fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds)
 void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out) {
     const struct scene_skin *what = &scene->skins.data[skin];
     for (uint32_t i = 0; i < what->joint_count; i++) {
-        const struct affine bind = affine_from_mat4(&what->inverse_bind[i], (const double[3]){0, 0, 0});
+        const struct affine bind = affine_from_mat4(&what->inverse_bind[i], no_origin);
         const struct affine moved = affine_mul(&scene->nodes.data[what->joints[i]].world_exact, &bind);
         out[i] = mat4_from_affine(&moved, scene->origin);
     }

@@ -49,7 +49,7 @@ static void add_matrix(struct glb *g, json_t *object, const struct affine *a) {
 
 void glb_add_root(struct glb *g, json_t *node, const mat4 *turn, const double place[3]) {
     json_t *roots = glb_roots(g); /* before there is another node */
-    struct affine pose = affine_from_mat4(turn, (const double[3]){0, 0, 0});
+    struct affine pose = affine_from_mat4(turn, no_origin);
     memcpy(pose.m + 9, place, 3 * sizeof *place);
     add_matrix(g, node, &pose);
     glb_append(g, roots, json_integer((json_int_t)glb_add(g, "nodes", node)));
@@ -93,7 +93,7 @@ static quat rotation_of(vec3 x, vec3 y, vec3 z) {
 
 /* glTF 2.0, 3.5.2: what is animated has no matrix. */
 static void set_decomposed(struct glb *g, json_t *object, const struct affine *a, uint32_t node) {
-    const mat4 m = mat4_from_affine(a, (const double[3]){0, 0, 0});
+    const mat4 m = mat4_from_affine(a, no_origin);
     vec3 axes[3];
     double scale[3];
     for (int i = 0; i < 3; i++) {

@@ -89,7 +89,7 @@ static bool needs_target(fnl_decal_kind kind) { return kind != FNL_DECAL_BOX && 
 static bool to_mesh(const struct scene_node *decal, const struct scene_node *target, mat4 *out) {
     mat4 inverse;
     if (target->skin != SCENE_NONE) {
-        *out = mat4_from_affine(&decal->world_exact, (const double[3]){0, 0, 0});
+        *out = mat4_from_affine(&decal->world_exact, no_origin);
         return true;
     }
     if (!mat4_inverse(&target->world, &inverse)) return false;

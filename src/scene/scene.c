@@ -216,9 +216,8 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
         .active = true,
         .rotation = {0, 0, 0, 1},
         .scale = {1, 1, 1},
-        .local = *local,
         .world = *local,
-        .local_exact = affine_from_mat4(local, parent == SCENE_NONE ? scene->origin : (const double[3]){0, 0, 0}),
+        .local_exact = affine_from_mat4(local, parent == SCENE_NONE ? scene->origin : no_origin),
         .mesh = mesh,
         .skin = SCENE_NONE,
         .camera = SCENE_NONE,
@@ -276,12 +275,10 @@ void scene_pose_node(struct scene_node *node) {
 }
 
 static bool update_node(fnl_scene *scene, uint32_t index, uint64_t version) {
-    static const double none[3] = {0, 0, 0};
     struct scene_node *nodes = scene->nodes.data, *node = &nodes[index];
     const bool root = node->parent == SCENE_NONE;
     node->world_exact = root ? node->local_exact : affine_mul(&nodes[node->parent].world_exact, &node->local_exact);
-    node->local = mat4_from_affine(&node->local_exact, root ? scene->origin : none);
-    const mat4 world = root ? node->local : mat4_from_affine(&node->world_exact, scene->origin);
+    const mat4 world = mat4_from_affine(&node->world_exact, scene->origin);
     const bool moved = node->moved_version == version || memcmp(&world, &node->world, sizeof world) != 0;
     node->world = world;
     if (moved) node->moved_version = version;
@@ -333,7 +330,7 @@ void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *ids, const mat4 *
     bool linked = false;
     for (uint32_t i = 0; i < count; i++) {
         struct scene_node *node = &nodes[ids[i].index];
-        node->local_exact = affine_from_mat4(&locals[i], node->parent == SCENE_NONE ? scene->origin : (const double[3]){0, 0, 0});
+        node->local_exact = affine_from_mat4(&locals[i], node->parent == SCENE_NONE ? scene->origin : no_origin);
         node->placed = node->moves = true;
         linked = linked || node->linked;
     }
@@ -453,10 +450,20 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
 
 /* ---- bounds ---- */
 
+struct affine scene_instance_exact(const struct scene_node *node, uint32_t k) {
+    if (!node->instances) return node->world_exact;
+    const struct affine own = affine_from_mat4(&node->instances[k], no_origin);
+    return affine_mul(&node->world_exact, &own);
+}
+
 mat4 scene_instance_world(const fnl_scene *scene, const struct scene_node *node, uint32_t k) {
     if (!node->instances) return node->world;
-    const struct affine own = affine_from_mat4(&node->instances[k], (const double[3]){0, 0, 0}), world = affine_mul(&node->world_exact, &own);
+    const struct affine world = scene_instance_exact(node, k);
     return mat4_from_affine(&world, scene->origin);
+}
+
+mat4 scene_node_local(const fnl_scene *scene, const struct scene_node *node) {
+    return mat4_from_affine(&node->local_exact, node->parent == SCENE_NONE ? scene->origin : no_origin);
 }
 
 /** Grows `out` by all that a skinned primitive can reach: a skinned vertex is a weighted mean of its joints' images. */

@@ -177,7 +177,7 @@ struct scene_node {
     bool linked; /* a file's: skins, animations, cameras and lights may refer to it, so its place is not used again */
     double translation[3], rotation[4], scale[3];
     struct affine local_exact, world_exact; /* independent of the origin */
-    mat4 local, world;                      /* rounded; `world` is relative to the origin, for roots also `local` */
+    mat4 world;                             /* rounded, relative to the origin */
     uint32_t mesh, skin, camera; /* SCENE_NONE: none */
     float *morph_weights;        /* this node's weights, or NULL: the mesh's */
     bool owns_weights;           /* they are the host's; else the arena's */
@@ -586,7 +586,10 @@ fnl_result scene_environment_stage(fnl_scene *scene, enum stage_light light);
 void scene_environment_fill(fnl_scene *scene, const struct box *bounds);
 /** After a change of what one node shows. */
 void scene_node_edited(fnl_scene *scene, uint32_t node);
-/** World matrix of instance k of a node; meaningless for skinned nodes. */
+/** To the space of its parent; of a root relative to the origin. */
+mat4 scene_node_local(const fnl_scene *scene, const struct scene_node *node);
+/** World matrix of instance k of a node in doubles, and relative to the origin; meaningless for skinned nodes. */
+struct affine scene_instance_exact(const struct scene_node *node, uint32_t k);
 mat4 scene_instance_world(const fnl_scene *scene, const struct scene_node *node, uint32_t k);
 /**
  * Sets the origin to the middle of the shown geometry's bounds, rounded to ORIGIN_STEP meters on each axis. Keeps

@@ -141,7 +141,7 @@ static void test_many_instances_move_at_once(void **state) {
     expect_misuse(fnl_scene_set_instance_transforms(scene, NULL, moves, 2), "instances is NULL");
     expect_misuse(fnl_scene_set_instance_transforms(scene, ids, NULL, 2), "transforms is NULL");
     assert_int_equal(fnl_scene_set_instance_transforms(scene, NULL, NULL, 0), FNL_OK);
-    assert_true(scene->transform_version == version && scene->nodes.data[leaf].local.m[12] == 0);
+    assert_true(scene->transform_version == version && scene_node_local(scene, &scene->nodes.data[leaf]).m[12] == 0);
 
     /* A leaf before what it hangs on: both count, and the light follows in one step. */
     assert_int_equal(fnl_scene_set_instance_transforms(scene, ids, moves, 2), FNL_OK);

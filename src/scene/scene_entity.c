@@ -173,7 +173,7 @@ fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_
     TRY(check_index(call, "index", index, scene_entity_count(scene, FNL_ENTITY_INSTANCE), "instances"));
     const struct scene_node *node = &scene->nodes.data[scene_entity_slot(scene, FNL_ENTITY_INSTANCE, index)];
     *out = (fnl_instance_info){
-        .transform = node->local, .world = node->world, .visible = !node->hidden, .shown = node->active, .receivers = 255u & ~node->refuses, .light_mask = 255u & ~node->unlit, .view_mask = 255u & ~node->unseen};
+        .transform = scene_node_local(scene, node), .world = node->world, .visible = !node->hidden, .shown = node->active, .receivers = 255u & ~node->refuses, .light_mask = 255u & ~node->unlit, .view_mask = 255u & ~node->unseen};
     if (node->parent != SCENE_NONE)
         out->parent = (fnl_instance_id){node->parent, scene->nodes.data[node->parent].generation};
     if (node->skin != SCENE_NONE) out->joint_count = scene->skins.data[node->skin].joint_count;

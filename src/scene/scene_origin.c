@@ -15,7 +15,6 @@ static void move_nodes(fnl_scene *scene) {
     for (uint32_t i = 0; i < scene->nodes.count; i++) { /* also removed nodes, which may be joints */
         struct scene_node *node = &scene->nodes.data[i];
         node->world = mat4_from_affine(&node->world_exact, scene->origin);
-        if (node->parent == SCENE_NONE) node->local = node->world;
         node->moved_version = version;
     }
     scene->moved.count = 0;
@@ -138,11 +137,7 @@ static void add_node(const fnl_scene *scene, const struct scene_node *node, stru
         return;
     }
     for (uint32_t k = 0; k < node->instance_count && !box_is_empty(bounds); k++) {
-        struct affine world = node->world_exact;
-        if (node->instances) {
-            const struct affine own = affine_from_mat4(&node->instances[k], (const double[3]){0, 0, 0});
-            world = affine_mul(&node->world_exact, &own);
-        }
+        const struct affine world = scene_instance_exact(node, k);
         add_corners(e, bounds, &world);
     }
 }

@@ -112,7 +112,8 @@ static uint64_t places_of(const fnl_scene *scene) {
     uint64_t hash = 1;
     for (uint32_t i = 0; i < scene->nodes.count; i++) {
         hash = hash_bytes(&scene->nodes.data[i].world, sizeof(mat4), hash);
-        hash = hash_bytes(&scene->nodes.data[i].local, sizeof(mat4), hash);
+        const mat4 local = scene_node_local(scene, &scene->nodes.data[i]);
+        hash = hash_bytes(&local, sizeof local, hash);
     }
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         const struct scene_light *light = &scene->lights.data[i];
@@ -254,7 +255,7 @@ static void test_floats_mean_the_origin_of_their_time(void **state) {
                 s->probes.data[w.probe.index].params.centre.x == -0.625f && s->nodes.data[w.root.index].world.m[12] == -0.625f);
     const fnl_mat4 beside = mat4_translation(vec3_make(0.5f, 0, 0)); /* children are relative to parents */
     assert_int_equal(fnl_scene_set_instance_transform(s, w.child, &beside), FNL_OK);
-    assert_true(s->nodes.data[w.child.index].local.m[12] == 0.5f);
+    assert_true(scene_node_local(s, &s->nodes.data[w.child.index]).m[12] == 0.5f);
     expect_place(s, w.child.index, 0.8, 0, -0.7, 1e-6);
     fnl_scene_destroy(&w.scene);
 }

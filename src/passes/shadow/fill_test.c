@@ -586,7 +586,7 @@ static uint32_t item_of(const struct world *w, uint32_t node) {
 }
 
 static void move(struct world *w, uint32_t node, vec3 by) {
-    mat4 moved = w->scene->nodes.data[node].local;
+    mat4 moved = scene_node_local(w->scene, &w->scene->nodes.data[node]);
     moved.m[12] += by.x, moved.m[13] += by.y, moved.m[14] += by.z;
     scene_move_nodes(w->scene, &(fnl_instance_id){.index = node}, &moved, 1);
 }
@@ -662,7 +662,7 @@ static void test_items_come_and_go(void **state) {
     static struct world w;
     fnl_scene *scene = test_scene();
     put_boxes(scene, BOXES, 12);
-    const mat4 matrix = scene->nodes.data[BOXES - 1].local;
+    const mat4 matrix = scene_node_local(scene, &scene->nodes.data[BOXES - 1]);
     scene_add_node(scene, "", SCENE_NONE, &matrix, box_mesh(scene, SCENE_NONE, true));
     put_light(scene, FNL_LIGHT_POINT, (vec3){0, 0, 0});
     world_open(&w, scene);
