@@ -860,8 +860,8 @@ static void test_suites_scale_their_clusters(void **state) {
             fine += strncmp(options, "clusters.size=8,clusters.slices=", 32) == 0;
             assert_null(strstr(options, "clusters.size=64"));
         }
-    assert_int_equal(coarse, 18);
-    assert_int_equal(fine, 18);
+    assert_int_equal(coarse, 19);
+    assert_int_equal(fine, 19);
     bench_plan_free(&plan);
 }
 

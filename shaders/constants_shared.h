@@ -49,6 +49,7 @@
 #define INDEXED_STEP_ID 14u
 #define ZIOMA_LAYER_ID 13u
 /* volumes, those of mobile too; mobile */
+#define VOLUME_BATCH_ID 12u
 #define VOLUME_BOUND_DEPTHS_ID 13u
 #define VOLUME_MASKED_ID 14u
 #define VOLUME_FRONTS_ID 15u

@@ -737,13 +737,14 @@ static void test_fields_of_frames(void **state) {
     FRAME_ENUM(raster.path, fnl_raster_path, 2);
     FRAME_ENUM(raster.nodes, fnl_raster_nodes, 2);
     FRAME_ENUM(volume_shape, fnl_volume_shape, 5);
-    FRAME_ENUM(light_buffer.kind, fnl_light_buffer, 3);
-    FRAME_ENUM(light_indexed.packing, fnl_light_packing, 2);
+    FRAME_ENUM(light_buffer.kind, fnl_light_buffer, 4);
+    FRAME_ENUM(light_indexed.packing, fnl_light_packing, 4);
     FRAME(tiles.size, 12, "tiles.size is 12, must be 8, 16, 32 or 64");
     FRAME(fine.masks, 3, "fine.masks is 3, must be 0 .. 2");
     FRAME(clusters.size, 7, "clusters.size is 7, must be 8 .. 256");
     FRAME(clusters.slices, 0, "clusters.slices is 0, must be 1 .. 1024");
     FRAME(light_indexed.layers, 17, "light_indexed.layers is 17, must be 1 .. 16");
+    FRAME(volume_batch, 0, "volume_batch is 0, must be 1 .. 64");
     FRAME(light_buffer.scale, 3, "light_buffer.scale is 3, must be 2 or 4");
     FRAME(clusters.near, NAN, "clusters.near is NaN, must be above 0 metres");
     FRAME(clusters.far, 0, "clusters.far is 0, must be above 0 metres");

@@ -170,6 +170,7 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
     }
     struct ui_canvas canvas;
     const struct trace_span *over = NULL;
+    float nearest = 0;
     ui_canvas_begin("lanes", GUTTER + width, height, height + (v->timeline.zoom > 1 ? 32 : 18), &canvas);
     draw_axis(v, &canvas, length, per_millisecond, height);
     for (uint32_t i = 0; i < frame->span_count; i++) {
@@ -182,7 +183,10 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
         snprintf(label, sizeof label, "%s %s", gpu ? "pass" : "cpu", name);
         const uint32_t color = chosen ? CHOSEN_COLOR : gpu ? view_role_color(span->role) : span->lane == TRACE_LIBRARY ? 0xc0a890ff : 0xa0b0b0ff;
         /* Neighbours of one colour stay apart. */
-        if (ui_canvas_rect(label, x, tops[span->lane] + 1, wide > 3 ? wide - 1 : wide, LANE - 2, color)) over = span;
+        if (ui_canvas_rect(label, x, tops[span->lane] + 1, wide > 3 ? wide - 1 : wide, LANE - 2, color)) { /* narrow ones may lie on one another */
+            const float away = fabsf(canvas.mouse_x - x - wide / 2);
+            if (!over || away < nearest) over = span, nearest = away;
+        }
         if (wide > 24) ui_canvas_text(x + 2, tops[span->lane] + 3, wide - 4, TEXT_COLOR, name);
     }
     for (int lane = 0; lane < TRACE_LANE_COUNT; lane++) { /* over what has been scrolled below it */

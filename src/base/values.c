@@ -68,7 +68,8 @@ struct names {
     ROW("shadow-age", "shadow maps: frames since that page was drawn; striped where a finer one is wanted and not there")        \
     ROW("shadow-classes", "shadow.classify: lights of tiles that left: blue; that light no pixel: orange, some: grey, all: white") \
     ROW("triangles", "each triangle in its own color; gray: points and lines")                                                    \
-    ROW("depth-jumps", "tiles by the ratio of their largest to their smallest depth, with a legend; gray: below 1.5")
+    ROW("depth-jumps", "tiles by the ratio of their largest to their smallest depth, with a legend; gray: below 1.5")        \
+    ROW("light-volumes", "surfaces in the hues of the lights that reach them, with a line where the volume of a light ends")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
@@ -84,8 +85,8 @@ static const struct names enums[] = {
     [FNL_ENUM_RASTER_NODES] = NAMES(fnl_raster_nodes, FNL_RASTER_NODES_COUNT, "array", "links64", "links32"),
     [FNL_ENUM_VOLUME_SHAPE] =
         NAMES(fnl_volume_shape, FNL_VOLUME_SHAPE_COUNT, "solids", "quads", "fullscreen", "ellipse", "depth-bounds", "stencil"),
-    [FNL_ENUM_LIGHT_BUFFER] = NAMES(fnl_light_buffer, FNL_LIGHT_BUFFER_COUNT, "auto", "rgba", "two", "four"),
-    [FNL_ENUM_LIGHT_PACKING] = NAMES(fnl_light_packing, FNL_LIGHT_PACKING_COUNT, "ids", "shift", "max"),
+    [FNL_ENUM_LIGHT_BUFFER] = NAMES(fnl_light_buffer, FNL_LIGHT_BUFFER_COUNT, "auto", "rgba", "two", "four", "narrow"),
+    [FNL_ENUM_LIGHT_PACKING] = NAMES(fnl_light_packing, FNL_LIGHT_PACKING_COUNT, "ids", "shift", "max", "stencil", "sets"),
     [FNL_ENUM_MSAA_METHOD] = NAMES(fnl_msaa_method, FNL_MSAA_METHOD_COUNT, "all", "tiles", "stencil", "compact", "coverage", "aggregate"),
     [FNL_ENUM_RAY_BACKEND] = NAMES(fnl_ray_backend, FNL_RAY_BACKEND_COUNT, "auto", "bvh", "ray-query"),
     [FNL_ENUM_SHADOW_FILTER] = NAMES(fnl_shadow_filter, FNL_SHADOW_FILTER_COUNT, "hard", "pcf", "pcss", "auto"),

@@ -300,12 +300,13 @@ enum gpu_blend {
     GPU_BLEND_KEEP,    /* nothing is written */
 };
 
-/** Compares the stencil with a reference, all bits; fragments that pass change it, with a stencil format that is not read-only. */
+/** Compares the stencil with a reference, all bits; fragments that pass, or fail, change it, with a stencil format that is not read-only. */
 struct gpu_stencil {
     uint32_t test; /* 1, or 0: none */
     VkCompareOp compare;
     VkStencilOp pass;
     uint32_t reference; /* or GPU_STENCIL_SET: what gpu_stencil_reference says */
+    VkStencilOp fail;   /* default VK_STENCIL_OP_KEEP */
 };
 #define GPU_STENCIL_SET UINT32_MAX
 

@@ -492,9 +492,9 @@ static void test_pipelines_of_all_kinds_are_made_ahead(void **state) {
     kinds[3].color_formats[0] = VK_FORMAT_R16G16B16A16_SFLOAT;
     kinds[4].depth_format = VK_FORMAT_UNDEFINED;
     kinds[5].depth_format = VK_FORMAT_D32_SFLOAT_S8_UINT;
-    kinds[5].stencil = (struct gpu_stencil){1, VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_REPLACE, GPU_STENCIL_SET};
+    kinds[5].stencil = (struct gpu_stencil){.test = 1, .compare = VK_COMPARE_OP_EQUAL, .pass = VK_STENCIL_OP_REPLACE, .reference = GPU_STENCIL_SET};
     kinds[6].depth_format = VK_FORMAT_S8_UINT;
-    kinds[6].stencil = (struct gpu_stencil){1, VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_REPLACE, 3};
+    kinds[6].stencil = (struct gpu_stencil){.test = 1, .compare = VK_COMPARE_OP_ALWAYS, .pass = VK_STENCIL_OP_REPLACE, .reference = 3};
     kinds[7].cull = VK_CULL_MODE_BACK_BIT;
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     gpu_ask_begin(device);

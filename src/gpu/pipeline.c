@@ -230,7 +230,7 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .rasterizationSamples = (VkSampleCountFlagBits)params->samples,
     };
     VkStencilOpState stencil = {
-        VK_STENCIL_OP_KEEP, params->stencil.pass,     VK_STENCIL_OP_KEEP, params->stencil.compare, UINT8_MAX,
+        params->stencil.fail, params->stencil.pass,     VK_STENCIL_OP_KEEP, params->stencil.compare, UINT8_MAX,
         UINT8_MAX,          params->stencil.reference};
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,

@@ -173,6 +173,8 @@ static const struct row rows[] = {
     /* shading paths */
     NAME("volume-shape", volume_shape, FNL_ENUM_VOLUME_SHAPE, PATH(DEFERRED_VOLUMES) | PATH(MOBILE), EVERY,
          "the shape drawn for each light"),
+    COUNT("volume-batch", volume_batch, 1, 64, "lights", PATH(DEFERRED_VOLUMES), EVERY,
+          "volume-shape=fullscreen: lights that each draw of the screen adds"),
     NAME("light-buffer.kind", light_buffer.kind, FNL_ENUM_LIGHT_BUFFER, PATHS_LIGHT_BUFFER, EVERY,
          "which sums of light a pixel keeps"),
     COUNT("light-buffer.scale", light_buffer.scale, 2, 4, "pixels", PATH(LOW_RES) | PATH(INFERRED), EVERY,
@@ -423,6 +425,7 @@ fnl_frame fnl_frame_default(void) {
                        .clusters = {.size = 64, .slices = 32, .near = INFINITY, .far = INFINITY},
                        .fine = {.pruning = true, .masks = 1},
                        .deferred = {.msaa_method = FNL_MSAA_COMPACT, .msaa_groups = 2},
+                       .volume_batch = 1,
                        .light_buffer = {.scale = 2},
                        .light_indexed = {.layers = 4},
                        .texturing = {.atlas_size = 8192},

@@ -26,9 +26,13 @@ void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
     counters_note(f, "gbuffer.bytes", bytes * f->frame->width * f->frame->height * f->frame->msaa);
 }
 
-struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
-    struct volumes_input input = {&f->lighting, f->view_address, f->frame->list.frustum_cull, shape,
-                                  renderer_tests(f->r).volume_hook};
+struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape, uint32_t batch) {
+    struct volumes_input input = {.scopes = &f->lighting,
+                                  .view = f->view_address,
+                                  .cull = f->frame->list.frustum_cull,
+                                  .shape = shape,
+                                  .batch = batch,
+                                  .hook = renderer_tests(f->r).volume_hook};
     return volumes_prepare(f->graph, f->r->device, &input);
 }
 

@@ -226,9 +226,9 @@ if command -v Xvfb >/dev/null; then
     cp all.txt broken.glb short.glb broken.hdr window
     (cd window && replay all builtin:spheres --shadows off --size 160x90) || fail 'the first replay, in a window'
     for name in orbit size dropped plain; do "$fanal" compare $name.png window/$name.png --max-diff 0 >out 2>&1 || fail "$name.png is another picture in a window"; done
-    timeout 900 "$fanal" view builtin:onetile --record /dev/full --exit-after 3 --size 64x36 --no-cache --no-settings --device 0 >out 2>&1 && fail 'a record on a full disk is no error'
+    timeout 900 "$fanal" view builtin:onetile --record /dev/full --exit-after 3 --shading deferred --lists clustered --shadows off --size 64x36 --no-cache --no-settings --device 0 >out 2>&1 && fail 'a record on a full disk is no error'
     grep -q '/dev/full: cannot be written: No space' out || fail 'a record on a full disk: no word of it'
-    timeout 900 "$fanal" view builtin:onetile --record record.txt --exit-after 3 --size 64x36 --no-cache --no-settings --device 0 >out 2>&1 || fail 'a record'
+    timeout 900 "$fanal" view builtin:onetile --record record.txt --exit-after 3 --shading deferred --lists clustered --shadows off --size 64x36 --no-cache --no-settings --device 0 >out 2>&1 || fail 'a record'
     grep -q '^frames 1$' record.txt || fail 'the record has no frame'
     # What stands on the screen.
     "$fanal" view builtin:onetile --no-cache --no-settings --device 0 --size 320x180 --no-panels >out 2>&1 &
@@ -254,12 +254,12 @@ if command -v Xvfb >/dev/null; then
     export XDG_CONFIG_HOME=$work/config
     mkdir -p config/fanal
     printf 'width 200\nheight 120\npresent 7\nnonsense\ndark 0\nrecent /somewhere.glb\n' >config/fanal/view
-    "$fanal" view builtin:onetile --no-cache --device 0 --scale 1.5 --no-panels --exit-after 2 >out 2>&1 || fail 'a window with settings'
+    "$fanal" view builtin:onetile --no-cache --device 0 --scale 1.5 --no-panels --exit-after 2 --shading deferred --lists clustered --shadows off >out 2>&1 || fail 'a window with settings'
     grep -q 'view:3: not a setting' out && grep -q 'view:4: not a setting' out || fail 'bad settings are not told'
     printf '%s\n' 'width 200' 'height 120' 'scale 1.5' 'dark 0' 'panels 0' 'present 0' 'color 0' 'navigation 0' 'recent builtin:onetile' 'recent /somewhere.glb' >wanted
     diff wanted config/fanal/view >out || fail 'the settings are not what was written'
     printf 'width 333\n' >config/fanal/view
-    "$fanal" view builtin:onetile --no-cache --device 0 --no-settings --size 100x80 --exit-after 1 >out 2>&1 || fail 'a window without settings'
+    "$fanal" view builtin:onetile --no-cache --device 0 --no-settings --size 100x80 --exit-after 1 --shading deferred --lists clustered --shadows off >out 2>&1 || fail 'a window without settings'
     [ "$(cat config/fanal/view)" = 'width 333' ] || fail '--no-settings writes settings'
 else
     echo 'SKIPPED in part: no Xvfb (Debian: xvfb)'

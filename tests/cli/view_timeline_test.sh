@@ -15,7 +15,8 @@ fail() { echo "FAILED: $*" >&2; [ ! -s out ] || head -c 2000 out >&2; failures=$
 value() { awk -F'\t' -v key="$2" -v field="${3:-2}" -v word="${4:-}" '$1 == key && (word == "" || $2 == word) { print $field; exit }' "$1"; }
 lines() { awk -F'\t' -v key="$2" '$1 == key { n++ } END { print n + 0 }' "$1"; }
 
-# Everything fits into a small picture with small letters. The large one after twelve small ones is a spike.
+# Everything fits into a small picture with small letters. The large one after twelve small ones is a spike. Passes are clicked in a frame that is held: bars
+# are as wide as passes take long, and those of the next frame would lie elsewhere.
 cat >all.txt <<'EOF'
 frames 12
 report none.tsv
@@ -24,10 +25,13 @@ key 291 down 0
 key 291 up 0
 frames 1
 report timeline.tsv
+click frame 0 back
 click pass gbuffer
 report pass.tsv
 click cpu wait for the frame
 report cpu.tsv
+click live
+frames 1
 click frame 3 back
 report frozen.tsv
 frames 3
@@ -81,13 +85,8 @@ settle
 report other.tsv
 trace other.trace
 EOF
-replay() {
-    timeout 900 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --lists clustered --headless --size 64x36 --scale 0.5 --replay all.txt >out 2>&1 ||
-        fail 'the replay ended with an error'
-}
-replay
-# A bar is as wide as its pass takes long: once more where the machine was busy with something else just then, and the bar too narrow to be hit.
-[ "$(value pass.tsv times)" = gbuffer ] || replay
+timeout 900 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --shading deferred --lists clustered --headless --size 64x36 --scale 0.5 --replay all.txt >out 2>&1 ||
+    fail 'the replay ended with an error'
 
 # ---- the timeline ----
 
@@ -176,7 +175,7 @@ timeout 900 "$fanal" view --no-cache --validate --device 0 --headless --size 97x
 # ---- what cannot be written ----
 
 printf 'frames 1\ntrace no-folder/a.trace\n' >bad.txt
-timeout 900 "$fanal" view --no-cache --device 0 builtin:onetile --shadows off --headless --size 16x16 --replay bad.txt >out 2>&1 && fail 'a trace into no folder'
+timeout 900 "$fanal" view --no-cache --device 0 builtin:onetile --shadows off --shading deferred --lists clustered --headless --size 16x16 --replay bad.txt >out 2>&1 && fail 'a trace into no folder'
 grep -q 'no-folder/a.trace' out || fail 'no word of the trace that was not written'
 # ---- in a window ----
 
@@ -185,7 +184,7 @@ if command -v Xvfb >/dev/null; then
     display=$!
     for _ in $(seq 6000); do [ -s number ] && break; sleep 0.1; done
     printf 'frames 2\nkey 291 down 0\nkey 291 up 0\nframes 2\nreport window.tsv\ntrace window.trace\n' >window.txt
-    DISPLAY=:$(<number) timeout 900 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --size 160x90 --scale 0.5 --replay window.txt >out 2>&1 || fail 'the window'
+    DISPLAY=:$(<number) timeout 900 "$fanal" view --no-cache --validate --device 0 builtin:onetile --shadows off --shading deferred --lists clustered --size 160x90 --scale 0.5 --replay window.txt >out 2>&1 || fail 'the window'
     "$build/tests/check_trace" window.trace acquire render present 'wait for the frame' >/dev/null 2>out || fail 'the trace of a window'
     [ "$(value window.tsv wide)" = timeline ] && [ -n "$(value window.tsv window 3 present)" ] || fail 'the timeline of a window'
 else

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/debug/debug.h"
 
+#include "passes/debug/light_volumes_shared.h"
+
 #include "fanal/renderer.h"
 #include "shaders.h"
 
@@ -170,4 +172,21 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
                        graph_row_if(counts.buffer.id, graph_reads(&push.counts, counts.buffer)),
                        graph_row_if(metal.id, graph_samples(&push.metal, metal)), graph_stores(&push.target, target))});
     light_list_use(pass, lights, GRAPH_READ_COMPUTE);
+}
+
+void light_volumes_view_add(struct graph *graph, const struct aov_images *aov, const struct lighting *lighting, VkDeviceAddress view, graph_image target,
+                            bool swap) {
+    const struct graph_image_params image = graph_image_info(graph, target);
+    const uint32_t heeded = GPU_LIST_KINDS | GPU_LIGHTING_SIMPLE | GPU_LIGHTING_PROFILES | GPU_LIGHTING_AREA_LIGHTS;
+    struct gpu_light_volumes_push push = {.view = view, .lighting = lighting->address, .swap = swap};
+    struct graph_pass *pass =
+        graph_dispatch(graph, &(struct graph_dispatch){.name = "debug view",
+                                                       .pipeline = {&shader_light_volumes_comp, 1, {lighting->bits & heeded}},
+                                                       .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                                                       GRAPH_PUSH(push),
+                                                       GRAPH_ROWS(graph_samples(&push.albedo, aov->albedo),
+                                                                  graph_samples(&push.normal, aov->normal),
+                                                                  graph_samples(&push.position, aov->position),
+                                                                  graph_stores(&push.target, target))});
+    lighting_use(pass, lighting, GRAPH_READ_COMPUTE);
 }

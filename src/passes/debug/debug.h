@@ -64,6 +64,13 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
 void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct lighting *lighting, graph_buffer classes,
                      VkDeviceAddress view, graph_image target, bool swap);
 
+/**
+ * Writes the view of light volumes to a storage image: surfaces tinted in the hues of the lights whose volumes hold them, with a line where a volume ends.
+ * Cost: a visit of every light of the pixel's list, and four more points for each that reaches it.
+ */
+void light_volumes_view_add(struct graph *graph, const struct aov_images *aov, const struct lighting *lighting, VkDeviceAddress view, graph_image target,
+                            bool swap);
+
 /** Writes the view of reflection probes to a storage image: a colour for each, by its part of the light; grey where none is. */
 void reflections_view_add(struct graph *graph, const struct aov_images *aov, const struct environment_light *light, VkDeviceAddress view,
                           graph_image target, bool swap);

@@ -312,6 +312,57 @@ static void test_triangles(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+static bool is_gray(const uint8_t *c) { return abs(c[0] - c[1]) <= 2 && abs(c[1] - c[2]) <= 2; }
+
+/* Two lights before a wall, each with a disk on it: a hue of its own inside, another where both are, gray outside, and a line around each. */
+static void test_light_volumes(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material m = scene_material_default();
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0, 0, 0}, (vec3){100, 100, 1});
+    for (int i = 0; i < 2; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        light.position = (fnl_vec3){i ? 0.6f : -0.6f, 0, 0.3f};
+        light.range = 0.9f; /* a disk of radius sqrt(0.72) */
+        fnl_light_id id;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        fnl_frame frame = debug_frame(FNL_DEBUG_LIGHT_VOLUMES);
+        frame.lists = k == 0 ? FNL_LISTS_TILED : k == 1 ? FNL_LISTS_CLUSTERED : FNL_LISTS_ALL;
+        if (k == 2) frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+        fnl_image image = test_render(scene, &frame, FNL_OUTPUT_COLOR);
+        uint32_t lines = 0, wrong = 0;
+        const uint8_t *only[2] = {test_pixel8(&image, 45, 50), test_pixel8(&image, 155, 50)}, *both = test_pixel8(&image, 100, 50);
+        assert_memory_not_equal(only[0], only[1], 3);
+        assert_memory_not_equal(only[0], both, 3);
+        for (uint32_t y = 0; y < HEIGHT; y++)
+            for (uint32_t x = 0; x < WIDTH; x++) {
+                const double px = (x + 0.5) / 50 - 2, py = 1 - (y + 0.5) / 50;
+                double nearest = 9;
+                bool inside[2];
+                for (int i = 0; i < 2; i++) {
+                    const double away = hypot(px - (i ? 0.6 : -0.6), py) - sqrt(0.72);
+                    inside[i] = away < 0;
+                    nearest = fmin(nearest, fabs(away));
+                }
+                const uint8_t *c = test_pixel8(&image, x, y);
+                const bool line = MAX(MAX(c[0], c[1]), c[2]) == 255 && MIN(MIN(c[0], c[1]), c[2]) <= 66;
+                lines += line;
+                if (line) wrong += nearest > 2.5 / 50;
+                if (nearest < 2.5 / 50) continue;
+                if (!inside[0] && !inside[1]) wrong += !is_gray(c);
+                if (inside[0] != inside[1]) wrong += memcmp(c, only[inside[1]], 3) != 0;
+                if (inside[0] && inside[1]) wrong += memcmp(c, both, 3) != 0;
+            }
+        print_message("  %u pixels of lines, %u wrong\n", lines, wrong);
+        assert_int_equal(wrong, 0);
+        assert_in_range(lines, 200, 700);
+        free_picture(&image);
+    }
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_surface_views),
@@ -320,6 +371,7 @@ int main(void) {
         cmocka_unit_test(test_overdraw),
         cmocka_unit_test(test_triangles),
         cmocka_unit_test(test_depth_jumps),
+        cmocka_unit_test(test_light_volumes),
     };
     return cmocka_run_group_tests_name("debug views", tests, test_group_begin, test_group_end);
 }

@@ -50,7 +50,7 @@ graph_image deferred_screen_add(struct graph *graph, const struct shade_input *i
     graph_depth(pass, stencil, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
 
     data.state.fragment = &shader_deferred_screen_frag;
-    data.state.stencil = (struct gpu_stencil){1, VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_KEEP, 1};
+    data.state.stencil = (struct gpu_stencil){.test = 1, .compare = VK_COMPARE_OP_EQUAL, .pass = VK_STENCIL_OP_KEEP, .reference = 1};
     data.state.color_count = 1;
     data.state.color_formats[0] = params.format;
     data.state.constants[LIGHTING_ID] = input->lighting->bits;

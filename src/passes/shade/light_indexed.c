@@ -2,6 +2,7 @@
 #include "passes/shade/light_indexed.h"
 
 #include "passes/shade/light_indexed_samples_shared.h"
+#include "passes/shade/light_sets.h"
 #include "shaders.h"
 
 struct indexed_data {
@@ -9,8 +10,28 @@ struct indexed_data {
     VkDeviceAddress view;
     graph_image depth, attached, first; /* what is read of the surfaces, and what the depth test is against */
     graph_buffer counts, slots;
+    VkDeviceAddress sets;
     uint32_t packing, capacity, batch, layers, step, samples;
+    uint32_t width, height;
 };
+
+#define STENCIL_FORMAT VK_FORMAT_S8_UINT
+
+bool light_indexed_stencil_supported(const gpu_device *device) {
+    return gpu_format_supports(device, STENCIL_FORMAT, VK_FORMAT_FEATURE_2_DEPTH_STENCIL_ATTACHMENT_BIT);
+}
+
+/* The stencil counts down with each light that reaches the pixel. It begins one higher each time, so that the next light is the one that finds 1. */
+static void draw_by_stencil(const struct graph_context *context, const struct indexed_data *d, struct gpu_graphics_params *state,
+                            struct gpu_indexed_push push) {
+    state->fragment = &shader_light_indexed_late_frag;
+    state->depth_format = STENCIL_FORMAT;
+    state->stencil = (struct gpu_stencil){.test = 1, .compare = VK_COMPARE_OP_EQUAL, .pass = VK_STENCIL_OP_DECREMENT_AND_CLAMP, .reference = 1, .fail = VK_STENCIL_OP_DECREMENT_AND_CLAMP};
+    for (push.step = 0; push.step < INDEXED_LAYER_LIGHTS; push.step++) {
+        gpu_clear_stencil(context->commands, d->width, d->height, push.step + 1);
+        volumes_draw(context, &d->volumes, state, &push.head, sizeof push);
+    }
+}
 
 static void execute_ids(const struct graph_context *context, const void *data) {
     const struct indexed_data *d = data;
@@ -30,8 +51,12 @@ static void execute_ids(const struct graph_context *context, const void *data) {
                                     .capacity = d->capacity,
                                     .batch = d->batch,
                                     .layers = d->layers,
+                                    .sets = d->sets,
                                     .first = d->first.id ? graph_sampled(context, d->first) : 0};
-    volumes_draw(context, &d->volumes, &state, &push.head, sizeof push);
+    if (d->packing == INDEXED_STENCIL)
+        draw_by_stencil(context, d, &state, push);
+    else
+        volumes_draw(context, &d->volumes, &state, &push.head, sizeof push);
 }
 
 static void add_ids(struct graph *graph, const char *name, const struct indexed_data *data, graph_image target,
@@ -44,7 +69,26 @@ static void add_ids(struct graph *graph, const char *name, const struct indexed_
     if (data->first.id) graph_use_image(pass, data->first, GRAPH_SAMPLE_FRAGMENT);
     static const float zero[4];
     if (target.id) graph_color(pass, target, load, zero);
-    graph_depth_read_only(pass, data->attached);
+    if (data->packing == INDEXED_STENCIL)
+        graph_depth(pass, data->attached, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    else
+        graph_depth_read_only(pass, data->attached);
+}
+
+/* The two tables of the sets: of each light its set and place, whose address goes to `codes`, and the lights in them. */
+static struct gpu_slice send_sets(gpu_device *device, uint32_t count, const struct indexed_params *params, uint32_t layers, VkDeviceAddress *codes,
+                                  uint32_t *without) {
+    const uint32_t member_count = layers * INDEXED_LAYER_LIGHTS << 8;
+    const fnl_host *host = gpu_host(device);
+    struct gpu_slice slice = gpu_frame_allocate(device, (count + member_count) * sizeof(uint32_t));
+    uint32_t *found = slice.data ? host_allocate_zero(host, (count + member_count) * sizeof(uint32_t)) : NULL;
+    if (!found) return (struct gpu_slice){0};
+    const struct light_sets_input input = {.bounds = params->bounds, .count = count, .planes = params->planes, .plane_count = params->plane_count, .set_count = layers * INDEXED_LAYER_LIGHTS};
+    *without = light_sets_find(&input, found + member_count, found);
+    memcpy(slice.data, found, (count + member_count) * sizeof(uint32_t));
+    host_free(host, found, (count + member_count) * sizeof(uint32_t));
+    *codes = slice.address + member_count * sizeof(uint32_t);
+    return slice;
 }
 
 struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
@@ -52,8 +96,9 @@ struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const
                                     const struct indexed_params *params, struct indexed_samples *samples) {
     const uint64_t pixels = (uint64_t)input->width * input->height;
     bool images = params->packing != INDEXED_IDS;
+    const bool sets = params->packing == INDEXED_SETS_PACKING;
     /* No more layers than lights could fill. */
-    uint32_t layers = images ? MIN(params->layers, MAX(DIVIDE_UP(scopes->lights.local_count, INDEXED_BATCH), 1u)) : params->layers;
+    uint32_t layers = images ? MIN(params->layers, MAX(DIVIDE_UP(scopes->lights.local_count, sets ? INDEXED_LAYER_LIGHTS : INDEXED_BATCH), 1u)) : params->layers;
     uint32_t capacity = layers * INDEXED_LAYER_LIGHTS;
     uint64_t count_bytes = pixels * 4 * (images ? layers : 1), slot_bytes = images ? 0 : pixels * (capacity + 1) / 2 * 4;
     graph_buffer counts = graph_create_buffer(graph, "light id counts", count_bytes), slots = {0};
@@ -72,7 +117,14 @@ struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const
                                .slots = slots,
                                .packing = params->packing,
                                .capacity = capacity,
-                               .layers = layers};
+                               .layers = layers,
+                               .width = input->width,
+                               .height = input->height};
+    const struct gpu_slice members = sets ? send_sets(device, scopes->lights.local_count, params, layers, &ids.sets, &samples->without_set) : (struct gpu_slice){0};
+    if (params->packing == INDEXED_STENCIL)
+        ids.attached = graph_create_image(
+            graph, &(struct graph_image_params){
+                       .name = "light id stencil", .format = STENCIL_FORMAT, .width = input->width, .height = input->height});
     struct graph_image_params image = {
         .name = "light ids", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = input->width, .height = input->height};
     if (!images) add_ids(graph, "light ids", &ids, (graph_image){0}, VK_ATTACHMENT_LOAD_OP_LOAD);
@@ -121,7 +173,7 @@ struct lighting light_indexed_add(struct graph *graph, gpu_device *device, const
     if (sample_count > 1) samples->all = lighting_add(graph, device, scopes, &all_lights).address;
     out.cells = cells;
     out.ids = lists;
-    struct gpu_indexed_list_push push = {.view = input->view, .layers = layers};
+    struct gpu_indexed_list_push push = {.view = input->view, .slots = members.address, .layers = layers};
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "light id lists",
                                         .pipeline = {&shader_light_indexed_list_comp, 3, {[2] = params->packing}},

@@ -12,8 +12,10 @@ layout(constant_id = SAMPLES_ID) const uint SAMPLES = 1u;
 layout(constant_id = INDEXED_PACKING_ID) const uint PACKING = INDEXED_IDS;
 layout(constant_id = INDEXED_STEP_ID) const uint STEP = 0u; // of max: 1 is the second
 
+#ifndef LATE_TESTS // of stencil: where the light does not reach, the fragment does not count
 // What the depth test drops is neither counted nor blended.
 layout(early_fragment_tests) in;
+#endif
 layout(push_constant, scalar) uniform push_block { gpu_indexed_push push; };
 
 layout(location = 0) flat in uint in_light;
@@ -44,12 +46,22 @@ void main() {
         }
         return;
     }
-    uint batch = in_rank / INDEXED_BATCH, id = in_rank % INDEXED_BATCH + 1u;
+    uint batch = in_rank / INDEXED_BATCH, id = in_rank % INDEXED_BATCH + 1u, channel = push.step;
+    if (PACKING == INDEXED_SETS_PACKING) {
+        uint code = push.sets.at[in_light];
+        batch = code == 0u ? push.layers : code / (256u * INDEXED_LAYER_LIGHTS);
+        channel = code >> 8 & INDEXED_LAYER_LIGHTS - 1u;
+        id = code & 255u;
+    }
     if (batch != push.batch) { // one that no layer is for is counted with the first
-        if (batch >= push.layers && push.batch == 0u && STEP == 0u) atomicAdd(push.counts.at[at], INDEXED_LOST);
+        if (batch >= push.layers && push.batch == 0u && STEP == 0u && push.step == 0u) atomicAdd(push.counts.at[at], INDEXED_LOST);
         discard;
     }
-    if (STEP == 0u) atomicAdd(push.counts.at[push.batch * pixels + at], 1u);
+    if (STEP == 0u && push.step == 0u) atomicAdd(push.counts.at[push.batch * pixels + at], 1u);
+    if (PACKING >= INDEXED_STENCIL) {
+        out_id = vec4(equal(uvec4(0u, 1u, 2u, 3u), uvec4(channel))) * (float(id) / 255.0);
+        return;
+    }
     if (PACKING == INDEXED_SHIFT) {
         out_id = vec4(uvec4(id, id >> 2, id >> 4, id >> 6) & 3u) * (64.0 / 255.0);
         return;

@@ -16,11 +16,13 @@ layout(push_constant, scalar) uniform push_block { gpu_indexed_list_push push; }
 uint first; // of the pixel's entries, which are sorted where they stand: so many do not fit into registers
 uint count = 0u;
 
-void add(uint rank) {
-    uint light = push.ids.at[rank], i = first + count++;
+void add_light(uint light) {
+    uint i = first + count++;
     for (uint before; i > first && (before = push.list.at[i - 1u]) > light; i--) push.list.at[i] = before;
     push.list.at[i] = light;
 }
+
+void add(uint rank) { add_light(push.ids.at[rank]); }
 
 void main() {
     uvec2 pixel = gl_GlobalInvocationID.xy, size = push.view.view.size;
@@ -40,7 +42,17 @@ void main() {
             full = here > INDEXED_LAYER_LIGHTS;
             if (here == 0u || full) continue;
             uvec4 texel = uvec4(round(texelFetch(textures[push.images[layer]], ivec2(pixel), 0) * 255.0));
-            if (PACKING == INDEXED_SHIFT) {
+            if (PACKING == INDEXED_SETS_PACKING) {
+                uint found = 0u;
+                for (uint i = 0u; i < INDEXED_LAYER_LIGHTS; i++)
+                    if (texel[i] != 0u) {
+                        add_light(push.slots.at[(layer * INDEXED_LAYER_LIGHTS + i) << 8 | texel[i]]);
+                        found++;
+                    }
+                full = found != here; // two of a set are here: one of them has been overwritten
+            } else if (PACKING == INDEXED_STENCIL) {
+                for (uint i = 0u; i < here; i++) add(layer * INDEXED_BATCH + texel[i] - 1u);
+            } else if (PACKING == INDEXED_SHIFT) {
                 for (uint i = 0u; i < here; i++) { // the newest in the highest bits
                     uvec4 part = texel >> 6u - 2u * i & 3u;
                     add(layer * INDEXED_BATCH + (part.x | part.y << 2 | part.z << 4 | part.w << 6) - 1u);

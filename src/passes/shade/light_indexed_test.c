@@ -73,11 +73,12 @@ static void test_overlaps(void **state) {
             struct shot forward = order_shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
             for (int p = 0; p < FNL_LIGHT_PACKING_COUNT; p++) {
                 stage.frame.light_indexed.packing = (fnl_light_packing)p;
-                bool eight_bits = p != FNL_LIGHT_PACKING_IDS;
+                bool eight_bits = p != FNL_LIGHT_PACKING_IDS && p != FNL_LIGHT_PACKING_SETS;
                 stage.frame.light_indexed.layers = eight_bits && others[o] > 251 ? 2 : 1;
                 struct shot shot = order_shoot(&stage, FNL_SHADING_LIGHT_INDEXED, FNL_LISTS_ALL);
                 assert_int_equal(count_differing(&forward.radiance, &shot.radiance), 0);
                 assert_int_equal(shot.stats.overflow_cells > 0, count > 4);
+                if (p == FNL_LIGHT_PACKING_SETS && others[o] == 0) assert_int_equal(counter(&shot.stats, "light-indexed.unplaced"), count > 4);
                 if (count <= 4)
                     assert_true(shot.stats.evaluations <= count * (uint64_t)(stage.frame.width * stage.frame.height));
                 shot_free(&shot);
@@ -92,7 +93,7 @@ static void test_more_lights_than_ids(void **state) {
     UNUSED(state);
     struct stage stage = wall_with(3, 600);
     struct shot forward = order_shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
-    for (int p = FNL_LIGHT_PACKING_SHIFT; p < FNL_LIGHT_PACKING_COUNT; p++)
+    for (int p = FNL_LIGHT_PACKING_SHIFT; p <= FNL_LIGHT_PACKING_STENCIL; p++)
         for (uint32_t layers = 1; layers <= 3; layers++) {
             stage.frame.light_indexed.packing = (fnl_light_packing)p;
             stage.frame.light_indexed.layers = layers;
@@ -101,6 +102,32 @@ static void test_more_lights_than_ids(void **state) {
             assert_int_equal(shot.stats.overflow_cells > 0, layers < 3);
             shot_free(&shot);
         }
+    shot_free(&forward);
+    stage_close(&stage);
+}
+
+/* Lights apart before a wall fit into one set; with sets for fewer lights than there are, pixels of the others visit all. */
+static void test_sets(void **state) {
+    UNUSED(state);
+    struct stage stage = wall_with(0, 0);
+    for (uint32_t i = 0; i < 1200; i++) { /* a grid, none of which meet */
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.position = (fnl_vec3){-12 + 0.6f * (float)(i % 40), 1 + 0.5f * (float)(i / 40), -19.9f};
+        light.range = 0.24f;
+        assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    }
+    struct shot forward = order_shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
+    stage.frame.light_indexed.packing = FNL_LIGHT_PACKING_SETS;
+    for (uint32_t layers = 1; layers <= 2; layers++) {
+        stage.frame.light_indexed.layers = layers;
+        struct shot shot = order_shoot(&stage, FNL_SHADING_LIGHT_INDEXED, FNL_LISTS_ALL);
+        assert_int_equal(count_differing(&forward.radiance, &shot.radiance), 0);
+        assert_int_equal(shot.stats.overflow_cells > 0, layers == 1);
+        assert_int_equal(counter(&shot.stats, "light-indexed.unplaced"), layers == 1 ? 1200 - 4 * 255 : 0);
+        if (layers == 2) assert_true(shot.stats.evaluations <= (uint64_t)(stage.frame.width * stage.frame.height));
+        shot_free(&shot);
+    }
     shot_free(&forward);
     stage_close(&stage);
 }
@@ -162,6 +189,7 @@ int main(void) {
         {"ES-26: light-indexed has the bits of forward shading", test_indexed_equal, NULL, harness_check, NULL},
         {"ES-26: four overlapping ids decode exactly, a fifth is not lost", test_overlaps, NULL, harness_check, NULL},
         {"ES-26: nor are lights without an id", test_more_lights_than_ids, NULL, harness_check, NULL},
+        {"ES-26: sets of lights hold 255 each", test_sets, NULL, harness_check, NULL},
         {"ES-25: zioma equals forward shading, with room and without", test_layers_equal, NULL, harness_check, NULL},
         {"ES-25: overlaps beyond the layers are counted", test_layer_counts, NULL, harness_check, NULL},
     };

@@ -32,7 +32,8 @@ struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade
     const bool reflects = buffer == LIGHT_BUFFER_TWO, leaning = input->scene->features & GPU_FEATURE_LEANING;
     uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
     struct light_surfaces surfaces = {.depth = depth, .samples = samples, .layers.count = 1};
-    surfaces.normal = create_image(graph, input, "light normals", VK_FORMAT_R16G16B16A16_UNORM, samples);
+    const VkFormat format = buffer == LIGHT_BUFFER_NARROW ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_UNORM;
+    surfaces.normal = create_image(graph, input, "light normals", format, samples);
     if (reflects)
         surfaces.reflectance = create_image(graph, input, "light reflectance", VK_FORMAT_R8G8B8A8_UNORM, samples);
     if (leaning)
@@ -46,7 +47,7 @@ struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade
                       [LIGHT_BUFFER_ID] = buffer,
                       [SURFACE_HOLES_ARE_CUT_ID] = prepass && samples > 1},
         .color_count = 1,
-        .color_formats = {VK_FORMAT_R16G16B16A16_UNORM},
+        .color_formats = {format},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
         .depth_test = true,
         .depth_write = !prepass,
@@ -116,9 +117,7 @@ struct light_sums light_sums_create(struct graph *graph, const struct shade_inpu
                               .layers = layers,
                               .width = DIVIDE_UP(input->width, scale),
                               .height = DIVIDE_UP(input->height, scale),
-                              .target_count = buffer == LIGHT_BUFFER_RGBA  ? 1
-                                              : buffer == LIGHT_BUFFER_TWO ? 2
-                                                                           : 4};
+                              .target_count = buffer == LIGHT_BUFFER_RGBA ? 1 : buffer == LIGHT_BUFFER_FOUR ? 4 : 2};
     struct graph_image_params params = {.format = format, .width = sums.width, .height = sums.height};
     for (uint32_t k = 0; k < layers; k++) {
         const char *name = graph_numbered_name(graph, k ? "edge light sums" : "light sums", k);

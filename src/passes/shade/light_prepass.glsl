@@ -15,6 +15,8 @@ layout(constant_id = LIGHT_BUFFER_ID) const uint LIGHT_BUFFER = LIGHT_BUFFER_TWO
 
 // LIGHT_BUFFER_FOUR: the four sums. TWO: at[0] diffuse light less what is reflected, at[1] reflected light. RGBA: at[0] diffuse light,
 // with the luminance of the specular lobe in its alpha.
+// NARROW: at[0] diffuse light less what a dielectric of F0 = 0.04 reflects, at[1] reflected light over F0, both where the switch is on; elsewhere
+// neither knows of Fresnel.
 struct light_sums {
     vec4 at[LIGHT_BUFFER_TARGETS];
 };
@@ -25,7 +27,7 @@ struct light_surface {
     vec3 normal;
     vec3 geometric; // as surface.geometric
     float roughness;
-    float greatest_f0, dielectric_f90; // LIGHT_BUFFER_TWO, as the next
+    float greatest_f0, dielectric_f90; // LIGHT_BUFFER_TWO and LIGHT_BUFFER_NARROW, as the next
     vec3 f0;                           // of both lobes together
     float f90;
 };
@@ -42,7 +44,7 @@ void light_sums_add(inout light_sums sums, light_surface s, brdf_lobes lobes, ve
     if (LIGHT_BUFFER == LIGHT_BUFFER_RGBA) {
         precise vec4 sum = sums.at[0] + vec4(diffuse, luminance(specular));
         sums.at[0] = sum;
-    } else if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) {
+    } else if (LIGHT_BUFFER == LIGHT_BUFFER_TWO || LIGHT_BUFFER == LIGHT_BUFFER_NARROW) {
         precise float reflected = s.greatest_f0 + (s.dielectric_f90 - s.greatest_f0) * lobes.m5_below;
         precise vec3 kept = sums.at[0].rgb + diffuse * (LIGHTING_CONSERVING ? 1.0 : 1.0 - reflected);
         precise vec3 mirrored = sums.at[1].rgb + specular * (s.f0 + (vec3(s.f90) - s.f0) * lobes.m5);
@@ -99,6 +101,16 @@ light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_a
     return sums;
 }
 
+// LIGHT_BUFFER_NARROW: whether reflectance rises at grazing angles as that of a common dielectric does. One bit must do for all materials.
+bool narrow_fresnel(surface s) { return s.metallic < 0.5 && s.dielectric_f90 > 0.9 && abs(max_component(s.dielectric_f0) - 0.04) < 0.02; }
+
+void narrow_reflectance(inout light_surface s, bool fresnel) {
+    s.greatest_f0 = fresnel ? 0.04 : 0.0;
+    s.dielectric_f90 = fresnel ? 1.0 : 0.0;
+    s.f0 = vec3(1.0);
+    s.f90 = fresnel ? 1.0 / 0.04 : 1.0;
+}
+
 // What a material makes of it. RGBA knows neither the half vectors nor the colours of highlights: reflectance is that of normal
 // incidence, and highlights take the hue of the diffuse light. Right for reflectances without Fresnel's rise (F90 = F0) under white
 // lights.
@@ -114,6 +126,10 @@ vec3 light_sums_reflect(surface s, view_block v, light_sums sums) {
         if (LIGHTING_CONSERVING) return (albedo * b.below + b.between) * diffuse + f0 * hue * sums.at[0].a;
         return albedo * (1.0 - greatest) * diffuse + f0 * hue * sums.at[0].a;
     }
+    if (LIGHT_BUFFER == LIGHT_BUFFER_NARROW) {
+        vec3 diffuse = sums.at[0].rgb * (LIGHTING_CONSERVING || narrow_fresnel(s) ? 1.0 : 1.0 - greatest);
+        return (LIGHTING_CONSERVING ? albedo * b.below + b.between : albedo) * diffuse + f0 * sums.at[1].rgb;
+    }
     if (LIGHT_BUFFER == LIGHT_BUFFER_TWO && LIGHTING_CONSERVING) return (albedo * b.below + b.between) * sums.at[0].rgb + sums.at[1].rgb;
     if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) return albedo * sums.at[0].rgb + sums.at[1].rgb;
     vec3 rise = mix(vec3(s.dielectric_f90), vec3(1.0), s.metallic) - f0;
@@ -125,6 +141,11 @@ vec3 light_sums_reflect(surface s, view_block v, light_sums sums) {
 /* ---- the surfaces of the first pass ---- */
 
 vec4 light_surface_pack(surface s, out vec4 reflectance) {
+    if (LIGHT_BUFFER == LIGHT_BUFFER_NARROW) {
+        reflectance = vec4(0.0);
+        float roughness = 1.0 + round(s.roughness * 126.0); // never 0: it has a sign
+        return (vec4(round(s.normal * 127.0), narrow_fresnel(s) ? roughness : -roughness) + 128.0) / 255.0;
+    }
     float packed = round(sqrt(max_component(s.dielectric_f0)) * 255.0) * 256.0 + round(s.dielectric_f90 * 255.0);
     reflectance = vec4(sqrt(mix(s.dielectric_f0, s.base_color, s.metallic)), mix(s.dielectric_f90, 1.0, s.metallic));
     return vec4(octahedral_encode(s.normal) * 0.5 + 0.5, s.roughness, packed / 65535.0);
@@ -139,11 +160,12 @@ light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, int at, vec
     light_surface s;
     vec4 normal = light_surface_texel(from.normal, pixel, at);
     s.position = position;
-    s.normal = octahedral_decode(normal.xy * 2.0 - 1.0);
+    vec4 narrow = round(normal * 255.0) - 128.0;
+    s.normal = LIGHT_BUFFER == LIGHT_BUFFER_NARROW ? normalize(narrow.xyz) : octahedral_decode(normal.xy * 2.0 - 1.0);
     s.geometric = vec3(0.0);
     if (from.geometric != GPU_TEXTURE_NONE)
         s.geometric = geometric_decode(light_surface_texel(from.geometric, pixel, at).xy);
-    s.roughness = normal.z;
+    s.roughness = LIGHT_BUFFER == LIGHT_BUFFER_NARROW ? (abs(narrow.w) - 1.0) / 126.0 : normal.z;
     s.greatest_f0 = s.dielectric_f90 = s.f90 = 0.0;
     s.f0 = vec3(0.0);
     if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) {
@@ -155,6 +177,7 @@ light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, int at, vec
         s.f0 = reflectance.rgb * reflectance.rgb;
         s.f90 = reflectance.a;
     }
+    if (LIGHT_BUFFER == LIGHT_BUFFER_NARROW) narrow_reflectance(s, narrow.w > 0.0);
     return s;
 }
 // A surface as the first pass would have stored it, but for rounding.
@@ -168,6 +191,7 @@ light_surface light_surface_from(surface m) {
     s.dielectric_f90 = m.dielectric_f90;
     s.f0 = mix(m.dielectric_f0, m.base_color, m.metallic);
     s.f90 = mix(m.dielectric_f90, 1.0, m.metallic);
+    if (LIGHT_BUFFER == LIGHT_BUFFER_NARROW) narrow_reflectance(s, narrow_fresnel(m));
     return s;
 }
 

@@ -14,7 +14,7 @@ layout(push_constant, scalar) uniform push_block { gpu_light_prepass_push push; 
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy), pixel = texel;
     if (any(greaterThanEqual(uvec2(texel), uvec2(push.width, push.height)))) return;
-    uint count = LIGHT_BUFFER == LIGHT_BUFFER_RGBA ? 1u : LIGHT_BUFFER == LIGHT_BUFFER_TWO ? 2u : 4u;
+    uint count = LIGHT_BUFFER == LIGHT_BUFFER_RGBA ? 1u : LIGHT_BUFFER == LIGHT_BUFFER_TWO || LIGHT_BUFFER == LIGHT_BUFFER_NARROW ? 2u : 4u;
     if (SAMPLES > 1u && push.scale == 1u) { // one surface of each pixel that has so many
         uint samples = surface_samples(push.words.at[uint(texel.y) * push.width + uint(texel.x)], push.layer);
         if (samples == 0u) return;

@@ -17,7 +17,7 @@ layout(push_constant, scalar) uniform push_block { gpu_light_material_push push;
 
 layout(location = 0) out vec4 out_radiance;
 
-uint target_count() { return LIGHT_BUFFER == LIGHT_BUFFER_RGBA ? 1u : LIGHT_BUFFER == LIGHT_BUFFER_TWO ? 2u : 4u; }
+uint target_count() { return LIGHT_BUFFER == LIGHT_BUFFER_RGBA ? 1u : LIGHT_BUFFER == LIGHT_BUFFER_TWO || LIGHT_BUFFER == LIGHT_BUFFER_NARROW ? 2u : 4u; }
 
 // A pixel of the surfaces as the light passes see it; false for the sky.
 bool surface_at(ivec2 pixel, out light_surface s, out float view_depth) {

@@ -102,6 +102,43 @@ static void test_four_channels(void **state) {
     }
 }
 
+/* Surfaces of four bytes: close to deferred shading where reflectance is that of common dielectrics, whose rise at grazing angles one bit switches. */
+static void test_narrow(void **state) {
+    UNUSED(state);
+    for (int metal = 0; metal < 2; metal++) {
+        fnl_scene *scene;
+        assert_int_equal(scene_load_plain(gpu_host(harness_device()), "builtin:hall?lights=256", NULL, &scene), FNL_OK);
+        for (uint32_t i = 0; i < scene->materials.count; i++) {
+            scene->materials.data[i].metallic = (float)metal;
+            scene->materials.data[i].roughness = 0.4f;
+        }
+        struct stage stage = stage_open_scene(scene);
+        struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
+        stage.frame.light_buffer.kind = FNL_LIGHT_BUFFER_RGBA;
+        struct shot rgba = order_shoot(&stage, FNL_SHADING_LIGHT_PREPASS, FNL_LISTS_ALL);
+        stage.frame.light_buffer.kind = FNL_LIGHT_BUFFER_NARROW;
+        struct shot narrow = order_shoot(&stage, FNL_SHADING_LIGHT_PREPASS, FNL_LISTS_ALL);
+        struct shot tiled = order_shoot(&stage, FNL_SHADING_LIGHT_PREPASS, FNL_LISTS_BACKFACE);
+        const double got = order_psnr(&deferred.color, &narrow.color), other = order_psnr(&deferred.color, &rgba.color);
+        print_message("  %s: narrow %.1f dB, rgba %.1f dB\n", metal ? "metals" : "dielectrics", got, other);
+        assert_int_equal(count_broken(&narrow.radiance), 0);
+        assert_true(got > 50 && got > other + 5);
+        assert_int_equal(narrow.stats.evaluations_useful, deferred.stats.evaluations_useful);
+        assert_int_equal(count_differing(&narrow.radiance, &tiled.radiance), 0);
+        const uint64_t pixels = (uint64_t)stage.frame.width * stage.frame.height, leaning = counter(&rgba.stats, "light-buffer.bytes") - pixels * (8 + 16);
+        assert_int_equal(counter(&narrow.stats, "light-buffer.bytes"), pixels * (4 + 32) + leaning);
+        stage.frame.light_buffer.scale = 2;
+        struct shot low = order_shoot(&stage, FNL_SHADING_LOW_RES, FNL_LISTS_TILED);
+        assert_true(order_psnr(&narrow.color, &low.color) > 30);
+        shot_free(&deferred);
+        shot_free(&rgba);
+        shot_free(&narrow);
+        shot_free(&tiled);
+        shot_free(&low);
+        stage_close(&stage);
+    }
+}
+
 /* ---- lower resolution ---- */
 
 static void shoot_scaled(struct stage *stage, const char *what, double psnr, double share) {
@@ -289,6 +326,7 @@ int main(void) {
         {"ES-23: pre-lighting equals deferred", test_pre_lighting, NULL, harness_check, NULL},
         {"ES-23: four channels are right for white lights on Lambert with scalar highlights", test_four_channels, NULL,
          harness_check, NULL},
+        {"ES-23: surfaces of four bytes with a Fresnel switch", test_narrow, NULL, harness_check, NULL},
         {"ES-24: low-res is close, in fewer evaluations", test_low_res_quality, NULL, harness_check, NULL},
         {"ES-24: neither low-res nor inferred has a halo at edges", test_low_res_edges, NULL, harness_check, NULL},
         {"ES-24: light does not leak from plane to plane", test_steps_do_not_leak, NULL, harness_check, NULL},

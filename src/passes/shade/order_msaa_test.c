@@ -213,17 +213,18 @@ static void check_indexed(struct stage *stage, fnl_frame frame, const char *what
     frame.shading = FNL_SHADING_FORWARD_PREPASS;
     frame.lists = FNL_LISTS_ALL;
     struct shot forward = stage_shoot(stage, &frame);
-    for (uint32_t i = 0; i < 7; i++) {
-        static const uint32_t layers[7] = {1, 16, 1, 8, 2, 1, 8};
-        static const fnl_light_packing packings[5] = {FNL_LIGHT_PACKING_IDS, FNL_LIGHT_PACKING_IDS, FNL_LIGHT_PACKING_SHIFT,
-                                                      FNL_LIGHT_PACKING_MAX, FNL_LIGHT_PACKING_MAX};
-        frame.shading = i < 5 ? FNL_SHADING_LIGHT_INDEXED : FNL_SHADING_ZIOMA;
+    enum { INDEXED = 7 };
+    for (uint32_t i = 0; i < INDEXED + 2; i++) {
+        static const uint32_t layers[INDEXED + 2] = {1, 16, 1, 8, 2, 2, 4, 1, 8};
+        static const fnl_light_packing packings[INDEXED] = {FNL_LIGHT_PACKING_IDS, FNL_LIGHT_PACKING_IDS, FNL_LIGHT_PACKING_SHIFT,
+                                                            FNL_LIGHT_PACKING_MAX, FNL_LIGHT_PACKING_MAX, FNL_LIGHT_PACKING_STENCIL, FNL_LIGHT_PACKING_SETS};
+        frame.shading = i < INDEXED ? FNL_SHADING_LIGHT_INDEXED : FNL_SHADING_ZIOMA;
         frame.light_indexed.layers = layers[i];
-        if (i < 5) frame.light_indexed.packing = packings[i];
+        if (i < INDEXED) frame.light_indexed.packing = packings[i];
         struct shot shot = stage_shoot(stage, &frame);
         uint64_t differing = count_differing(&forward.radiance, &shot.radiance);
         int difference = greatest_difference(&forward.color, &shot.color);
-        if (i < 5 ? differing > 0 : difference > 1)
+        if (i < INDEXED ? differing > 0 : difference > 1)
             fail_msg("%s: %s, %u layers: %llu pixels differ, by %d/255", what, fnl_value_name(FNL_ENUM_SHADING, frame.shading), layers[i],
                      (unsigned long long)differing, difference);
         shot_free(&shot);

@@ -103,13 +103,14 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
     const struct light_list list = light_list_all_add(graph, device, &all);
     const uint32_t count = lights->local_count;
     struct volumes volumes = {
-        .lighting = lighting_add(graph, device, input->scopes, &list), .shape = input->shape, .light_count = count};
+        .lighting = lighting_add(graph, device, input->scopes, &list), .shape = input->shape, .batch = 1, .light_count = count};
+    if (input->shape == VOLUME_SCREEN) volumes.batch = MAX(input->batch, 1u);
     if (input->shape == VOLUME_STENCIL) {
         volumes.hook = input->hook;
         volumes.alone = MIN(count, input->hook ? input->hook->count : VOLUME_STENCIL_LIGHTS);
     }
     volumes.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
-    volumes.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
+    volumes.ids = graph_create_buffer(graph, "volume ids", (count + volumes.batch) * 4ull);
     volumes.draws = graph_create_buffer(graph, "volume draws", (2ull + volumes.alone) * sizeof(struct gpu_draw));
     struct gpu_volumes_push push = {.view = input->view,
                                     .lighting = volumes.lighting.address,
@@ -117,7 +118,8 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
                                     .cull = input->cull,
                                     .shape = input->shape,
                                     .alone = volumes.alone,
-                                    .by_light = volumes.hook != NULL};
+                                    .by_light = volumes.hook != NULL,
+                                    .batch = volumes.batch};
     graph_dispatch(graph, &(struct graph_dispatch){.name = "volumes mark",
                                                    .pipeline = {.shader = &shader_volumes_mark_comp},
                                                    .groups = {DIVIDE_UP(count + 1, 64u)},
@@ -171,7 +173,7 @@ static void set_state(const struct volumes *volumes, struct gpu_graphics_params 
     state->depth_clamp = true;
     state->samples = 1;
     if (!state->depth_write) {
-        state->depth_test = volumes->shape != VOLUME_SCREEN;
+        state->depth_test = volumes->shape != VOLUME_SCREEN && state->depth_format != VK_FORMAT_S8_UINT;
         state->depth_compare = solid ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL;
     }
 }
@@ -239,8 +241,8 @@ static void draw_alone(const struct graph_context *context, const struct draw_da
     fronts.blends[0] = GPU_BLEND_KEEP;
     fronts.cull = VK_CULL_MODE_BACK_BIT;
     fronts.depth_compare = VK_COMPARE_OP_LESS;
-    fronts.stencil = (struct gpu_stencil){1, VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_REPLACE, GPU_STENCIL_SET};
-    backs.stencil = (struct gpu_stencil){1, VK_COMPARE_OP_NOT_EQUAL, VK_STENCIL_OP_KEEP, GPU_STENCIL_SET};
+    fronts.stencil = (struct gpu_stencil){.test = 1, .compare = VK_COMPARE_OP_ALWAYS, .pass = VK_STENCIL_OP_REPLACE, .reference = GPU_STENCIL_SET};
+    backs.stencil = (struct gpu_stencil){.test = 1, .compare = VK_COMPARE_OP_NOT_EQUAL, .pass = VK_STENCIL_OP_KEEP, .reference = GPU_STENCIL_SET};
     const struct gpu_pipeline *mark = gpu_graphics_pipeline(context->device, &fronts);
     const struct gpu_pipeline *light = gpu_graphics_pipeline(context->device, &backs);
     const struct gpu_buffer *draws = graph_get_buffer(context, d->volumes.draws);
@@ -271,6 +273,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
                                         .blends = {GPU_BLEND_ADD}};
     gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
     state.constants[SAMPLES_ID] = d->samples;
+    state.constants[VOLUME_BATCH_ID] = d->volumes.batch;
     state.constants[VOLUME_BOUND_DEPTHS_ID] = d->volumes.shape == VOLUME_DEPTH_BOUNDS;
     state.constant_count = MAX(state.constant_count, VOLUME_BOUND_DEPTHS_ID + 1);
     struct gpu_volume_push push = {.view = d->view,

@@ -35,6 +35,7 @@ struct volumes_input {
     VkDeviceAddress view;
     bool cull;      /* only volumes in view; default true */
     uint32_t shape; /* VOLUME_… of volumes_shared.h; default VOLUME_SOLIDS */
+    uint32_t batch; /* VOLUME_SCREEN: lights that each draw adds, 1 .. VOLUME_BATCH_MAX; 0 (default): 1 */
     const struct volumes_hook *hook; /* NULL (default): none. VOLUME_STENCIL */
 };
 /** The lights whose volumes are drawn, ready to be drawn by any number of passes. */
@@ -44,7 +45,7 @@ struct volumes {
         draws; /* two prefix sums per light; instance -> local light; indirect draws: two, then `alone` of one light */
     graph_buffer totals;           /* struct light_totals: volumes drawn, 0, 0 */
     struct gpu_slice indices;
-    uint32_t shape, light_count;
+    uint32_t shape, batch, light_count;
     const struct volumes_hook *hook;
     uint32_t
         alone; /* the first so many are drawn one by one: VOLUME_STENCIL; VOLUME_STENCIL_LIGHTS and all lights at most */

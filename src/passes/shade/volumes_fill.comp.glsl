@@ -37,6 +37,7 @@ void main() {
             push.draws.at[2u + index] = solid_draw(!is_cone, is_cone ? cone : sphere, is_sphere || is_cone ? 1u : 0u);
         } else if (index < push.alone && index >= push.sums.at[2u * count]) push.draws.at[2u + index] = solid_draw(true, 0u, 0u);
     }
+    if (index < push.batch) push.ids.at[push.sums.at[2u * count] + index] = VOLUME_NONE;
     if (index < 2u) {
         uint end = push.sums.at[(index + 1u) * count], first = min(max(push.sums.at[index * count], push.alone), end);
         if (push.by_light == 1u) first = push.sums.at[index * count + push.alone];
@@ -50,6 +51,7 @@ void main() {
             draw.first_index = quads + VOLUME_QUAD_INDICES;
         } else if (index == 0u && push.shape == VOLUME_SCREEN) {
             draw.index_count = VOLUME_SCREEN_INDICES;
+            draw.instance_count = (draw.instance_count + push.batch - 1u) / push.batch;
             draw.first_index = quads + VOLUME_QUAD_INDICES + VOLUME_OCTAGON_INDICES;
         }
         push.draws.at[index] = draw;

@@ -96,6 +96,13 @@ static void check_shapes(struct stage *stage, const struct shot *all, const stru
         shot_free(&shape);
     }
     shapes_checked++;
+    frame.volume_shape = FNL_VOLUME_FULLSCREEN; /* several lights a draw: the same evaluations, the same light */
+    frame.volume_batch = shapes_checked % 3 == 0 ? 64 : shapes_checked % 3 == 1 ? 5 : 2;
+    struct shot batched = stage_shoot(stage, &frame);
+    assert_true(greatest_difference(&all->color, &batched.color) <= 2);
+    assert_int_equal(batched.stats.evaluations_useful, all->stats.evaluations_useful);
+    assert_int_equal(batched.stats.evaluations, evaluations[FNL_VOLUME_FULLSCREEN]);
+    shot_free(&batched);
     /* Whatever the view, one shape lies within the other. */
     assert_true(evaluations[FNL_VOLUME_FULLSCREEN] >= evaluations[FNL_VOLUME_QUADS]);
     assert_true(evaluations[FNL_VOLUME_QUADS] >= evaluations[FNL_VOLUME_ELLIPSE]);

@@ -123,7 +123,7 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
     struct surface_layers layers = add_base(f, input, &gbuffer);
     uint32_t shape = (uint32_t)f->frame->volume_shape;
     if (shape == VOLUME_STENCIL && !volumes_stencil_supported(f->r->device)) shape = VOLUME_DEPTH_BOUNDS;
-    struct volumes volumes = order_prepare_volumes(f, shape);
+    struct volumes volumes = order_prepare_volumes(f, shape, f->frame->volume_batch);
     if (layers.count > 1)
         volumes_add_samples(f->graph, input, &volumes, &gbuffer, &layers, f->radiance);
     else

@@ -13,7 +13,7 @@
 /* ---- light apart from materials ---- */
 
 _Static_assert((int)FNL_LIGHT_BUFFER_RGBA == LIGHT_BUFFER_RGBA && (int)FNL_LIGHT_BUFFER_FOUR == LIGHT_BUFFER_FOUR &&
-                   FNL_LIGHT_BUFFER_COUNT == FNL_LIGHT_BUFFER_FOUR + 1,
+                   (int)FNL_LIGHT_BUFFER_NARROW == LIGHT_BUFFER_NARROW && FNL_LIGHT_BUFFER_COUNT == FNL_LIGHT_BUFFER_NARROW + 1,
                "the shaders' values are the options'");
 
 static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
@@ -40,15 +40,16 @@ static void split_surfaces(struct frame_state *f, const struct shade_input *inpu
 }
 
 static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
+    if (buffer == LIGHT_BUFFER_NARROW && f->frame->msaa > 1) buffer = LIGHT_BUFFER_TWO; /* edges.h knows no such normals */
     struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, buffer, f->depth);
     struct gbuffer normals = light_surfaces_normals(&surfaces);
     if (scale == 1) split_surfaces(f, input, &surfaces);
-    order_add_lists(f, f->depth, surfaces.samples > 1 ? NULL : &normals);
+    order_add_lists(f, f->depth, surfaces.samples > 1 || buffer == LIGHT_BUFFER_NARROW ? NULL : &normals);
     struct light_sums sums = light_sums_create(f->graph, input, buffer, scale,
                                                graph_image_info(f->graph, f->radiance).format, surfaces.layers.count);
     light_sums_add(f->graph, input, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
-    uint32_t texel_bytes = buffer == LIGHT_BUFFER_TWO ? 12 : 8;
+    uint32_t texel_bytes = buffer == LIGHT_BUFFER_TWO ? 12 : buffer == LIGHT_BUFFER_NARROW ? 4 : 8;
     note_light_bytes(f, &sums, (texel_bytes + geometric_bytes(&surfaces)) * surfaces.samples * input->width * input->height);
 }
 
@@ -76,7 +77,7 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
     struct light_sums sums = light_sums_create(f->graph, input, LIGHT_BUFFER_TWO, 1, volumes_format(f->r->device),
                                                surfaces.layers.count);
     light_sums_add(f->graph, input, &surfaces, &sums);
-    struct volumes volumes = order_prepare_volumes(f, VOLUME_QUADS);
+    struct volumes volumes = order_prepare_volumes(f, VOLUME_QUADS, 1);
     pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
     note_light_bytes(f, &sums, (12 + geometric_bytes(&surfaces)) * surfaces.samples * input->width * input->height);
@@ -86,17 +87,23 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
 /* ---- lights written into pixels ---- */
 
 _Static_assert((int)FNL_LIGHT_PACKING_SHIFT == INDEXED_SHIFT && (int)FNL_LIGHT_PACKING_MAX == INDEXED_MAX &&
-                   FNL_LIGHT_PACKING_COUNT == FNL_LIGHT_PACKING_MAX + 1,
+                   (int)FNL_LIGHT_PACKING_STENCIL == INDEXED_STENCIL && FNL_LIGHT_PACKING_COUNT == INDEXED_SETS_PACKING + 1,
                "light_indexed_shared.h has the values of fnl_light_packing");
 
 static void add_light_indexed(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     add_blend_lists(f);
-    struct volumes volumes = order_prepare_volumes(f, VOLUME_DEPTH_BOUNDS);
-    struct indexed_params params = {(uint32_t)f->frame->light_indexed.packing, f->frame->light_indexed.layers};
+    struct volumes volumes = order_prepare_volumes(f, VOLUME_DEPTH_BOUNDS, 1);
+    struct indexed_params params = {.packing = (uint32_t)f->frame->light_indexed.packing,
+                                    .layers = f->frame->light_indexed.layers,
+                                    .bounds = f->r->device_scene->light_bounds.data,
+                                    .planes = f->view.planes,
+                                    .plane_count = f->frame->list.frustum_cull ? COUNT_OF(f->view.planes) : 0};
+    if (params.packing == INDEXED_STENCIL && !light_indexed_stencil_supported(f->r->device)) params.packing = INDEXED_MAX;
     struct indexed_samples samples = {0};
     f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->lighting, f->depth, &params, &samples);
     input->lighting = &f->lights;
+    if (params.packing == INDEXED_SETS_PACKING) counters_note(f, "light-indexed.unplaced", samples.without_set);
     if (f->frame->msaa > 1)
         light_indexed_samples_add(f->graph, input, &samples, f->radiance, f->depth);
     else
@@ -106,7 +113,7 @@ static void add_light_indexed(struct frame_state *f, struct shade_input *input, 
 static void add_zioma(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     add_blend_lists(f);
-    struct volumes volumes = order_prepare_volumes(f, VOLUME_SOLIDS);
+    struct volumes volumes = order_prepare_volumes(f, VOLUME_SOLIDS, 1);
     uint32_t layers = MIN(f->frame->light_indexed.layers, ZIOMA_LAYERS);
     zioma_add(f->graph, input, &volumes, layers, f->radiance, f->depth);
     counters_note(f, "light-buffer.bytes", (f->frame->msaa > 1 ? 4ull : 36ull) * layers * input->width * input->height);
@@ -155,7 +162,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
     f->done.blended = blend;
     note_light_bytes(f, &sums, (16 + geometric_bytes(&inferred.surfaces)) * low.width * low.height); /* its depth is not the frame's */
-    if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS || frame->pixel.asked)
+    if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS || frame->debug == FNL_DEBUG_LIGHT_VOLUMES || frame->pixel.asked)
         f->lights = f->blend_lights; /* the view would look for pixels where there are texels */
 }
 
@@ -168,6 +175,10 @@ static const struct counter rows[] = {
      "memory of what replaces the G-buffer: surfaces and sums of light, or layers of lights; without depth and radiance",
      NOTED},
 };
+static const struct counter indexed_rows[] = {
+    {"light-indexed.unplaced", "lights", "light-indexed.packing=sets: lights in view that overlap a member of every set, so that their pixels visit all lights", NOTED},
+};
+static const struct counter_table counters_indexed = COUNTER_TABLE(indexed_rows);
 static const struct counter_table counters_light = COUNTER_TABLE(rows);
 #define COUNTERS .counters = &counters_light
 
@@ -182,5 +193,5 @@ const struct order order_inferred = {
     .traits = STORES | SHADING_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_inferred, COUNTERS};
 
 enum { WRITES_IDS = SHADING_LAYERS | SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES };
-const struct order order_light_indexed = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_light_indexed};
+const struct order order_light_indexed = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_light_indexed, .counters = &counters_indexed};
 const struct order order_zioma = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_zioma, COUNTERS};

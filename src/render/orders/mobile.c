@@ -102,7 +102,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
         input->lighting = base.lights.directional_count ? &base : NULL;
         uint32_t shape = (uint32_t)f->frame->volume_shape;
         if (shape == VOLUME_STENCIL) shape = VOLUME_DEPTH_BOUNDS; /* the scope has no stencil */
-        volumes = order_prepare_volumes(f, shape);
+        volumes = order_prepare_volumes(f, shape, 1);
         if (!has_blend) f->blend_lights = order_light_by_all(f);
         f->lights = f->blend_lights;
         if (!has_blend) order_count_volumes(f, &volumes);
