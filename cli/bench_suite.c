@@ -91,7 +91,7 @@ static const struct row clustered_rows[] = {
     HALL("shell, 48x24x32 / 24x12x32, 4096 lights", "shell", 4096, 4096, RASTER(32, 32), RASTER(64, 32), 1, 1.1),
     HALL("assignment, 24x12x128, 4096 / 2048 lights", "lists_ms", 4096, 2048, RASTER(64, 128), RASTER(64, 128), 2, 2),
     HALL("shading, 48x24x128 / 24x12x64, 4096 lights", "shading_ms", 4096, 4096, RASTER(32, 128), RASTER(64, 64), 0.717, 0.717),
-    HALL("memory, 24x12x128 of 32 bits / 48x24x32 of 64 bits, 4096 lights", "list_used_bytes", 4096, 4096, NODES(64, 128, 32), NODES(32, 32, 64), 0.377, 0.377),
+    HALL("memory, 24x12x128 32-bit / 48x24x32 64-bit, 4096 lights", "list_used_bytes", 4096, 4096, NODES(64, 128, 32), NODES(32, 32, 64), 0.377, 0.377),
     HALL("memory, 48x24x128 / 24x12x64, 4096 lights", "list_used_bytes", 4096, 4096, RASTER(32, 128), RASTER(64, 64), 6.6, 6.6),
     HALL("shading, 24x12x128 / 48x24x32, 4096 lights", "shading_ms", 4096, 4096, RASTER(64, 128), RASTER(32, 32), 1, 1),
 };

@@ -420,7 +420,7 @@ static int run(const struct render_options *o) {
         fputs("fanal: error: --trace-file: memory ran out\n", stderr);
         good = false;
     }
-    /* One picture is over before auto could measure anything: pipelines of its other candidates are not compiled. */
+    /* A single picture ends before auto can measure anything, so the pipelines of its other candidates are not compiled. */
     if (!sequence && o->frame_count <= 1) frame.pin_choice = true;
     if (good) good = warm_up(renderer, &frame);
     if (good && sequence) good = render_sequence(o, &host, scene, renderer, linear, &frame, &report, trace);

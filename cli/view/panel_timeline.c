@@ -183,7 +183,7 @@ static void draw_lanes(struct view *v, const struct trace_frame *frame) {
         snprintf(label, sizeof label, "%s %s", gpu ? "pass" : "cpu", name);
         const uint32_t color = chosen ? CHOSEN_COLOR : gpu ? view_role_color(span->role) : span->lane == TRACE_LIBRARY ? 0xc0a890ff : 0xa0b0b0ff;
         /* Neighbours of one colour stay apart. */
-        if (ui_canvas_rect(label, x, tops[span->lane] + 1, wide > 3 ? wide - 1 : wide, LANE - 2, color)) { /* narrow ones may lie on one another */
+        if (ui_canvas_rect(label, x, tops[span->lane] + 1, wide > 3 ? wide - 1 : wide, LANE - 2, color)) { /* narrow bars may overlap */
             const float away = fabsf(canvas.mouse_x - x - wide / 2);
             if (!over || away < nearest) over = span, nearest = away;
         }

@@ -142,7 +142,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_SHADOW_CLASSES, /**< fnl_shadow_options.classify: of the lights in a tile's list, those that left it, those that give no pixel light, some or all */
     FNL_DEBUG_TRIANGLES, /**< each triangle in its own color; needs fnl_device_info.primitive_ids */
     FNL_DEBUG_DEPTH_JUMPS, /**< tiles by the ratio of largest to smallest depth, with a legend; a high ratio means long light lists */
-    FNL_DEBUG_LIGHT_VOLUMES, /**< surfaces in the hues of the lights whose volumes hold them; a line marks where a volume ends */
+    FNL_DEBUG_LIGHT_VOLUMES, /**< surfaces in the hues of the lights that reach them; a line marks where a light's volume ends */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -334,7 +334,7 @@ typedef struct fnl_frame {
     fnl_gbuffer_options gbuffer;
     fnl_deferred_options deferred;
     fnl_volume_shape volume_shape;
-    /** deferred-volumes with FNL_VOLUME_FULLSCREEN: lights that each draw of the screen adds, 1 .. 64; the G-buffer is read once for so many. Default 1. */
+    /** deferred-volumes with FNL_VOLUME_FULLSCREEN: lights added per draw, 1 .. 64; each draw reads the G-buffer once. Default 1. */
     uint32_t volume_batch;
     fnl_light_buffer_options light_buffer;
     fnl_light_indexed_options light_indexed;

@@ -34,14 +34,14 @@ typedef enum fnl_light_buffer {
     FNL_LIGHT_BUFFER_RGBA,
     FNL_LIGHT_BUFFER_TWO,  /**< six channels: diffuse light and highlights, both including the reflectance of the surface */
     FNL_LIGHT_BUFFER_FOUR, /**< twelve channels: what any material needs, without knowing its reflectance */
-    /** Six channels, and surfaces of 4 bytes: normal and roughness with 7 bits and a sign, and a bit that says whether reflectance rises at grazing angles as that
-        of a common dielectric (F0 0.04). An approximation (M. Mikkelsen, "Fine Pruned Tiled Light Lists", GPU Pro 7, 2016). As two with MSAA. */
+    /** Six channels; surfaces take 4 bytes: normal and roughness in 7 bits and a sign, and one bit for whether reflectance rises at grazing angles as it does
+        for a common dielectric (F0 0.04). An approximation (M. Mikkelsen, "Fine Pruned Tiled Light Lists", GPU Pro 7, 2016). With MSAA, replaced by two. */
     FNL_LIGHT_BUFFER_NARROW,
     FNL_LIGHT_BUFFER_COUNT
 } fnl_light_buffer;
 
 typedef struct fnl_light_buffer_options {
-    /** inferred takes `two` and `narrow` as `four`. Default auto. */
+    /** Default auto. inferred uses `four` instead of `two` and `narrow`. */
     fnl_light_buffer kind;
     /** low-res and inferred: side in pixels of the squares that are lit once, 2 or 4. Default 2. */
     uint32_t scale;
@@ -54,8 +54,8 @@ typedef enum fnl_light_packing {
     FNL_LIGHT_PACKING_IDS = 0, /**< four 16-bit ids per layer, by integer atomics */
     FNL_LIGHT_PACKING_SHIFT,   /**< a layer for each 255 lights in view: four 8-bit ids in RGBA8, by blending that shifts bits */
     FNL_LIGHT_PACKING_MAX,     /**< the same layers: the greatest and the least id by blending, twice */
-    FNL_LIGHT_PACKING_STENCIL, /**< the same layers: lights are drawn four times, and the stencil lets the next one into the next channel. Max without S8_UINT */
-    /** Four sets of lights per layer, 255 lights in each. The CPU puts lights that overlap into different sets; a pixel stores one light of each set. */
+    FNL_LIGHT_PACKING_STENCIL, /**< the same layers: four draws with a stencil test; each draw stores the next light in the next channel. Without S8_UINT: max */
+    /** Four sets of lights per layer, 255 lights per set. The CPU puts overlapping lights into different sets; a pixel stores one light per set. */
     FNL_LIGHT_PACKING_SETS,
     FNL_LIGHT_PACKING_COUNT
 } fnl_light_packing;

@@ -69,7 +69,7 @@ struct names {
     ROW("shadow-classes", "shadow.classify: lights of tiles that left: blue; that light no pixel: orange, some: grey, all: white") \
     ROW("triangles", "each triangle in its own color; gray: points and lines")                                                    \
     ROW("depth-jumps", "tiles by the ratio of their largest to their smallest depth, with a legend; gray: below 1.5")        \
-    ROW("light-volumes", "surfaces in the hues of the lights that reach them, with a line where the volume of a light ends")
+    ROW("light-volumes", "surfaces in the hues of the lights that reach them, with a line where a light's volume ends")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",

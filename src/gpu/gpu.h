@@ -300,7 +300,7 @@ enum gpu_blend {
     GPU_BLEND_KEEP,    /* nothing is written */
 };
 
-/** Compares the stencil with a reference, all bits; fragments that pass, or fail, change it, with a stencil format that is not read-only. */
+/** Compares all bits of the stencil with a reference. Fragments that pass or fail change the stencil if its format is not read-only. */
 struct gpu_stencil {
     uint32_t test; /* 1, or 0: none */
     VkCompareOp compare;

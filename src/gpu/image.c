@@ -73,7 +73,7 @@ uint32_t gpu_texel_bytes(VkFormat format) {
 static bool is_compressed(VkFormat format) { return format >= VK_FORMAT_BC1_RGB_UNORM_BLOCK && format <= VK_FORMAT_BC7_SRGB_BLOCK; }
 
 uint64_t gpu_texels_bytes(VkFormat format, uint32_t width, uint32_t height) {
-    if (format == VK_FORMAT_BC6H_UFLOAT_BLOCK || format == VK_FORMAT_BC6H_SFLOAT_BLOCK)
+    if (format == VK_FORMAT_BC3_UNORM_BLOCK || format == VK_FORMAT_BC6H_UFLOAT_BLOCK || format == VK_FORMAT_BC6H_SFLOAT_BLOCK)
         return (uint64_t)DIVIDE_UP(width, 4u) * DIVIDE_UP(height, 4u) * 16;
     return (uint64_t)width * height * gpu_texel_bytes(format);
 }

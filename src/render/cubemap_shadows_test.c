@@ -502,14 +502,15 @@ struct texels {
     uint64_t bytes;
 };
 
-static struct texels bake(void) {
+static struct texels bake(bool compressed) {
     struct room r = room_open(0);
+    r.s.frame.shadow.cubemap_compress = compressed;
     fnl_material_params glass = matt(0.8f);
     glass.alpha_mode = FNL_ALPHA_BLEND;
     glass.base_color[1] = 0.3f;
     glass.base_color[3] = 0.4f;
     add_square(r.s.scene, &glass, (vec3){0.4f, 1, 0.3f}, (vec3){0.1f, 3, 0.1f});
-    struct texels t = {.bytes = cubemap_bytes(SIDE)};
+    struct texels t = {.bytes = cubemap_bytes(SIDE, compressed)};
     struct gpu_buffer buffer;
     assert_int_equal(gpu_buffer_create(harness_device(), "texels", t.bytes, GPU_MEMORY_READBACK, &buffer), FNL_OK);
     harness_hooks(r.s.renderer)->probe_tap = &buffer;
@@ -551,7 +552,7 @@ static double alpha_beside(const struct texels *t, uint32_t side, uint32_t face,
 
 static void test_bakes_are_the_same_and_have_no_seams_LC_15(void **state) {
     UNUSED(state);
-    struct texels a = bake(), b = bake();
+    struct texels a = bake(false), b = bake(false);
     assert_memory_equal(a.data, b.data, a.bytes);
     uint32_t open = 0, opaque = 0;
     for (uint32_t i = 0; i < 6 * SIDE * SIDE; i++) {
@@ -575,30 +576,96 @@ static void test_bakes_are_the_same_and_have_no_seams_LC_15(void **state) {
     free(b.data);
 }
 
-/* A block of 4x4 alphas by two ends and six steps between them: BC4 with its ends at the least and the greatest. */
-static void bc4(const double in[16], double out[16]) {
-    double low = 255, high = 0;
-    for (int i = 0; i < 16; i++) low = fmin(low, in[i]), high = fmax(high, in[i]);
-    for (int i = 0; i < 16; i++) out[i] = high > low ? low + round((in[i] - low) / (high - low) * 7) * (high - low) / 7 : low;
+/* What a block of BC3 holds, RGBA, 0 .. 255 (Khronos Data Format Specification). */
+static void bc3_decode(const uint8_t block[16], double out[16][4]) {
+    uint64_t codes = 0;
+    for (int i = 0; i < 6; i++) codes |= (uint64_t)block[2 + i] << (8 * i);
+    double alphas[8] = {block[0], block[1]}, colors[4][3];
+    for (int k = 1; k < 7; k++) alphas[k + 1] = block[0] > block[1] ? ((7 - k) * alphas[0] + k * alphas[1]) / 7 : NAN;
+    for (int e = 0; e < 2; e++) {
+        const uint32_t packed = block[8 + 2 * e] | (uint32_t)block[9 + 2 * e] << 8;
+        colors[e][0] = (packed >> 11) * 255 / 31.0, colors[e][1] = (packed >> 5 & 63) * 255 / 63.0, colors[e][2] = (packed & 31) * 255 / 31.0;
+    }
+    for (int c = 0; c < 3; c++) colors[2][c] = (2 * colors[0][c] + colors[1][c]) / 3, colors[3][c] = (colors[0][c] + 2 * colors[1][c]) / 3;
+    for (int i = 0; i < 16; i++) {
+        memcpy(out[i], colors[block[12 + i / 4] >> (2 * (i % 4)) & 3], sizeof colors[0]);
+        out[i][3] = alphas[codes >> (3 * i) & 7];
+    }
 }
 
+/* Blocks against the texels that they were made of, in each level: a quarter of the bytes, and little error. */
 static void test_compression_keeps_alpha_LC_12(void **state) {
     UNUSED(state);
-    struct texels t = bake();
-    for (uint32_t side = SIDE, first = 0; side >= 4; first += 6 * side * side, side /= 2) {
-        double sum = 0;
-        for (uint32_t block = 0; block < 6 * side * side / 16; block++) {
-            const uint32_t row = block / (side / 4) * 4, column = block % (side / 4) * 4;
-            double in[16], out[16];
-            for (uint32_t i = 0; i < 16; i++) in[i] = t.data[first + (row + i / 4) * side + column + i % 4] >> 24;
-            bc4(in, out);
-            for (int i = 0; i < 16; i++) sum += (in[i] - out[i]) * (in[i] - out[i]);
+    fnl_device_info info;
+    assert_int_equal(fnl_device_query_info(harness_device(), &info), FNL_OK);
+    if (!info.texture_compression) skip();
+    struct texels t = bake(false), packed = bake(true);
+    assert_in_range(packed.bytes, t.bytes / 4, t.bytes / 4 + 6 * 16 * 2);
+    const uint8_t *block = (const uint8_t *)packed.data;
+    for (uint32_t side = SIDE, first = 0; side >= 1; first += 6 * side * side, side /= 2) {
+        const uint32_t across = DIVIDE_UP(side, 4u);
+        double sums[2] = {0};
+        uint32_t alphas[256] = {0}, different = 0;
+        for (uint32_t b = 0; b < 6 * across * across; b++, block += 16) {
+            double out[16][4];
+            bc3_decode(block, out);
+            for (uint32_t i = 0; i < 16; i++) {
+                const uint32_t x = b % across * 4 + i % 4, y = b / across % across * 4 + i / 4;
+                if (x >= side || y >= side) continue;
+                const uint32_t word = t.data[first + (b / (across * across) * side + y) * side + x];
+                for (int c = 0; c < 4; c++) {
+                    const double off = out[i][c] - (word >> (8 * c) & 255);
+                    sums[c == 3] += off * off;
+                }
+                different += alphas[word >> 24]++ == 0;
+            }
         }
-        const double error = sqrt(sum / (6.0 * side * side)) / 255;
-        print_message("BC4, %3u texels: alpha RMSE %.5f\n", side, error);
-        assert_true(error < 0.02);
+        const double color = sqrt(sums[0] / (18.0 * side * side)) / 255, alpha = sqrt(sums[1] / (6.0 * side * side)) / 255;
+        print_message("BC3, %3u texels: RMSE of color %.5f, of alpha %.5f (%u values)\n", side, color, alpha, different);
+        assert_true(color < 0.03 && alpha < 0.02);
+        if (side == SIDE) assert_true(different > 2);
     }
+    assert_ptr_equal(block, (const uint8_t *)packed.data + packed.bytes);
     free(t.data);
+    free(packed.data);
+}
+
+static double relative_difference(const fnl_image *a, const fnl_image *b) {
+    double off = 0, sum = 0;
+    for (size_t i = 0; i < (size_t)a->width * a->height * 4; i++) {
+        off += fabs((double)((const float *)a->pixels)[i] - (double)((const float *)b->pixels)[i]);
+        sum += (double)((const float *)b->pixels)[i];
+    }
+    return off / sum;
+}
+
+/* What is seen of it: little at the edges of shadows, for a quarter of the memory; and the option is heeded from frame to frame. */
+static void test_compression_shows_little_LC_12(void **state) {
+    UNUSED(state);
+    fnl_device_info info;
+    assert_int_equal(fnl_device_query_info(harness_device(), &info), FNL_OK);
+    if (!info.texture_compression) skip();
+    for (int soft = 0; soft < 2; soft++) {
+        struct room r = room_open(0);
+        r.probe.softness = soft ? 0.7f : 0;
+        set_probe(&r);
+        set_lamp(&r, (vec3){-0.4f, 5, 0.3f});
+        struct shot shots[3];
+        uint64_t bytes[3];
+        for (int i = 0; i < 3; i++) {
+            r.s.frame.shadow.cubemap_compress = i == 1;
+            shots[i] = stage_shoot(&r.s, &r.s.frame);
+            bytes[i] = counter(&shots[i].stats, "probes.bytes");
+        }
+        const double off = relative_difference(&shots[1].radiance, &shots[0].radiance);
+        print_message("%s shadows: %.5f off, %u of %u bytes\n", soft ? "soft" : "hard", off, (uint32_t)bytes[1], (uint32_t)bytes[0]);
+        assert_true(off < (soft ? 0.03 : 0.005) && (!soft || off > 0));
+        assert_in_range(bytes[1], bytes[0] / 4, bytes[0] / 3);
+        assert_int_equal(bytes[0], bytes[2]);
+        assert_int_equal(count_differing(&shots[0].radiance, &shots[2].radiance), 0);
+        for (int i = 0; i < 3; i++) shot_free(&shots[i]);
+        stage_close(&r.s);
+    }
 }
 
 /* ---- moving viewers, lists and paths ---- */
@@ -726,6 +793,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_errors_grow_with_the_distance_of_walls_LC_10, harness_check),
         cmocka_unit_test_teardown(test_lights_in_the_room_are_left_to_rays_LC_11, harness_check),
         cmocka_unit_test_teardown(test_compression_keeps_alpha_LC_12, harness_check),
+        cmocka_unit_test_teardown(test_compression_shows_little_LC_12, harness_check),
         cmocka_unit_test_teardown(test_shadows_do_not_shimmer_LC_13, harness_check),
         cmocka_unit_test_teardown(test_bakes_are_the_same_and_have_no_seams_LC_15, harness_check),
     };

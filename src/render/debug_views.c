@@ -164,7 +164,7 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_CLUSTERS, LEGEND_TEXT("each cluster of triangles in a colour of its own; grey: none"), .surfaces = true, .add = add_clusters, .check = check_primitive_ids},
     {FNL_DEBUG_TRIANGLES, LEGEND_TEXT("each triangle in its own color; gray: points and lines"), .surfaces = true, .add = add_triangles, .check = check_primitive_ids},
     {FNL_DEBUG_DEPTH_JUMPS, LEGEND_RAMP("largest depth of a tile over its smallest; gray: below 1.5", "1.5", "64 and more", 0.1f, 1), .surfaces = true, .add = add_plain},
-    {FNL_DEBUG_LIGHT_VOLUMES, LEGEND_TEXT("each light in a hue of its own; bright lines: where its volume ends; gray: no light"), .surfaces = true, .add = add_light_volumes},
+    {FNL_DEBUG_LIGHT_VOLUMES, LEGEND_TEXT("each light in its own hue; bright lines: where a light's volume ends; gray: no light"), .surfaces = true, .add = add_light_volumes},
     {FNL_DEBUG_SHADOW_PAGES, LEGEND_COLORS("each page in a colour of its own, with its edges; grey: no light with a map", without_pages), .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_LEVELS, LEGEND_RAMP("level of the page, 0 is the finest; magenta: rays find the shadow", "7", "0", 1.0f / 8, 1), .surfaces = true, .add = add_shadows, .check = check_shadows},
     {FNL_DEBUG_SHADOW_TEXELS, LEGEND_COLORS("width of a texel of the map in pixels; magenta: rays find the shadow", texels), .surfaces = true, .add = add_shadows, .check = check_shadows},

@@ -65,8 +65,8 @@ void shadow_view_add(struct graph *graph, uint32_t mode, const struct aov_images
                      VkDeviceAddress view, graph_image target, bool swap);
 
 /**
- * Writes the view of light volumes to a storage image: surfaces tinted in the hues of the lights whose volumes hold them, with a line where a volume ends.
- * Cost: a visit of every light of the pixel's list, and four more points for each that reaches it.
+ * Writes the view of light volumes to a storage image: surfaces in the hues of the lights that reach them, with a line where a light's volume ends.
+ * Cost: a visit to every light in the pixel's list, and a test of four more points for each light that reaches the pixel.
  */
 void light_volumes_view_add(struct graph *graph, const struct aov_images *aov, const struct lighting *lighting, VkDeviceAddress view, graph_image target,
                             bool swap);

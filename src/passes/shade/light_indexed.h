@@ -13,16 +13,16 @@
 
 struct indexed_params {
     uint32_t packing; /* INDEXED_…; default INDEXED_IDS */
-    uint32_t layers;  /* 1 .. INDEXED_LAYERS; ids: four ids a pixel each; sets: four sets each; else an RGBA8 image for 255 lights each; default 4 */
-    const struct gpu_entity_bounds *bounds; /* sets: of the local lights */
+    uint32_t layers;  /* 1 .. INDEXED_LAYERS, default 4. Per layer: four ids per pixel (ids), four sets (sets), otherwise an RGBA8 image for 255 lights */
+    const struct gpu_entity_bounds *bounds; /* sets: bounds of the local lights */
     const vec4 *planes;                     /* sets: as in light_sets.h; NULL: all lights are drawn */
     uint32_t plane_count;
 };
-/** Whether the device has the format of a stencil that INDEXED_STENCIL needs. */
+/** Whether the device has the stencil format that INDEXED_STENCIL needs. */
 bool light_indexed_stencil_supported(const gpu_device *device);
-/** What finds and shades the lights of several samples a pixel; all 0 with one, but for the first. */
+/** Data for the lights of several samples per pixel. With one sample, all fields except without_set are 0. */
 struct indexed_samples {
-    uint32_t without_set; /* out, whatever the samples: lights that found no place in a set */
+    uint32_t without_set; /* out, with any number of samples: lights without a place in a set */
     struct sample_bounds bounds;
     VkDeviceAddress all; /* struct gpu_lighting of a list of one cell, with all lights */
 };

@@ -9,8 +9,8 @@
 #define INDEXED_SHIFT 1u /* four 8-bit ids in RGBA8, two bits of each in each channel: blending shifts the older ones down */
 #define INDEXED_MAX 2u   /* four 8-bit ids in RGBA8: greatest and least by blending, then greatest and least of the others */
 
-#define INDEXED_STENCIL 3u /* four 8-bit ids in RGBA8: drawn four times, each time the stencil lets the next light through */
-#define INDEXED_SETS_PACKING 4u /* a channel of RGBA8 for each set of lights that do not overlap (light_sets.h) */
+#define INDEXED_STENCIL 3u /* four 8-bit ids in RGBA8: four draws; in each, the stencil passes the next light */
+#define INDEXED_SETS_PACKING 4u /* one RGBA8 channel per set of lights that do not overlap (light_sets.h) */
 
 #define INDEXED_LAYERS 16u        /* at most */
 #define INDEXED_BATCH 255u        /* lights that share an RGBA8 layer: 0 is none */
@@ -27,15 +27,15 @@ struct gpu_indexed_push {
     uint batch;                 /* layer that is drawn */
     uint layers;
     uint first;                 /* bindless: what the first step of max has found */
-    uint step;                  /* stencil: the channel that is written */
-    ADDRESS(const_uint_array) sets; /* sets: of each light set << 8 | place, or 0 */
+    uint step;                  /* stencil: channel to write */
+    ADDRESS(const_uint_array) sets; /* sets: set << 8 | place of each light, or 0 */
 };
 
 struct gpu_indexed_list_push {
     ADDRESS(view_block) view;
     ADDRESS(const_uint_array) ids; /* rank -> local light */
     ADDRESS(uint_array) counts;
-    ADDRESS(uint_array) slots;     /* ids; or sets: set << 8 | place -> local light */
+    ADDRESS(uint_array) slots;     /* ids: of pixels; sets: set << 8 | place -> local light */
     ADDRESS(cell_array) cells;     /* out: one for each pixel */
     ADDRESS(uint_array) list;      /* out: four a layer for each pixel, ascending */
     ADDRESS(uint_array) totals;    /* struct light_totals: entries and overflow are added to */

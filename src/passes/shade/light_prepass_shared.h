@@ -9,14 +9,14 @@
 #define LIGHT_BUFFER_RGBA 1u /* diffuse RGB, luminance of the specular lobe */
 #define LIGHT_BUFFER_TWO 2u  /* diffuse, specular; reflectance is folded in */
 #define LIGHT_BUFFER_FOUR 3u /* diffuse and specular lobe, each as it is and times (1 - v.h)^5 */
-#define LIGHT_BUFFER_NARROW 4u /* diffuse; specular over the reflectance at normal incidence. Surfaces take one RGBA8 */
+#define LIGHT_BUFFER_NARROW 4u /* diffuse; specular divided by the reflectance at normal incidence. Surfaces: one RGBA8 target */
 #define LIGHT_BUFFER_TARGETS 4u
 
 /* Bindless indices of what the first pass over the geometry drew. */
 struct gpu_light_surfaces {
     uint depth;
     uint normal;      /* RGBA16 UNORM: octahedral normal, roughness, two bytes: root of the greatest dielectric F0, dielectric F90;
-                      of LIGHT_BUFFER_NARROW RGBA8 UNORM, read as -1 .. 1: normal, roughness with the sign of the Fresnel switch */
+                      LIGHT_BUFFER_NARROW: RGBA8 UNORM, read as -1 .. 1: normal, roughness; the sign of the roughness is the Fresnel switch */
     uint reflectance; /* RGBA8 UNORM: root of F0, F90; with LIGHT_BUFFER_TWO alone */
     uint geometric;   /* RG16 UNORM: octahedral; GPU_TEXTURE_NONE without GPU_FEATURE_LEANING */
 };

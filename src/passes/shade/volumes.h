@@ -35,7 +35,7 @@ struct volumes_input {
     VkDeviceAddress view;
     bool cull;      /* only volumes in view; default true */
     uint32_t shape; /* VOLUME_… of volumes_shared.h; default VOLUME_SOLIDS */
-    uint32_t batch; /* VOLUME_SCREEN: lights that each draw adds, 1 .. VOLUME_BATCH_MAX; 0 (default): 1 */
+    uint32_t batch; /* VOLUME_SCREEN: lights added per draw, 1 .. VOLUME_BATCH_MAX; 0 (default): 1 */
     const struct volumes_hook *hook; /* NULL (default): none. VOLUME_STENCIL */
 };
 /** The lights whose volumes are drawn, ready to be drawn by any number of passes. */

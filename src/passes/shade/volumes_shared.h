@@ -29,7 +29,7 @@
 /* So many lights in view are drawn one by one, each behind its own stencil; those beyond as VOLUME_SOLIDS. */
 #define VOLUME_STENCIL_LIGHTS 2048u
 #define VOLUME_NONE 0xffffffffu
-#define VOLUME_BATCH_MAX 64u /* lights that a draw of the whole screen adds: at most a group of volumes_fill.comp */
+#define VOLUME_BATCH_MAX 64u /* maximum lights added per fullscreen draw; cannot exceed the group size of volumes_fill.comp */
 /* The farthest face of the sphere's solid is this far from the middle when its vertices are at 1, and the cosine of pi / VOLUME_RING. */
 #define VOLUME_SPHERE_INSIDE 0.92475f
 #define VOLUME_CONE_INSIDE 0.92387f
@@ -39,14 +39,14 @@ struct gpu_volumes_push {
     ADDRESS(view_block) view;
     ADDRESS(lighting_block) lighting;
     ADDRESS(uint_array) sums;   /* kind * light_count + light, and one more: 1 for the volumes drawn, then their prefix sum */
-    ADDRESS(uint_array) ids;    /* instance -> local light; with a batch the lights in view, `batch` for each instance, then as many VOLUME_NONE */
+    ADDRESS(uint_array) ids;    /* instance -> local light; with a batch: the lights in view, `batch` per instance, then `batch` times VOLUME_NONE */
     ADDRESS(volume_draws) draws;
     uint light_count;           /* local lights */
     uint cull;                  /* 0: lights out of the view are drawn too */
     uint shape;                 /* VOLUME_…; flat ones are sorted as spheres are */
     uint alone;                 /* so many of the volumes have a draw each, after the two of the rest */
     uint by_light;              /* 1: those are the first lights, in view or not, and not the first volumes */
-    uint batch;                 /* VOLUME_SCREEN: lights of an instance; else 1 */
+    uint batch;                 /* VOLUME_SCREEN: lights per instance; otherwise 1 */
 };
 
 /* What the vertex shader reads: push constants of all that draws volumes begin with it. */

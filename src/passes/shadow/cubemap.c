@@ -23,12 +23,22 @@ static uint32_t words_before(uint32_t side, uint32_t level) {
     return words;
 }
 
-uint64_t cubemap_bytes(uint32_t side) { return 4ull * words_before(side, cubemap_levels(side)); }
+/* The same of compressed levels, four words a block. */
+static uint32_t block_words_before(uint32_t side, uint32_t level) {
+    uint32_t words = 0;
+    for (uint32_t i = 0; i < level; i++) words += 4 * 6 * DIVIDE_UP(side >> i, 4u) * DIVIDE_UP(side >> i, 4u);
+    return words;
+}
 
-fnl_result cubemap_create(gpu_device *device, uint32_t side, struct gpu_image *out) {
+uint64_t cubemap_bytes(uint32_t side, bool compressed) {
+    const uint32_t levels = cubemap_levels(side);
+    return 4ull * (compressed ? block_words_before(side, levels) : words_before(side, levels));
+}
+
+fnl_result cubemap_create(gpu_device *device, uint32_t side, bool compressed, struct gpu_image *out) {
     return gpu_image_create(device,
                             &(struct gpu_image_params){.name = "probe",
-                                                       .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                                       .format = compressed ? VK_FORMAT_BC3_UNORM_BLOCK : VK_FORMAT_R8G8B8A8_UNORM,
                                                        .width = side,
                                                        .height = side,
                                                        .layers = 6,
@@ -53,10 +63,30 @@ static void execute_copy(const struct graph_context *context, const void *data) 
     if (d->kept.id) gpu_copy_buffer(context->commands, texels, 0, graph_get_buffer(context, d->kept), 0, d->bytes);
 }
 
+static graph_buffer add_blocks(struct graph *graph, uint32_t probe, uint32_t side, graph_buffer texels) {
+    graph_buffer blocks = graph_create_buffer(graph, graph_name(graph, "probe %u blocks", probe), cubemap_bytes(side, true));
+    struct graph_pass *pass = NULL;
+    for (uint32_t level = 0; level < cubemap_levels(side); level++) {
+        struct gpu_cubemap_push push = {.from = words_before(side, level), .to = block_words_before(side, level), .side = side >> level};
+        const uint32_t across = DIVIDE_UP(push.side, 4u);
+        pass = graph_dispatch(graph, &(struct graph_dispatch){.pass = pass,
+                                                              .name = graph_name(graph, "probe %u compress", probe),
+                                                              .pipeline = {.shader = &shader_cubemap_compress_comp},
+                                                              .groups = {DIVIDE_UP(6 * across * across, 64u)},
+                                                              GRAPH_PUSH(push),
+                                                              GRAPH_ROWS(graph_reads(&push.texels, texels), graph_writes(&push.blocks, blocks))});
+    }
+    return blocks;
+}
+
 void cubemap_bake_add(struct graph *graph, const struct rays *rays, VkDeviceAddress probes, uint32_t probe, graph_image image,
                       const struct gpu_buffer *kept) {
-    const uint32_t side = graph_image_info(graph, image).width;
-    struct copy_data copy = {.texels = graph_create_buffer(graph, graph_name(graph, "probe %u texels", probe), cubemap_bytes(side)), .image = image, .bytes = cubemap_bytes(side)};
+    const struct graph_image_params info = graph_image_info(graph, image);
+    const uint32_t side = info.width;
+    const bool compressed = info.format == VK_FORMAT_BC3_UNORM_BLOCK;
+    struct copy_data copy = {.texels = graph_create_buffer(graph, graph_name(graph, "probe %u texels", probe), cubemap_bytes(side, false)),
+                             .image = image,
+                             .bytes = cubemap_bytes(side, compressed)};
     for (uint32_t level = 0; level < cubemap_levels(side); level++) {
         struct gpu_cubemap_push push = {.rays = rays->address,
                                         .probes = probes,
@@ -74,6 +104,7 @@ void cubemap_bake_add(struct graph *graph, const struct rays *rays, VkDeviceAddr
                                                                             : graph_writes(&push.texels, copy.texels))});
         if (level == 0) rays_use(pass, rays, GRAPH_READ_COMPUTE);
     }
+    if (compressed) copy.texels = add_blocks(graph, probe, side, copy.texels);
     if (kept) copy.kept = graph_import_buffer(graph, "probe texels kept", kept);
     struct graph_pass *pass =
         graph_add_pass(graph, graph_name(graph, "probe %u copy", probe), GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);

@@ -10,9 +10,10 @@ struct gpu_cubemap_push {
     ADDRESS(rays_block) rays;
     ADDRESS(probes_block) probes;
     ADDRESS(uint_array) texels;
+    ADDRESS(uint_array) blocks; /* of compressed ones */
     uint probe;
-    uint from; /* of the level that is filtered: its first word */
-    uint to;   /* of the level that is made */
+    uint from; /* of the level that is filtered or compressed: its first word */
+    uint to;   /* of the level that is made, or of its blocks */
     uint side; /* of that */
 };
 

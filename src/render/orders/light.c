@@ -40,7 +40,7 @@ static void split_surfaces(struct frame_state *f, const struct shade_input *inpu
 }
 
 static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
-    if (buffer == LIGHT_BUFFER_NARROW && f->frame->msaa > 1) buffer = LIGHT_BUFFER_TWO; /* edges.h knows no such normals */
+    if (buffer == LIGHT_BUFFER_NARROW && f->frame->msaa > 1) buffer = LIGHT_BUFFER_TWO; /* edges.h does not support narrow normals */
     struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, buffer, f->depth);
     struct gbuffer normals = light_surfaces_normals(&surfaces);
     if (scale == 1) split_surfaces(f, input, &surfaces);
@@ -176,7 +176,8 @@ static const struct counter rows[] = {
      NOTED},
 };
 static const struct counter indexed_rows[] = {
-    {"light-indexed.unplaced", "lights", "light-indexed.packing=sets: lights in view that overlap a member of every set, so that their pixels visit all lights", NOTED},
+    {"light-indexed.unplaced", "lights", "lights in view for which every set is full or has a light that they overlap; their pixels visit all lights", NOTED,
+     .needs = "light-indexed.packing=sets"},
 };
 static const struct counter_table counters_indexed = COUNTER_TABLE(indexed_rows);
 static const struct counter_table counters_light = COUNTER_TABLE(rows);

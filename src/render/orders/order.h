@@ -69,7 +69,7 @@ struct lighting order_light_by_all(struct frame_state *f);
 struct lighting order_light_by_suns(struct frame_state *f);
 /** Notes as gbuffer.bytes the size of f->stored.gbuffer plus `extra_bytes` for each pixel. */
 void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes);
-/** The local lights' volumes of a shape of volumes_shared.h; `batch` of them a draw with VOLUME_SCREEN. */
+/** The volumes of the local lights, in a shape of volumes_shared.h; with VOLUME_SCREEN, `batch` lights per draw. */
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape, uint32_t batch);
 /** The lights in view are those whose volumes are drawn, where no lists count them. */
 void order_count_volumes(struct frame_state *f, const struct volumes *volumes);

@@ -110,13 +110,14 @@ static bool fit_probe(fnl_renderer *r, fnl_probe_params *out) {
     return fits;
 }
 
-static fnl_result take_probe(fnl_renderer *r, uint32_t index, const fnl_probe_params *params) {
+static fnl_result take_probe(fnl_renderer *r, uint32_t index, const fnl_probe_params *params, bool compressed) {
     struct renderer_probes *p = &r->probes;
     if (index == p->list.count && !array_push(&r->host, &p->list, (struct renderer_probe){0})) return FNL_ERROR_MEMORY;
     struct renderer_probe *probe = &p->list.data[index];
-    if (probe->image.handle && probe->image.params.width != params->face_size) gpu_image_destroy(r->device, &probe->image);
+    const bool is_compressed = probe->image.params.format == VK_FORMAT_BC3_UNORM_BLOCK;
+    if (probe->image.handle && (probe->image.params.width != params->face_size || is_compressed != compressed)) gpu_image_destroy(r->device, &probe->image);
     if (!probe->image.handle) {
-        TRY(cubemap_create(r->device, params->face_size, &probe->image));
+        TRY(cubemap_create(r->device, params->face_size, compressed, &probe->image));
         probe->key = 0;
     }
     probe->params = *params;
@@ -124,9 +125,9 @@ static fnl_result take_probe(fnl_renderer *r, uint32_t index, const fnl_probe_pa
 }
 
 static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
-    UNUSED(frame);
     struct renderer_probes *p = &r->probes;
     const fnl_scene *scene = r->scene;
+    const bool compressed = frame->shadow.cubemap_compress && gpu_info(r->device)->texture_compression;
     TRY(find_movers(r));
     TRY(send_movers(r));
     uint32_t count = 0;
@@ -138,10 +139,10 @@ static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
             p->told = true;
             break;
         }
-        TRY(take_probe(r, count++, &probe->params));
+        TRY(take_probe(r, count++, &probe->params, compressed));
     }
     fnl_probe_params fitted;
-    if (scene->probes.count == scene->free_probes.count && fit_probe(r, &fitted)) TRY(take_probe(r, count++, &fitted));
+    if (scene->probes.count == scene->free_probes.count && fit_probe(r, &fitted)) TRY(take_probe(r, count++, &fitted, compressed));
     while (p->list.count > count) gpu_image_destroy(r->device, &p->list.data[--p->list.count].image);
     return gpu_upload_submit(r->device);
 }
@@ -272,7 +273,7 @@ static void begin_view(struct frame_state *f) {
     uint64_t baked = 0, bytes = 0;
     for (uint32_t i = 0; i < p->list.count; i++) {
         baked += p->list.data[i].key != key_of(f->r, &p->list.data[i]);
-        bytes += cubemap_bytes(p->list.data[i].params.face_size);
+        bytes += cubemap_bytes(p->list.data[i].params.face_size, p->list.data[i].image.params.format == VK_FORMAT_BC3_UNORM_BLOCK);
     }
     counters_note(f, "probes.count", p->list.count);
     counters_note(f, "probes.baked", f->view_index == 0 ? baked : 0);
