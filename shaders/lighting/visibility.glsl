@@ -9,12 +9,12 @@
 
 // Largest distance between a shaded position and its surface, in meters: some ten float roundings (6e-8) at the scale of the distances from the world's
 // origin and from the eye, doubled. In orthographic views all depths are as coarse as the farthest. With several samples per pixel, positions are
-// interpolated somewhere in the pixel and may lie up to a pixel's width off the triangle.
+// interpolated between samples and are less exact. A larger share of the pixel would let light through where something hides the light close to a surface.
 float shadow_slack(lighting_block l, vec3 position) {
     view_block v = l.scope.view;
     float seen_from = length(v.view.eye - position), slack = 2e-6 * (length(position) + seen_from);
     slack += v.view.orthographic * 1.2e-7 * abs(v.view.depth_decode.y);
-    return v.view.samples > 1u ? slack + pixel_width(v, seen_from) : slack;
+    return v.view.samples > 1u ? slack + pixel_width(v, seen_from) * (1.0 / 64.0) : slack;
 }
 
 // What light_visibility() needs of a point. Nothing where lists have no shadows.

@@ -64,6 +64,36 @@ static void test_a_light_in_a_wall_lights_nothing(void **state) {
     stage_close(&s);
 }
 
+/* What hides a light may be nearer to a surface than a pixel is wide, with several samples per pixel too. Here a square a quarter of a pixel above the floor, which faces it, so
+   that the viewer looks through. */
+static void test_casters_may_be_nearer_than_a_pixel(void **state) {
+    UNUSED(state);
+    fnl_device_info info;
+    assert_int_equal(fnl_device_query_info(harness_device(), &info), FNL_OK);
+    fnl_scene *scene = bare_floor();
+    const fnl_material_params material = matt(1);
+    add_instance(scene, add_square_mesh(scene, add_material(scene, &material)),
+                 mat4_from_trs((vec3){2, 0.03f, 0}, quat_axis_angle((vec3){1, 0, 0}, PI), (vec3){2, 1, 4}));
+    add_point_light(scene, (vec3){0, 3, 0}, 50);
+    struct stage s = floor_stage(scene, 0.4f);
+    s.frame.shadows = FNL_SHADOWS_RAYS;
+    for (uint32_t i = 0; i < 4; i++) {
+        static float parts[SHADOW_SIZE * SHADOW_SIZE];
+        s.frame.msaa = i % 2 ? 4 : 1;
+        s.frame.shading = i < 2 ? FNL_SHADING_FORWARD : FNL_SHADING_DEFERRED;
+        if (!(info.msaa_counts & s.frame.msaa)) continue;
+        shadow_parts(&s, parts);
+        uint32_t wrong = 0;
+        for (uint32_t k = 0; k < COUNT_OF(parts); k++) {
+            const uint32_t x = k % SHADOW_SIZE;
+            if (x == SHADOW_SIZE / 2 - 1 || x == SHADOW_SIZE / 2) continue; /* the edge */
+            wrong += x > SHADOW_SIZE / 2 ? parts[k] > 0.01f : parts[k] < 0.99f;
+        }
+        if (wrong) fail_msg("%s, %u samples: %u pixels are wrong", fnl_value_name(FNL_ENUM_SHADING, s.frame.shading), s.frame.msaa, wrong);
+    }
+    stage_close(&s);
+}
+
 /* A millimetre before a wall, in the very plane of it, and on a ceiling. */
 static void test_lights_on_surfaces_shine(void **state) {
     UNUSED(state);
@@ -378,6 +408,7 @@ static void test_little_is_drawn_where_little_moves_ES_69(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_a_light_in_a_wall_lights_nothing, harness_check),
+        cmocka_unit_test_teardown(test_casters_may_be_nearer_than_a_pixel, harness_check),
         cmocka_unit_test_teardown(test_lights_on_surfaces_shine, harness_check),
         cmocka_unit_test_teardown(test_casters_cross_the_near_plane, harness_check),
         cmocka_unit_test_teardown(test_faces_of_few_texels, harness_check),
