@@ -134,8 +134,8 @@ typedef struct fnl_shadow_options {
     /** cubemap: looks up where the ray to the light leaves the box; false: in the direction of the light itself, which is right in one point of the
         room alone, and is there to show it. Default true. */
     bool cubemap_correct;
-    /** cubemap: keeps the cube maps of probes as BC3 where fnl_device_info.texture_compression: a quarter of the memory, and edges of hard shadows that are a
-        little uneven. Default false. */
+    /** cubemap: stores the cube maps of probes as BC3 if the device has fnl_device_info.texture_compression. They take a quarter of the memory, and soft shadows
+        change slightly. A change of this option bakes all probes again. Default false. */
     bool cubemap_compress;
     /**
      * Contact shadows: length of the march from each point toward each light along the depth of the picture; a surface in front of the march hides the light. Meters, >= 0;

@@ -104,7 +104,7 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
     const uint32_t count = lights->local_count;
     struct volumes volumes = {
         .lighting = lighting_add(graph, device, input->scopes, &list), .shape = input->shape, .batch = 1, .light_count = count};
-    if (input->shape == VOLUME_SCREEN) volumes.batch = MAX(input->batch, 1u);
+    if (input->shape == VOLUME_SCREEN) volumes.batch = MIN(MAX(input->batch, 1u), VOLUME_BATCH_MAX);
     if (input->shape == VOLUME_STENCIL) {
         volumes.hook = input->hook;
         volumes.alone = MIN(count, input->hook ? input->hook->count : VOLUME_STENCIL_LIGHTS);

@@ -23,7 +23,7 @@ static uint32_t words_before(uint32_t side, uint32_t level) {
     return words;
 }
 
-/* The same of compressed levels, four words a block. */
+/* The same for compressed levels: four words per block. */
 static uint32_t block_words_before(uint32_t side, uint32_t level) {
     uint32_t words = 0;
     for (uint32_t i = 0; i < level; i++) words += 4 * 6 * DIVIDE_UP(side >> i, 4u) * DIVIDE_UP(side >> i, 4u);

@@ -20,13 +20,13 @@ void probes_use(struct graph_pass *pass, const struct probes *probes, enum graph
 
 /** The levels of a cube map, down to one texel a face. */
 uint32_t cubemap_levels(uint32_t side);
-/** Of all of them; as BC3 a quarter, but for levels below four texels. */
+/** Bytes of all levels. As BC3 they take a quarter, except levels smaller than a block of 4 x 4 texels. */
 uint64_t cubemap_bytes(uint32_t side, bool compressed);
 /** An image for a cube map; `compressed`: of BC3, which needs fnl_device_info.texture_compression. */
 fnl_result cubemap_create(gpu_device *device, uint32_t side, bool compressed, struct gpu_image *out);
 
 struct rays;
-/** Fills the image of one probe, which graph_import_image() gave. Its struct gpu_probe is there. `kept`: takes the same bytes besides; or NULL. */
+/** Fills the image of one probe, which graph_import_image() gave. Its struct gpu_probe is there. `kept`: receives a copy of the bytes; or NULL. */
 void cubemap_bake_add(struct graph *graph, const struct rays *rays, VkDeviceAddress probes, uint32_t probe, graph_image image,
                       const struct gpu_buffer *kept);
 

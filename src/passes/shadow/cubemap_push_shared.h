@@ -10,7 +10,7 @@ struct gpu_cubemap_push {
     ADDRESS(rays_block) rays;
     ADDRESS(probes_block) probes;
     ADDRESS(uint_array) texels;
-    ADDRESS(uint_array) blocks; /* of compressed ones */
+    ADDRESS(uint_array) blocks; /* output of compression: four words per block */
     uint probe;
     uint from; /* of the level that is filtered or compressed: its first word */
     uint to;   /* of the level that is made, or of its blocks */
