@@ -13,6 +13,18 @@ hello) # lights the scene itself
     scene='builtin:spheres?lights=0' size=640x360 options=(--lights 200 --light-seed 1) ;;
 import_device) # takes the first device
     scene='builtin:spheres' options=(--device 0 --shadows rays) ;; # it enables no clip distances, which shadow maps need
+foveated) # parts of the picture, joined: sharp in the middle, coarser at the edges
+    scene='builtin:room'
+    "$build/fanal" render "$scene" --size 480x480 --eye 0,1.7,0 --look-at 0,1.7,-1 --fov 90 -q -o "$work/command.png"
+    "$build/fanal" render "$scene" --size 480x480 --eye 0.05,1.7,0 --look-at 0.05,1.7,-1 --fov 90 -q -o "$work/other.png"
+    for kind in cells quadrants; do
+        "$build/examples/foveated" "$scene" "$work/$kind.png" $kind
+        "$build/fanal" compare "$work/$kind.png" "$work/command.png" --psnr 38
+    done
+    status=0
+    "$build/fanal" compare "$work/cells.png" "$work/other.png" --psnr 38 || status=$?
+    [ $status -eq 1 ]
+    exit 0 ;;
 async_load) # a file with images; they are all there in the end
     scene=$(dirname "$0")/decals.gltf options=(--lights 20) ;;
 esac

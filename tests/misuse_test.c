@@ -87,7 +87,7 @@ static void null_was_silent(void) {
 /* ---- every export ---- */
 
 static fnl_host host;
-static fnl_image picture, other, difference_image;
+static fnl_image picture, other, difference_image, joined;
 static fnl_trace_params trace_params;
 static fnl_trace traced;
 #ifdef FANAL_RAY
@@ -189,6 +189,13 @@ static fnl_loaded loaded;
       NULLED("out", fnl_eye_query_camera(NULL, &eye, &head, 1, 1, 1, NULL)))                                                \
     X(fnl_eye_query_cells, NULLED("eye", fnl_eye_query_cells(NULL, NULL, 9, 9, 1, 1, cells));                               \
       NULLED("cells", fnl_eye_query_cells(NULL, &eye, 9, 9, 1, 1, NULL)))                                                  \
+    X(fnl_eye_query_quadrants, NULLED("eye", fnl_eye_query_quadrants(NULL, NULL, 9, 9, corners[0], cells));                \
+      NULLED("cells", fnl_eye_query_quadrants(NULL, &eye, 9, 9, corners[0], NULL)))                                        \
+    X(fnl_eye_join_cells, NULLED("eye", fnl_eye_join_cells(NULL, NULL, cells, 1, &picture, &joined));                      \
+      NULLED("cells", fnl_eye_join_cells(NULL, &eye, NULL, 1, &picture, &joined));                                         \
+      NULLED("pictures", fnl_eye_join_cells(NULL, &eye, cells, 1, NULL, &joined));                                         \
+      NULLED("out", fnl_eye_join_cells(NULL, &eye, cells, 1, &picture, NULL));                                             \
+      NULLED("out", fnl_eye_join_cells(&host, &eye, cells, 1, &picture, NULL)))                                            \
     X(fnl_hidden_area_round, NULLED("eye", fnl_hidden_area_round(NULL, NULL, corners[0], 1, 3, corners, &hidden_area));    \
       NULLED("eye", fnl_hidden_area_round(&host, NULL, corners[0], 1, 3, corners, &hidden_area));                          \
       NULLED("corners", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 3, NULL, &hidden_area));                          \
@@ -657,6 +664,9 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_eye_query_camera", "width is 0, must be 1 .. 16384", fnl_eye_query_camera(NULL, &eye, &head, 0, 1, 1, &camera));
     SAYS("fnl_eye_query_cells", "width is 2, must be 3 .. 16384", fnl_eye_query_cells(NULL, &eye, 2, 9, 1, 1, cells));
     SAYS("fnl_eye_query_cells", "scale is 0, must be above 0 and at most 1", fnl_eye_query_cells(NULL, &eye, 9, 9, 1, 0, cells));
+    SAYS("fnl_eye_query_quadrants", "height is 1, must be 2 .. 16384", fnl_eye_query_quadrants(NULL, &eye, 9, 1, corners[0], cells));
+    SAYS("fnl_eye_query_quadrants", "strength.x is 2, must be 0 .. 1", fnl_eye_query_quadrants(NULL, &eye, 9, 9, (fnl_vec2){2, 0}, cells));
+    SAYS("fnl_eye_join_cells", "cell_count is 0, must be 1 .. 64", fnl_eye_join_cells(NULL, &eye, cells, 0, &picture, &joined));
     SAYS("fnl_hidden_area_round", "segments is 2, must be 3 .. 1024", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 2, corners, &hidden_area));
     SAYS("fnl_hidden_area_round", "radius is 0, must be above 0 and at most 10000", fnl_hidden_area_round(NULL, &eye, corners[0], 0, 3, corners, &hidden_area));
     SAYS("fnl_exr_save", "width is 0, must be 1 .. 32768", fnl_exr_save(NULL, "x.exr", 0, 1, &channel, 1));

@@ -7,6 +7,7 @@
 #define FANAL_STEREO_H
 
 #include "fanal/camera.h"
+#include "fanal/image.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -113,10 +114,22 @@ FNL_API fnl_result fnl_eye_query_cells(const fnl_host *host, const fnl_eye *eye,
                                        fnl_eye_cell cells[9]);
 
 /**
- * Lens-matched shading: where a place of the picture (-1 .. 1) is drawn if w grows by strength.x |x| + strength.y |y| away from the middle, as
- * VK_NV_clip_space_w_scaling does in each quadrant, both at least 0; `back`: the way back.
+ * Lens-matched shading: 4 quadrants in reading order, each drawn on a plane that is tilted so that w grows by strength.x |x| + strength.y |y| away from
+ * the eye's axis, where x and y are 1 at the edges of the picture (what VK_NV_clip_space_w_scaling does, but with ordinary cameras). Next to the axis
+ * there is a pixel for each of the eye's, where w has
+ * grown to 1 + g about one for (1 + g)^3. All four have one size, so they are views of one frame. strength: 0 .. 1;
+ * 0.3 is usual. width and height: 2 .. 16384. The axis must lie within the picture. As from the source, depth of different quadrants cannot be compared.
  */
-FNL_API fnl_vec2 fnl_lens_matched_place(fnl_vec2 strength, fnl_vec2 place, bool back);
+FNL_API fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *eye, uint32_t width, uint32_t height, fnl_vec2 strength,
+                                           fnl_eye_cell cells[4]);
+
+/**
+ * Joins pictures of cells, which fnl_eye_query_cells() or fnl_eye_query_quadrants() made for `eye`, to its picture. Pictures are RGBA8 (sRGB) or RGBA32F,
+ * all the same, of the rendered sizes of their cells; `out` is so too, and as large as the cells reach; free it with fnl_image_free(). Values are
+ * interpolated linearly, those of RGBA8 in linear light; where a pixel of the eye is one of the cell its value is kept. cell_count: 1 .. 64.
+ */
+FNL_API fnl_result fnl_eye_join_cells(const fnl_host *host, const fnl_eye *eye, const fnl_eye_cell *cells, uint32_t cell_count, const fnl_image *pictures,
+                                      fnl_image *out);
 
 #ifdef __cplusplus
 }

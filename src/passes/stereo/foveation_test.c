@@ -37,6 +37,42 @@ static fnl_camera camera_of(const fnl_eye *of, const fnl_camera *at, uint32_t wi
     return camera;
 }
 
+/* A row of the views of a frame, which stand one below the other. */
+static fnl_image picture_of(const fnl_image *all, uint32_t height, uint32_t view) {
+    fnl_image own = *all;
+    own.height = height;
+    own.pixels = (char *)all->pixels + (size_t)view * all->width * height * fnl_pixel_size(all->format);
+    return own;
+}
+
+static fnl_frame eye_frame(const struct stage *stage, const fnl_camera *at) {
+    fnl_frame frame = stage->frame;
+    frame.width = WIDTH;
+    frame.height = HEIGHT;
+    frame.ev = 1;
+    frame.lists = FNL_LISTS_CLUSTERED;
+    frame.camera = camera_of(&eye, at, WIDTH, HEIGHT);
+    return frame;
+}
+
+/* dB of the rectangle, or of all beyond it. */
+static double psnr_of(const fnl_image *a, const fnl_image *b, const fnl_eye_cell *cell, bool inside) {
+    double sum = 0;
+    uint32_t count = 0;
+    for (uint32_t y = 0; y < a->height; y++)
+        for (uint32_t x = 0; x < a->width; x++) {
+            const bool in = x >= cell->x && x < cell->x + cell->width && y >= cell->y && y < cell->y + cell->height;
+            if (in != inside) continue;
+            const size_t at = 4 * ((size_t)y * a->width + x);
+            for (uint32_t c = 0; c < 3; c++) {
+                const int d = ((const uint8_t *)a->pixels)[at + c] - ((const uint8_t *)b->pixels)[at + c];
+                sum += d * d / 65025.0;
+            }
+            count += 3;
+        }
+    return -10 * log10(sum / count + 1e-12);
+}
+
 /* The middle is as in the whole picture; the borders cost less and come close to it. */
 static void test_the_middle_stays_as_it_was_VR_11(void **state) {
     UNUSED(state);
@@ -44,61 +80,188 @@ static void test_the_middle_stays_as_it_was_VR_11(void **state) {
     fnl_eye_cell cells[9];
     assert_int_equal(fnl_eye_query_cells(NULL, &eye, WIDTH, HEIGHT, 0.6f, 0.5f, cells), FNL_OK);
     const fnl_camera at = stage.frame.camera;
-    stage.frame.width = WIDTH;
-    stage.frame.height = HEIGHT;
-    stage.frame.ev = 1;
-    stage.frame.lists = FNL_LISTS_CLUSTERED;
-    stage.frame.camera = camera_of(&eye, &at, WIDTH, HEIGHT);
-    struct shot whole = stage_shoot(&stage, &stage.frame);
+    const fnl_frame whole_frame = eye_frame(&stage, &at);
+    struct shot whole = stage_shoot(&stage, &whole_frame), shots[4];
+    fnl_image pictures[9], joined;
     uint64_t shaded = 0;
-    double inner = 0, outer = 0;
     static const uint32_t groups[4][4] = {{4}, {0, 2, 6, 8}, {3, 5}, {1, 7}};
     static const uint32_t counts[4] = {1, 4, 2, 2};
     for (uint32_t g = 0; g < 4; g++) { /* cells of one size are views of one frame */
         fnl_camera cameras[4];
-        fnl_frame frame = stage.frame;
+        fnl_frame frame = whole_frame;
         const fnl_eye_cell *first = &cells[groups[g][0]];
         frame.width = first->rendered_width;
         frame.height = first->rendered_height;
         for (uint32_t i = 0; i < counts[g]; i++) cameras[i] = camera_of(&cells[groups[g][i]].eye, &at, frame.width, frame.height);
         frame.views = cameras;
         frame.view_count = counts[g];
-        struct shot shot = stage_shoot(&stage, &frame);
+        shots[g] = stage_shoot(&stage, &frame);
         shaded += (uint64_t)frame.width * frame.height * counts[g];
-        for (uint32_t i = 0; i < counts[g]; i++) {
-            const fnl_eye_cell *c = &cells[groups[g][i]];
-            for (uint32_t y = 0; y < c->height; y++)
-                for (uint32_t x = 0; x < c->width; x++) {
-                    const uint8_t *a = (const uint8_t *)whole.color.pixels + 4 * ((c->y + y) * WIDTH + c->x + x);
-                    const uint32_t row = i * frame.height + y * frame.height / c->height, column = x * frame.width / c->width;
-                    const uint8_t *b = (const uint8_t *)shot.color.pixels + 4 * (row * frame.width + column);
-                    for (uint32_t ch = 0; ch < 3; ch++) *(g ? &outer : &inner) += (a[ch] - b[ch]) * (a[ch] - b[ch]) / 65025.0;
-                }
-        }
-        shot_free(&shot);
+        for (uint32_t i = 0; i < counts[g]; i++) pictures[groups[g][i]] = picture_of(&shots[g].color, frame.height, i);
     }
-    const double values = 3.0 * WIDTH * HEIGHT, middle = 3.0 * cells[4].width * cells[4].height;
-    const double inner_psnr = -10 * log10(inner / middle + 1e-12), outer_psnr = -10 * log10(outer / (values - middle) + 1e-12), part = (double)shaded / (WIDTH * HEIGHT);
-    printf("3 x 3 cells: %.1f dB in the middle, %.1f dB in the borders, %.0f %% of the pixels\n", inner_psnr, outer_psnr, part * 100);
-    if (inner_psnr < 45) fail_msg("the middle has %.1f dB", inner_psnr);
-    assert_true(outer_psnr > 12 && part < 0.7);
+    assert_int_equal(fnl_eye_join_cells(NULL, &eye, cells, 9, pictures, &joined), FNL_OK);
+    assert_true(joined.width == WIDTH && joined.height == HEIGHT);
+    const double inner = psnr_of(&joined, &whole.color, &cells[4], true), outer = psnr_of(&joined, &whole.color, &cells[4], false), part = (double)shaded / (WIDTH * HEIGHT);
+    printf("3 x 3 cells: %.1f dB in the middle, %.1f dB in the borders, %.0f %% of the pixels\n", inner, outer, part * 100);
+    if (inner < 45) fail_msg("the middle has %.1f dB", inner);
+    assert_true(outer > 12 && part < 0.7);
+    for (uint32_t g = 0; g < 4; g++) shot_free(&shots[g]);
+    fnl_image_free(NULL, &joined);
     shot_free(&whole);
     stage_close(&stage);
 }
 
-static void test_lens_matched_places_come_back_VR_11(void **state) {
+/* All quadrants in one frame, joined. `pixels`: how many are rendered. */
+static fnl_image draw_quadrants(struct stage *stage, const fnl_camera *at, fnl_vec2 strength, uint64_t *pixels) {
+    fnl_eye_cell cells[4];
+    fnl_camera cameras[4];
+    fnl_image pictures[4], joined;
+    fnl_frame frame = eye_frame(stage, at);
+    assert_int_equal(fnl_eye_query_quadrants(NULL, &eye, WIDTH, HEIGHT, strength, cells), FNL_OK);
+    frame.width = cells[0].rendered_width;
+    frame.height = cells[0].rendered_height;
+    for (uint32_t i = 0; i < 4; i++) cameras[i] = camera_of(&cells[i].eye, at, frame.width, frame.height);
+    frame.views = cameras;
+    frame.view_count = 4;
+    struct shot shot = stage_shoot(stage, &frame);
+    for (uint32_t i = 0; i < 4; i++) pictures[i] = picture_of(&shot.color, frame.height, i);
+    assert_int_equal(fnl_eye_join_cells(NULL, &eye, cells, 4, pictures, &joined), FNL_OK);
+    *pixels = 4ull * frame.width * frame.height;
+    shot_free(&shot);
+    return joined;
+}
+
+/*
+ * Without strength the four parts make the picture again, to the rounding of their cameras. With it far fewer pixels make it, and what is seen stays
+ * where it is: in a room without textures, whose edges are soft, the whole picture stays as it was.
+ */
+static void test_quadrants_make_the_picture_VR_11(void **state) {
     UNUSED(state);
-    const fnl_vec2 strength = {0.35f, 0.5f};
-    for (int y = -20; y <= 20; y++)
-        for (int x = -20; x <= 20; x++) {
-            const fnl_vec2 place = {(float)x / 20, (float)y / 20}, there = fnl_lens_matched_place(strength, place, false), again = fnl_lens_matched_place(strength, there, true);
-            assert_true(fabsf(there.x) <= fabsf(place.x) && fabsf(there.y) <= fabsf(place.y));
-            assert_float_equal(again.x, place.x, 1e-5f);
-            assert_float_equal(again.y, place.y, 1e-5f);
+    static const struct {
+        const char *scene;
+        fnl_vec2 strength;
+        double middle, all, part; /* dB at least, pixels at most */
+    } cases[] = {{"builtin:hall?lights=100", {0, 0}, 60, 55, 1.2}, {"builtin:room", {0, 0}, 60, 60, 1.2}, {"builtin:room", {0.35f, 0.35f}, 45, 45, 0.72}, {"builtin:room", {1, 0.5f}, 44, 45, 0.45}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        struct stage stage = stage_open(cases[i].scene, 0);
+        const fnl_camera at = stage.frame.camera;
+        const fnl_frame frame = eye_frame(&stage, &at);
+        struct shot whole = stage_shoot(&stage, &frame);
+        uint64_t pixels;
+        fnl_image joined = draw_quadrants(&stage, &at, cases[i].strength, &pixels);
+        const fnl_eye_cell middle = {.x = 40, .y = 30, .width = 30, .height = 30}, all = {.width = WIDTH, .height = HEIGHT};
+        const double inner = psnr_of(&joined, &whole.color, &middle, true), psnr = psnr_of(&joined, &whole.color, &all, true), part = (double)pixels / (WIDTH * HEIGHT);
+        printf("%s, quadrants of strength %g, %g: %.1f dB in the middle, %.1f dB in all, %.0f %% of the pixels\n", cases[i].scene, (double)cases[i].strength.x,
+               (double)cases[i].strength.y, inner, psnr, part * 100);
+        assert_true(inner >= cases[i].middle && psnr >= cases[i].all && part <= cases[i].part);
+        fnl_image_free(NULL, &joined);
+        shot_free(&whole);
+        stage_close(&stage);
+    }
+}
+
+/* Directions of a cell's tangents in the space of the head, in doubles. */
+static void direction_of(const fnl_eye *of, double x, double y, double out[3]) {
+    const double q[4] = {(double)of->pose.rotation.x, (double)of->pose.rotation.y, (double)of->pose.rotation.z, (double)of->pose.rotation.w}, p[3] = {x, y, -1};
+    double t[3];
+    for (uint32_t i = 0; i < 3; i++) t[i] = 2 * (q[(i + 1) % 3] * p[(i + 2) % 3] - q[(i + 2) % 3] * p[(i + 1) % 3]);
+    for (uint32_t i = 0; i < 3; i++) out[i] = p[i] + q[3] * t[i] + q[(i + 1) % 3] * t[(i + 2) % 3] - q[(i + 2) % 3] * t[(i + 1) % 3];
+}
+
+/* Which tangents of the eye a place of a cell's picture shows. */
+static void eye_tangents(const fnl_eye *seen_by, const fnl_eye_cell *cell, double column, double row, double out[2]) {
+    const double u = column / cell->rendered_width, v = row / cell->rendered_height;
+    double d[3], x[3], y[3], z[3];
+    direction_of(&cell->eye, (double)cell->eye.left + u * (double)(cell->eye.right - cell->eye.left), (double)cell->eye.up - v * (double)(cell->eye.up - cell->eye.down), d);
+    direction_of(seen_by, 1, 0, x);
+    direction_of(seen_by, 0, 1, y);
+    direction_of(seen_by, 0, 0, z);
+    double along[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < 3; i++) {
+        along[0] += d[i] * (x[i] - z[i]);
+        along[1] += d[i] * (y[i] - z[i]);
+        along[2] += d[i] * z[i];
+    }
+    out[0] = along[0] / along[2];
+    out[1] = along[1] / along[2];
+}
+
+/*
+ * Pixels of quadrants show what lens-matched shading shows there: as many for a pixel of the eye as (1 + w)^-3 says, one at the axis; each quadrant has
+ * all of its rectangle, and a pixel more on each side. Of an eye that is turned and off its axis, at odd sizes.
+ */
+static void test_quadrants_are_lens_matched_VR_11(void **state) {
+    UNUSED(state);
+    const fnl_eye eyes[] = {eye, {{{0.03f, 0, 0}, quat_axis_angle(vec3_make(0, 1, 0), 0.2f)}, -0.6f, 1.3f, -1.1f, 0.8f}};
+    static const uint32_t sizes[][2] = {{101, 67}, {640, 481}, {2, 2}};
+    static const fnl_vec2 strengths[] = {{0, 0}, {0.35f, 0.2f}, {1, 1}, {0, 1}};
+    for (uint32_t n = 0; n < COUNT_OF(eyes) * COUNT_OF(sizes) * COUNT_OF(strengths); n++) {
+        const fnl_eye *e = &eyes[n % 2];
+        const uint32_t *size = sizes[n / 2 % 3];
+        const fnl_vec2 strength = strengths[n / 6];
+        fnl_eye_cell cells[4];
+        assert_int_equal(fnl_eye_query_quadrants(NULL, e, size[0], size[1], strength, cells), FNL_OK);
+        assert_int_equal(cells[0].width + cells[1].width, size[0]);
+        assert_int_equal(cells[0].height + cells[2].height, size[1]);
+        const double dx = (double)(e->right - e->left) / size[0], dy = (double)(e->up - e->down) / size[1];
+        for (uint32_t i = 0; i < 4; i++) {
+            const fnl_eye_cell *c = &cells[i];
+            assert_true(c->x == (i % 2) * cells[0].width && c->y == (i / 2) * cells[0].height);
+            assert_true(c->rendered_width == cells[0].rendered_width && c->rendered_height == cells[0].rendered_height);
+            double corners[2][2] = {{1e9, 1e9}, {-1e9, -1e9}}; /* of the rectangle, by walking over the rendered picture */
+            for (uint32_t k = 0; k <= 8; k++)
+                for (uint32_t l = 0; l <= 8; l++) {
+                    /* A pixel at a place in the picture, and how large it is for the eye. */
+                    const double column = c->rendered_width * (k / 8.0), row = c->rendered_height * (l / 8.0), step = 1e-3;
+                    double at[2], left[2], right[2], up[2], down[2];
+                    eye_tangents(e, c, column, row, at);
+                    eye_tangents(e, c, column - step, row, left);
+                    eye_tangents(e, c, column + step, row, right);
+                    eye_tangents(e, c, column, row - step, up);
+                    eye_tangents(e, c, column, row + step, down);
+                    const double area = fabs((right[0] - left[0]) * (down[1] - up[1]) - (right[1] - left[1]) * (down[0] - up[0])) / (4 * step * step * dx * dy);
+                    const double edge_x = (double)(i % 2 ? e->right : e->left), edge_y = (double)(i / 2 ? e->down : e->up);
+                    const double w = 1 + (double)strength.x * at[0] / edge_x + (double)strength.y * at[1] / edge_y;
+                    if (w > 0.5 && w < 4 && fabs(area / (w * w * w) - 1) > 1e-3) fail_msg("%u pixels, quadrant %u, w %g: a pixel has the area of %g of the eye's", size[0], i, w, area);
+                    corners[0][0] = fmin(corners[0][0], at[0]), corners[1][0] = fmax(corners[1][0], at[0]);
+                    corners[0][1] = fmin(corners[0][1], at[1]), corners[1][1] = fmax(corners[1][1], at[1]);
+                }
+            const double left = (double)e->left + dx * c->x, up = (double)e->up - dy * c->y;
+            assert_true(corners[0][0] < left && corners[1][0] > left + dx * c->width && corners[0][1] < up - dy * c->height && corners[1][1] > up);
         }
-    const fnl_vec2 corner = fnl_lens_matched_place(strength, (fnl_vec2){1, -1}, false);
-    assert_float_equal(corner.x, 1 / 1.85f, 1e-6f);
-    assert_float_equal(corner.y, -1 / 1.85f, 1e-6f);
+    }
+}
+
+/* Values of pixels that a cell shares with the eye are kept, floats too; others lie between their neighbours; what no cell covers is black. */
+static void test_joining_keeps_values_VR_11(void **state) {
+    UNUSED(state);
+    const fnl_eye flat = {{{0, 0, 0}, {0, 0, 0, 1}}, -1, 1, -1, 1};
+    fnl_eye_cell cells[9];
+    fnl_image pictures[9], joined;
+    float values[9][4 * 64];
+    assert_int_equal(fnl_eye_query_cells(NULL, &flat, 12, 12, 0.5f, 1, cells), FNL_OK);
+    for (uint32_t i = 0; i < 9; i++) {
+        for (uint32_t k = 0; k < 4 * cells[i].rendered_width * cells[i].rendered_height; k++) values[i][k] = (float)(1000 * i + k);
+        pictures[i] = (fnl_image){cells[i].rendered_width, cells[i].rendered_height, FNL_PIXEL_FORMAT_RGBA32F, values[i]};
+    }
+    assert_int_equal(fnl_eye_join_cells(NULL, &flat, cells, 9, pictures, &joined), FNL_OK);
+    for (uint32_t i = 0; i < 9; i++)
+        for (uint32_t y = 0; y < cells[i].height; y++)
+            assert_memory_equal((float *)joined.pixels + 4 * ((cells[i].y + y) * 12 + cells[i].x), &values[i][4 * y * cells[i].width], 16 * cells[i].width);
+    fnl_image_free(NULL, &joined);
+
+    float two[8] = {1, 2, 3, 4, 5, 6, 7, 8}; /* one row for 4 x 2 pixels, and a part without a cell */
+    const fnl_eye_cell half = {{flat.pose, -1, 1, -1, 1}, 0, 0, 4, 2, 2, 1}, far = {{flat.pose, -1, 1, -1, 1}, 5, 0, 1, 2, 2, 1};
+    const fnl_eye_cell both[2] = {half, far};
+    const fnl_image row = {2, 1, FNL_PIXEL_FORMAT_RGBA32F, two}, rows[2] = {row, row};
+    assert_int_equal(fnl_eye_join_cells(NULL, &flat, both, 2, rows, &joined), FNL_OK);
+    assert_true(joined.width == 6 && joined.height == 2);
+    for (uint32_t x = 0; x < 6; x++) { /* the eye's picture has 6 columns: the cell reaches over all of them */
+        const double place = (x + 0.5) / 3 - 0.5, red = x == 4 ? 0 : 1 + 4 * fmin(fmax(place, 0), 1);
+        assert_float_equal(((float *)joined.pixels)[4 * (6 + x)], red, 1e-4);
+    }
+    fnl_image_free(NULL, &joined);
+    assert_int_equal(fnl_eye_join_cells(NULL, &flat, both, 2, (fnl_image[]){row, {1, 2, FNL_PIXEL_FORMAT_RGBA32F, two}}, &joined), FNL_ERROR_INVALID);
 }
 
 /* ---- coarse.fovea: rates by the angle from where the viewer looks ---- */
@@ -279,7 +442,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_cells_cover_the_picture_VR_11, harness_check),
         cmocka_unit_test_teardown(test_the_middle_stays_as_it_was_VR_11, harness_check),
-        cmocka_unit_test_teardown(test_lens_matched_places_come_back_VR_11, harness_check),
+        cmocka_unit_test_teardown(test_quadrants_make_the_picture_VR_11, harness_check),
+        cmocka_unit_test_teardown(test_quadrants_are_lens_matched_VR_11, harness_check),
+        cmocka_unit_test_teardown(test_joining_keeps_values_VR_11, harness_check),
         cmocka_unit_test_teardown(test_fovea_follows_the_gaze_VR_11, harness_check),
         cmocka_unit_test_teardown(test_fovea_with_splits_and_limits_VR_11, harness_check),
         cmocka_unit_test_teardown(test_fovea_of_two_eyes_VR_11, harness_check),
