@@ -380,6 +380,15 @@ static void test_what_it_does_not_go_with(void **state) {
         const fnl_result wanted = i == 12 ? FNL_OK : i == 10 || i == 11 ? FNL_ERROR_INVALID : FNL_ERROR_UNSUPPORTED;
         if (fnl_renderer_render(stage.renderer, &frame) != wanted) fail_msg("case %u", i);
     }
+    fnl_camera many[FNL_VIEWS_MAX]; /* each display has a mono view of its own: with 42 views 21, one fewer than there is room for */
+    for (uint32_t i = 0; i < FNL_VIEWS_MAX; i++) many[i] = eyes[i % 2];
+    fnl_frame frame = frame_of(&stage, eyes, 10);
+    frame.width = frame.height = 4;
+    frame.views = many;
+    for (uint32_t i = 0; i < 2; i++) {
+        frame.view_count = i ? 44 : 42;
+        assert_int_equal(fnl_renderer_render(stage.renderer, &frame), i ? FNL_ERROR_UNSUPPORTED : FNL_OK);
+    }
     stage_close(&stage);
 }
 
