@@ -103,12 +103,20 @@ float shade_cost(view_block v, float seed) {
     return burn * v.view.frame.frame.nothing;
 }
 
-// Where COUNT_LIGHTS is 1: the rays since the last call.
-void count_rays(view_block v, uint_array counters) {
-    if (COUNT_LIGHTS != 1u || !LIGHTING_RAYS) return;
-    atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u + 1u], rays_sent);
-    atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u + 2u], rays_passed);
-    rays_sent = rays_passed = 0u;
+// Where COUNT_LIGHTS is 1: the rays and the filtered look-ups since the last call.
+void count_shadows(view_block v, uint_array counters) {
+    if (COUNT_LIGHTS != 1u) return;
+    uint at = v.view.size.x * v.view.size.y * 2u;
+    if (LIGHTING_RAYS) {
+        atomicAdd(counters.at[at + 1u], rays_sent);
+        atomicAdd(counters.at[at + 2u], rays_passed);
+        rays_sent = rays_passed = 0u;
+    }
+    if (LIGHTING_FILTERED) {
+        atomicAdd(counters.at[at + 3u], shadows_filtered);
+        atomicAdd(counters.at[at + 4u], shadows_settled);
+        shadows_filtered = shadows_settled = 0u;
+    }
 }
 
 // With LIGHTING_DENOISED shade_surface() leaves here what it did not add to the radiance.
@@ -197,7 +205,7 @@ vec3 shade_surface(surface s, view_block v, lighting_block l, uint_array counter
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
         if (cursor.unserved) atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u], 1u);
     }
-    count_rays(v, counters);
+    count_shadows(v, counters);
 
     if (v.view.frame.frame.shade_cost > 0u) sum += shade_cost(v, s.roughness);
     return shade_rest(s, v, to_view, sum);

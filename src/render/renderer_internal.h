@@ -192,7 +192,8 @@ static inline const struct frame_counts *renderer_counts(const fnl_renderer *r, 
 }
 
 /** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, shadow rays, and those of them that passed. */
-static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + 3; }
+enum { LIGHT_COUNTERS_MORE = 5 }; /* behind those of pixels: points without a list, then rays and filtered look-ups (count_shadows() in shade.glsl) */
+static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + LIGHT_COUNTERS_MORE; }
 
 /** What tests ask for: nothing outside of them. */
 static inline struct renderer_tests renderer_tests(const fnl_renderer *r) {

@@ -39,7 +39,7 @@ fnl_result fnl_renderer_query_done(fnl_renderer *r, bool *out) {
 
 static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *view, fnl_frame_stats *s) {
     const uint32_t *counters = view->counters.mapped;
-    uint64_t pixels = (view->counter_count - 3) / 2;
+    uint64_t pixels = (view->counter_count - LIGHT_COUNTERS_MORE) / 2;
     for (uint64_t i = 0; i < pixels; i++) {
         s->evaluations += counters[2 * i];
         s->evaluations_useful += counters[2 * i + 1];

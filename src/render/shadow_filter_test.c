@@ -289,8 +289,42 @@ static void test_pages_of_penumbras(void **state) {
     stage_close(&s);
 }
 
+/* ---- what is all light or all shadow takes no filtering ---- */
+
+/* Of a floor before a lamp all points are settled by the first taps, in light and far in the shadow; at the edge, and only there, none is. */
+static void test_even_places_take_few_taps_ES_49(void **state) {
+    UNUSED(state);
+    for (uint32_t kind = 0; kind < 3; kind++) {
+        const fnl_light_kind kinds[3] = {FNL_LIGHT_POINT, FNL_LIGHT_SPOT, FNL_LIGHT_DIRECTIONAL};
+        const fnl_light_params lamp = lamp_of(kinds[kind], 0);
+        for (uint32_t place = 0; place < 3; place++) {
+            fnl_trace_params view;
+            struct stage s = open_half_covered(&lamp, 1, &view);
+            const float x = place == 0 ? -4 : place == 1 ? 0.03f : 4; /* open, the edge, covered: seen from between floor and cover */
+            s.frame.camera.position.x += x;
+            s.frame.camera.target.x += x;
+            s.frame.shadow.filter = FNL_SHADOW_FILTER_PCF;
+            s.frame.count_lights = true;
+            struct shot shot = stage_shoot(&s, &s.frame);
+            const uint64_t filtered = counter(&shot.stats, "shadows.filtered"), settled = counter(&shot.stats, "shadows.settled");
+            print_message("%s, %s: %u of %u settled\n", fnl_value_name(FNL_ENUM_LIGHT_KIND, kinds[kind]), place == 0 ? "open" : place == 1 ? "edge" : "covered", (uint32_t)settled, (uint32_t)filtered);
+            assert_true(filtered >= SIZE * SIZE / 2);
+            if (place == 1) assert_true(settled < filtered && settled > filtered / 2);
+            else assert_int_equal(settled, filtered);
+            s.frame.shadow.filter = FNL_SHADOW_FILTER_HARD;
+            struct shot hard = stage_shoot(&s, &s.frame);
+            assert_false(has_counter(&hard.stats, "shadows.filtered"));
+            if (place != 1) assert_int_equal(count_differing(&shot.radiance, &hard.radiance), 0);
+            shot_free(&shot);
+            shot_free(&hard);
+            stage_close(&s);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_even_places_take_few_taps_ES_49, harness_check),
         cmocka_unit_test_teardown(test_penumbras_are_those_of_the_tracer_MP_8, harness_check),
         cmocka_unit_test_teardown(test_known_shadows, harness_check),
         cmocka_unit_test_teardown(test_pcf_is_a_mean_of_16_looks_MP_7, harness_check),

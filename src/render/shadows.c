@@ -145,17 +145,21 @@ static void begin_light(struct frame_state *views, uint32_t count) {
 /* ---- numbers ---- */
 
 /* Behind the counts of light evaluations. */
-static bool find_rays_at(const struct counted *counted, uint64_t from_end, uint64_t *value) {
-    const fnl_frame *frame = &counted->r->frame;
+static bool find_at(const struct counted *counted, uint64_t from_end, uint64_t *value) {
     *value = ((const uint32_t *)counted->view->counters.mapped)[counted->view->counter_count - from_end];
-    return frame->shadows != FNL_SHADOWS_OFF;
+    return counted->r->frame.shadows != FNL_SHADOWS_OFF;
 }
-static bool find_rays(const struct counted *counted, uint64_t *value) { return find_rays_at(counted, 2, value); }
-static bool find_rays_passed(const struct counted *counted, uint64_t *value) { return find_rays_at(counted, 1, value); }
+static bool find_rays(const struct counted *counted, uint64_t *value) { return find_at(counted, 4, value); }
+static bool find_rays_passed(const struct counted *counted, uint64_t *value) { return find_at(counted, 3, value); }
+static bool is_filtered(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_MAPS) && frame->shadow.filter != FNL_SHADOW_FILTER_HARD; }
+static bool find_filtered(const struct counted *counted, uint64_t *value) { return find_at(counted, 2, value) && is_filtered(&counted->r->frame); }
+static bool find_settled(const struct counted *counted, uint64_t *value) { return find_at(counted, 1, value) && is_filtered(&counted->r->frame); }
 
 static const struct counter rows[] = {
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
     {"shadows.rays-passed", "rays", "of them, those that find at least half of their light", .find = find_rays_passed, .needs = "count-lights"},
+    {"shadows.filtered", "points", "lights of surface points whose shadow maps are filtered", .find = find_filtered, .needs = "count-lights"},
+    {"shadows.settled", "points", "of them, those that the first taps settled: all in light or all in shadow", .find = find_settled, .needs = "count-lights"},
     {"shadows.instances", "items", "items in the device's acceleration structure, with ray queries", NOTED},
     {"shadows.structures-built", "structures", "acceleration structures built in this frame: of meshes, and one of the instances when any has moved", NOTED},
     {"shadows.structures-refitted", "structures", "of meshes that deform, adapted to this frame's vertices without being built anew", NOTED},

@@ -36,7 +36,7 @@ void main() {
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
     if (LIGHTING_SHADOWED)
         illuminance *= light_visibility(push.lighting, push.lighting.scope.lights.directional_count + in_light, shadowed_point_of(push.lighting, s.position, s.normal), to_light, false);
-    count_rays(push.view, push.counters);
+    count_shadows(push.view, push.counters);
     brdf_view b = energy_view(s, push.view, to_viewer(push.view, s.position));
     brdf_lobes lobes;
     vec3 sum = vec3(0.0);

@@ -122,7 +122,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
         atomicAdd(push.counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
         atomicAdd(push.counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
     }
-    count_rays(v, push.counters);
+    count_shadows(v, push.counters);
     if (!is_slow) return sum;
     if (v.view.frame.frame.shade_cost > 0u) sum.rest += shade_cost(v, s.roughness);
     coarse_light ambient = ambient_parts(s, to_view);

@@ -97,7 +97,7 @@ light_sums light_sums_of(light_surface s, view_block v, lighting_block l, uint_a
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
     }
-    count_rays(v, counters);
+    count_shadows(v, counters);
     return sums;
 }
 

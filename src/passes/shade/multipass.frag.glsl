@@ -38,6 +38,6 @@ void main() {
             atomicAdd(push.geometry.counters.at[at + 1u], reaches ? 1u : 0u);
         }
     }
-    count_rays(v, push.geometry.counters);
+    count_shadows(v, push.geometry.counters);
     out_radiance = vec4(sum, 0.0);
 }

@@ -45,7 +45,7 @@ void main() {
     light_surface s = light_surface_of(push.surfaces, pixel, at, position);
     if (LIGHTING_SHADOWED)
         illuminance *= light_visibility(push.head.lighting, push.head.lighting.scope.lights.directional_count + in_light, shadowed_point_of(push.head.lighting, position, s.normal), to_light, false);
-    count_rays(v, push.head.counters);
+    count_shadows(v, push.head.counters);
     light_sums sums = light_sums_none();
     brdf_lobes lobes;
     if (light_brdf_lobes(lights_of(push.head.lighting), push.head.lighting.scope.lights.directional_count + in_light, position, s.normal, light_surface_view(s, v), to_light, lobes))

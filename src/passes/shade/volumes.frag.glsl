@@ -69,6 +69,6 @@ void main() {
         if (useful > 0u) atomicAdd(push.counters.at[counter + 1u], useful);
     }
     if (useful == 0u) discard;
-    count_rays(push.view, push.counters);
+    count_shadows(push.view, push.counters);
     out_radiance = vec4(min(radiance, vec3(MOST)), 0.0);
 }

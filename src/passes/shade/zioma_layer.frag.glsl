@@ -43,7 +43,7 @@ void main() {
     vec3 color = push.head.lighting.scope.lights.lights.at[light].color;
     if (strength <= 0.0 || color * strength == vec3(0.0)) discard;
     if (LIGHTING_SHADOWED) color *= light_visibility(push.head.lighting, light, shadowed_point_of(push.head.lighting, position, to_light), to_light, false);
-    count_rays(v, push.head.counters);
+    count_shadows(v, push.head.counters);
     out_ray = vec4(to_light, strength);
     out_color = vec4(color, LIGHTING_AREA_LIGHTS && shape_is_area(push.head.lighting.scope.lights.lights.at[light].shape.kind) ? float(in_light + 1u) : 0.0);
     gl_FragDepth = place;

@@ -54,7 +54,7 @@ void main() {
         atomicAdd(push.geometry.counters.at[at], visited);
         atomicAdd(push.geometry.counters.at[at + 1u], useful);
     }
-    count_rays(v, push.geometry.counters);
+    count_shadows(v, push.geometry.counters);
     vec3 radiance = shade_rest(s, v, to_view, sum);
     out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)), 1.0);
 }
