@@ -107,6 +107,18 @@ static void cutout_lets_light_through_its_holes(void) {
     expect_shadow(scene, (struct shade){{0, -1}, {1, 1}}, 0, 1, "cutout");
 }
 
+/* Glass hides no light, unless it is metal, and so is opaque. */
+static void glass_lets_light_through(void) {
+    for (uint32_t metal = 0; metal < 2; metal++) {
+        fnl_scene *scene = shadow_floor();
+        fnl_material_params glass = matt(1);
+        glass.transmission.strength = 1;
+        glass.metallic = (float)metal;
+        add_square(scene, &glass, (vec3){1, 1, 1}, (vec3){0, 1, 0});
+        expect_shadow(scene, SQUARE, metal ? 0 : 1, 1, metal ? "metal" : "glass");
+    }
+}
+
 static void blended_surfaces_attenuate(void) {
     fnl_scene *scene = shadow_floor();
     fnl_material_params glass = matt(1);
@@ -185,6 +197,7 @@ void shadow_cases(const struct shadow_cases *cases) {
     hard_shadow();
     shadow_of_instances();
     cutout_lets_light_through_its_holes();
+    glass_lets_light_through();
     if (cases->blended) blended_surfaces_attenuate();
     posed_meshes_cast_their_shadow();
     light_on_a_surface();

@@ -535,6 +535,33 @@ static void test_blended_surfaces_ask_for_pages(void **state) {
     stage_close(&s);
 }
 
+/* A lamp that reaches a pane and nothing opaque, far from the viewer: the pane finds it in the lights of its own depth. */
+static void test_panes_ask_where_they_are(void **state) {
+    UNUSED(state);
+    for (uint32_t kind = 0; kind < 3; kind++) {
+        fnl_scene *scene = world_create(NULL);
+        fnl_light_params lamp = fnl_light_params_default();
+        fnl_light_id id;
+        lamp.position = (vec3){0, 1, 0};
+        lamp.intensity = 10, lamp.range = 0.8f;
+        assert_int_equal(fnl_scene_add_light(scene, &lamp, &id), FNL_OK);
+        fnl_material_params pane = matt(1);
+        add_square(scene, &pane, (vec3){10, 1, 10}, (vec3){0, 0, 0});
+        if (kind == 1) pane.alpha_mode = FNL_ALPHA_BLEND, pane.base_color[3] = 0.25f;
+        if (kind == 2) pane.transmission.strength = 1;
+        if (kind > 0) add_square(scene, &pane, (vec3){1, 1, 1}, (vec3){0, 0.9f, 0});
+        struct stage s = stage_open_scene(scene);
+        s.frame.width = s.frame.height = SHADOW_SIZE;
+        s.frame.camera = fnl_camera_default();
+        s.frame.camera.position = (vec3){0, 20, 0}, s.frame.camera.target = (vec3){0, 0, 0}, s.frame.camera.up = (vec3){0, 0, -1};
+        s.frame.camera.vertical_fov = 0.2f;
+        s.frame.shadows = FNL_SHADOWS_MAPS;
+        const uint64_t wanted = counter_of_frame(&s, "shadows.wanted");
+        if ((wanted > 0) != (kind > 0)) fail_msg("%u pages are wanted with pane %u", (uint32_t)wanted, kind);
+        stage_close(&s);
+    }
+}
+
 /* A strip that only the lower samples of a row of pixels see, above the floor, so that it needs other pages than what is under it. */
 static void test_all_samples_ask_for_pages(void **state) {
     UNUSED(state);
@@ -612,6 +639,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_SH_70_what_is_animated_asks, harness_check),
         cmocka_unit_test_teardown(test_maps_are_drawn_on_request, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),
+        cmocka_unit_test_teardown(test_panes_ask_where_they_are, harness_check),
         cmocka_unit_test_teardown(test_all_samples_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_pages_wait_for_room, harness_check),
         cmocka_unit_test_teardown(test_nothing_is_added_without_lights, harness_check),
