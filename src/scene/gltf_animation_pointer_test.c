@@ -575,6 +575,10 @@ static void test_broken_pointers(void **state) {
     set_time(scene, 2);
     assert_true(scene->materials.data[MATERIAL].metallic == 1);
     fnl_scene_destroy(&scene);
+    make_keys(4, 0.4f); /* of the second key the last two components alone are out of range */
+    scene = load_channel("/materials/1/pbrMetallicRoughness/baseColorFactor", VECTORS_4, "LINEAR");
+    if (file_log.count != 1 || !strstr(file_log.text, "1 values are not in 0 .. 1, the first at key 1; they are clamped")) fail_msg("%s", file_log.text);
+    fnl_scene_destroy(&scene);
 }
 
 static void test_broken_targets(void **state) {

@@ -481,8 +481,9 @@ static void test_layers_lie_where_they_are(void **state) {
     enum { SIDE = 64 };
     fnl_compositor_params p = params_of(SIDE, SIDE, 2, NULL);
     fnl_compositor *c = make(&p);
-    fnl_image white = painted(4, 4, 1, paint_edge);
+    fnl_image white = painted(4, 4, 1, paint_edge), behind = painted(SIDE, 2 * SIDE, 1, paint_grey);
     memset(white.pixels, 255, 64);
+    assert_int_equal(submit(c, &behind, NULL, nowhere), FNL_OK);
     for (uint32_t locked = 0; locked < 2; locked++)
         for (uint32_t back = 0; back < 2; back++) {
             const fnl_layer layer = {&white, 1, {{0, 0, -1}, back ? (quat){0, 1, 0, 0} : (quat){0, 0, 0, 1}}, 0.25f, 0.5f, locked};
@@ -494,6 +495,7 @@ static void test_layers_lie_where_they_are(void **state) {
                 for (uint32_t y = 0; y < SIDE; y++)
                     for (uint32_t x = 0; x < SIDE; x++)
                         if (pixel_of(&out, x + eye * SIDE, y)[0] > 128) sum += x + 0.5, count++;
+                        else assert_int_equal(pixel_of(&out, x + eye * SIDE, y)[0], 40); /* beside the layer is what is behind it */
                 if (back) {
                     assert_int_equal(count, 0);
                     continue;
@@ -505,6 +507,7 @@ static void test_layers_lie_where_they_are(void **state) {
             release(&out);
         }
     release(&white);
+    release(&behind);
     fnl_compositor_destroy(&c);
 }
 
@@ -559,6 +562,7 @@ static void test_views_of_what_goes_on(void **state) {
     release(&mesh);
     fnl_image fringes = compose(c, &(fnl_composition){.head = nowhere, .view = FNL_DISPLAY_VIEW_FRINGES});
     assert_true(pixel_of(&fringes, SIDE / 2, SIDE / 2)[2] < 40);
+    assert_true(pixel_of(&fringes, SIDE / 8, SIDE / 2)[0] > 20 && pixel_of(&fringes, SIDE / 8, SIDE / 2)[0] > pixel_of(&fringes, SIDE / 4, SIDE / 2)[0]);
     assert_true(pixel_of(&fringes, SIDE / 8, SIDE / 2)[2] > pixel_of(&fringes, SIDE / 4, SIDE / 2)[2] && pixel_of(&fringes, SIDE / 8, SIDE / 2)[1] == 0);
     release(&fringes);
     release(&color);
