@@ -55,6 +55,13 @@ bool argument_take_place(const char **at, double out[3]) {
     return true;
 }
 
+uint32_t argument_take_row(const char **at, double *out, uint32_t most) {
+    for (uint32_t i = 0;; i++) {
+        *at += strspn(*at, " \t");
+        if (i == most || !argument_take_number(at, &out[i]) || (**at && !strchr(" \t\r\n#", **at))) return i;
+    }
+}
+
 bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out) {
     const char *at = text + (*text == '-');
     uint64_t count;

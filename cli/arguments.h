@@ -15,6 +15,8 @@ bool argument_take_number(const char **at, double *out);
 bool argument_take_count(const char **at, uint64_t *out);
 /** `count` numbers with commas between; the same. */
 bool argument_take_numbers(const char **at, float *out, uint32_t count);
+/** Up to `most` numbers of a line of a file, with blanks between; moves `*at` to what follows. Returns how many there are. */
+uint32_t argument_take_row(const char **at, double *out, uint32_t most);
 bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out);
 bool argument_number(const char *option, const char *text, double *out);
 /** Bytes: "65536", "512K", "300M", "4G". */

@@ -32,16 +32,17 @@ static bool bad_line(const char *file, unsigned line, const char *problem) {
 
 static bool parse_line(struct bench_path *path, const char *file, unsigned line, const char *text, const fnl_camera *base) {
     struct bench_point point = {.camera = *base};
-    double *eye = point.eye, *target = point.target;
-    int used = 0;
+    double *eye = point.eye, *target = point.target, numbers[7];
     text += strspn(text, " \t\r\n");
     if (!*text || *text == '#') return true;
-    if (sscanf(text, "%lf %lf %lf %lf %lf %lf %lf %n", &point.time, &eye[0], &eye[1], &eye[2], &target[0], &target[1], &target[2],
-               &used) != 7 ||
-        !used || (text[used] && text[used] != '#'))
-        return bad_line(file, line, "not 'seconds eye.x eye.y eye.z target.x target.y target.z'");
-    const float sum = (float)eye[0] + (float)eye[1] + (float)eye[2] + (float)target[0] + (float)target[1] + (float)target[2];
-    if (!isfinite(point.time) || !isfinite(sum)) return bad_line(file, line, "a number is not finite");
+    const uint32_t count = argument_take_row(&text, numbers, 7);
+    text += strspn(text, " \t\r\n");
+    if (count != 7 || (*text && *text != '#')) return bad_line(file, line, "not 'seconds eye.x eye.y eye.z target.x target.y target.z'");
+    point.time = numbers[0];
+    memcpy(eye, &numbers[1], sizeof point.eye);
+    memcpy(target, &numbers[4], sizeof point.target);
+    for (int i = 1; i < 7; i++)
+        if (!isfinite((float)numbers[i])) return bad_line(file, line, "a number is too large");
     if (eye[0] == target[0] && eye[1] == target[1] && eye[2] == target[2])
         return bad_line(file, line, "the target is where the eye is");
     if (path->count && point.time < path->points[path->count - 1].time) return bad_line(file, line, "time runs backwards");

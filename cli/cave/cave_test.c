@@ -237,6 +237,20 @@ static void test_broken_files(void **state) {
         expect_message(folder);
         if (strchr(messages, '\n') != messages + strlen(messages) - 1) fail_msg("not one line: %s", messages);
     }
+    static const char *const lines[] = {"+1 0 0 1", "1 0x1 0 1", "1 0 inf 1", "1 0 0 1e999", "1 0 0 1x", "1 0 0 1 0 0 0", "1 0 0 1 0 0 0 1 2", "1,0,0,1"};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        char text[128];
+        struct cave_displays d;
+        snprintf(text, sizeof text, "0 0 0 1 # first\n\t%s\n", lines[i]);
+        write_file("bad.txt", text);
+        write_file("bad.json", "{\"walls\": [" WALL "}], \"head\": \"bad.txt\"}");
+        catch_messages();
+        const bool good = cave_displays_load(path_of("bad.json"), &d);
+        release_messages();
+        cave_displays_free(&d);
+        if (good) fail_msg("taken: %s", lines[i]);
+        expect_message("bad.txt: line 2: must be 'seconds x y z'");
+    }
 }
 
 static void test_tracks(void **state) {

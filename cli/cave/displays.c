@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cave/displays.h"
 
+#include "arguments.h"
 #include "cave/hash.h"
 #include "input.h"
 #include "loading.h"
@@ -222,12 +223,12 @@ static bool read_track_file(struct cave_displays *d, const char *path) {
         row[strcspn(row, "#\r")] = 0;
         if (row[strspn(row, " \t")] == 0) continue;
         snprintf(r.place, sizeof r.place, "line %u", line);
-        struct cave_sample s = {.pose.rotation = {0, 0, 0, 1}};
+        double v[8] = {0, 0, 0, 0, 0, 0, 0, 1};
+        const char *at = row;
+        const uint32_t count = argument_take_row(&at, v, 8);
+        struct cave_sample s = {.time = v[0], .pose = {.position = {v[1], v[2], v[3]}, .rotation = {v[4], v[5], v[6], v[7]}}};
         struct cave_quaternion *q = &s.pose.rotation;
-        int few = 0, all = 0;
-        const int count = sscanf(row, "%lf %lf %lf %lf %n%lf %lf %lf %lf %n", &s.time, &s.pose.position.x, &s.pose.position.y, &s.pose.position.z, &few, &q->x, &q->y,
-                                 &q->z, &q->w, &all);
-        const bool whole = (count == 4 && !row[few]) || (count == 8 && !row[all]), in_range = fabs(s.time) <= 1e6 && cave_length(s.pose.position) <= 1e6;
+        const bool whole = (count == 4 || count == 8) && !*at, in_range = fabs(s.time) <= 1e6 && cave_length(s.pose.position) <= 1e6;
         if (!whole || !in_range)
             good = bad(&r, "must be 'seconds x y z', or with a rotation 'seconds x y z qx qy qz qw'");
         else

@@ -119,6 +119,8 @@ static void test_frames_have_what_they_do(void **state) {
         look(&stage, &frame);
         frame.shadows = FNL_SHADOWS_HYBRID;
         look(&stage, &frame);
+        frame.shadow.filter = FNL_SHADOW_FILTER_PCF;
+        look(&stage, &frame);
         frame.shadows = FNL_SHADOWS_SAMPLED;
         if (!(info.msaa_counts & 4)) continue;
         frame.msaa = 4;

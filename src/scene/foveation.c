@@ -82,10 +82,9 @@ fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *eye, uin
     TRY(check_count(call, "height", height, 2, 16384));
     TRY(check_range(call, "strength.x", (double)strength.x, 0, 1, ""));
     TRY(check_range(call, "strength.y", (double)strength.y, 0, 1, ""));
-    TRY(check_range(call, "-eye->left", -(double)eye->left, 1e-3, 1e4, ""));
-    TRY(check_range(call, "eye->right", (double)eye->right, 1e-3, 1e4, ""));
-    TRY(check_range(call, "-eye->down", -(double)eye->down, 1e-3, 1e4, ""));
-    TRY(check_range(call, "eye->up", (double)eye->up, 1e-3, 1e4, ""));
+    const float least = 1e-3f, most_edge = 1e4f;
+    if (!(-eye->left >= least && eye->right >= least && -eye->down >= least && eye->up >= least && fmaxf(fmaxf(-eye->left, eye->right), fmaxf(-eye->down, eye->up)) <= most_edge))
+        return misuse(call, "eye: edges are %g .. %g and %g .. %g, must be within %g with 0 between them", (double)eye->left, (double)eye->right, (double)eye->down, (double)eye->up, (double)most_edge);
     /* Parts meet at a corner of pixels, the one nearest to the eye's axis. */
     const float dx = (eye->right - eye->left) / (float)width, dy = (eye->up - eye->down) / (float)height;
     const uint32_t split_x = CLAMP((uint32_t)lroundf(-eye->left / dx), 1u, width - 1), split_y = CLAMP((uint32_t)lroundf(eye->up / dy), 1u, height - 1);

@@ -40,6 +40,12 @@ spheres="builtin:spheres --lists clustered"
     run 2 'no picture 2; it ends after 1' $spheres --camera-path orbit:2 --start-frame 2 -o a-%d.png
     run 2 "format: 'x' is not one of png exr raw y4m y4m444" $spheres --format x -o -
     run 2 'path.txt: cannot be read' $spheres --camera-path path.txt -o a-%d.png
+    for line in '+1 0 0 1 0 0 0' '1 0x1 0 1 0 0 0' '1 0 0 inf 0 0 0' '1 0 0 1 0 0 0x' '1 0 0 1 0 0' '1 0 0 1 0 0 0 2'; do
+        printf '0 0 0 1 0 0 0 # first\n\n\t%s\n' "$line" >bad.txt
+        run 2 "bad.txt:3: not 'seconds eye.x" $spheres --camera-path bad.txt -o a-%d.png
+    done
+    printf '0 0 0 1e39 0 0 0\n' >bad.txt
+    run 2 'bad.txt:1: a number is too large' $spheres --camera-path bad.txt -o a-%d.png
     for file in a*; do [ ! -e "$file" ] || fail "$file was left behind"; done
 
     # A still to stdout has the bytes of the file; what is printed otherwise goes to stderr.
