@@ -535,6 +535,29 @@ static void test_blended_surfaces_ask_for_pages(void **state) {
     stage_close(&s);
 }
 
+/* Glass through which light goes everywhere is not even drawn into maps; glass that is metal in part is. */
+static void test_clear_glass_is_not_drawn(void **state) {
+    UNUSED(state);
+    uint64_t pairs[3];
+    for (uint32_t kind = 0; kind < 3; kind++) { /* one that casts nothing, clear, metal */
+        fnl_scene *scene = shadow_floor();
+        fnl_material_params glass = matt(1);
+        glass.transmission.strength = 1;
+        glass.casts_shadows = kind > 0;
+        glass.metallic = kind == 2 ? 1 : 0;
+        add_square(scene, &glass, (vec3){1, 1, 1}, (vec3){0, 1, 0});
+        struct stage s = stage_open_scene(scene);
+        const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 0.5f, SHADOW_SIZE);
+        s.frame.width = view.width, s.frame.height = view.height;
+        s.frame.camera = view.camera;
+        s.frame.shadows = FNL_SHADOWS_MAPS;
+        pairs[kind] = counter_of_frame(&s, "shadows.pairs");
+        stage_close(&s);
+    }
+    assert_int_equal(pairs[1], pairs[0]);
+    assert_true(pairs[2] > pairs[0]);
+}
+
 /* A lamp that reaches a pane and nothing opaque, far from the viewer: the pane finds it in the lights of its own depth. */
 static void test_panes_ask_where_they_are(void **state) {
     UNUSED(state);
@@ -639,6 +662,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_SH_70_what_is_animated_asks, harness_check),
         cmocka_unit_test_teardown(test_maps_are_drawn_on_request, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces_ask_for_pages, harness_check),
+        cmocka_unit_test_teardown(test_clear_glass_is_not_drawn, harness_check),
         cmocka_unit_test_teardown(test_panes_ask_where_they_are, harness_check),
         cmocka_unit_test_teardown(test_all_samples_ask_for_pages, harness_check),
         cmocka_unit_test_teardown(test_pages_wait_for_room, harness_check),
