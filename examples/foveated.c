@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Renders an eye's picture with fewer pixels towards its edges, as a lens shows it:  foveated [SCENE [PICTURE.png [cells|quadrants]]]
- * cells: 3 x 3, four sizes, so four frames. quadrants: tilted, of one size, so one frame. Both are joined on the CPU here; a program that warps the
- * picture for its lens samples the parts in that very pass, where a direction falls on them.
+ * cells: 3 x 3 cells of four sizes, which take four frames. quadrants: four tilted quadrants of the same size, which take one frame. This example joins them
+ * on the CPU; a program that warps the picture for its lens can sample the parts in that pass instead.
  */
 #include <fanal/fanal.h>
 
@@ -32,7 +32,7 @@ static fnl_result render_parts(fnl_renderer *renderer, fnl_frame frame, const fn
     return result;
 }
 
-/* One exposure for all parts, that of the whole picture at a small size: each frame would take its own. */
+/* All parts use the exposure of the whole picture, metered at a small size; otherwise each frame would choose its own. */
 static fnl_result meter(fnl_renderer *renderer, const fnl_eye *eye, const fnl_rigid_pose *head, fnl_frame *frame) {
     fnl_frame small = *frame;
     fnl_frame_stats stats;

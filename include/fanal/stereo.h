@@ -114,19 +114,20 @@ FNL_API fnl_result fnl_eye_query_cells(const fnl_host *host, const fnl_eye *eye,
                                        fnl_eye_cell cells[9]);
 
 /**
- * Lens-matched shading: 4 quadrants in reading order, each drawn on a plane that is tilted so that w grows by strength.x |x| + strength.y |y| away from
- * the eye's axis, where x and y are 1 at the edges of the picture (what VK_NV_clip_space_w_scaling does, but with ordinary cameras). Next to the axis
- * there is a pixel for each of the eye's, where w has
- * grown to 1 + g about one for (1 + g)^3. All four have one size, so they are views of one frame. strength: 0 .. 1;
- * 0.3 is usual. width and height: 2 .. 16384. The axis must lie within the picture. As from the source, depth of different quadrants cannot be compared.
+ * Divides the picture of `eye` (width x height pixels, 2 .. 16384 each) for lens-matched shading: 4 quadrants in reading order, each rendered on a tilted
+ * plane. w grows from 1 at the eye's axis by strength.x |x| + strength.y |y|, where x and y are 1 at the edges of the picture, as with
+ * VK_NV_clip_space_w_scaling. A rendered pixel covers one pixel of the eye at the axis and about w^3 elsewhere. All quadrants have the same rendered size,
+ * so one frame can render them as views. strength: 0 .. 1 each; 0.3 is typical. Edges of the eye: left < 0 < right, down < 0 < up. Depth values of
+ * different quadrants are not comparable. FNL_ERROR_INVALID if an argument is NULL or out of range.
  */
 FNL_API fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *eye, uint32_t width, uint32_t height, fnl_vec2 strength,
                                            fnl_eye_cell cells[4]);
 
 /**
- * Joins pictures of cells, which fnl_eye_query_cells() or fnl_eye_query_quadrants() made for `eye`, to its picture. Pictures are RGBA8 (sRGB) or RGBA32F,
- * all the same, of the rendered sizes of their cells; `out` is so too, and as large as the cells reach; free it with fnl_image_free(). Values are
- * interpolated linearly, those of RGBA8 in linear light; where a pixel of the eye is one of the cell its value is kept. cell_count: 1 .. 64.
+ * Assembles the picture of `eye` from the pictures of its cells, as fnl_eye_query_cells() or fnl_eye_query_quadrants() returned them. pictures[i] has the
+ * rendered size of cells[i]; all are RGBA8 (sRGB) or all RGBA32F. `out` has the same format and reaches as far as the cells do; pixels outside all cells
+ * are black. Free it with fnl_image_free(). Values are interpolated linearly, RGBA8 in linear light; where a pixel of the eye coincides with a pixel of
+ * a cell, its value is unchanged. cell_count: 1 .. 64. FNL_ERROR_INVALID if an argument is NULL, out of range, or a picture does not fit its cell.
  */
 FNL_API fnl_result fnl_eye_join_cells(const fnl_host *host, const fnl_eye *eye, const fnl_eye_cell *cells, uint32_t cell_count, const fnl_image *pictures,
                                       fnl_image *out);

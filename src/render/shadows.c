@@ -158,8 +158,8 @@ static bool find_settled(const struct counted *counted, uint64_t *value) { retur
 static const struct counter rows[] = {
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
     {"shadows.rays-passed", "rays", "of them, those that find at least half of their light", .find = find_rays_passed, .needs = "count-lights"},
-    {"shadows.filtered", "points", "lights of surface points whose shadow maps are filtered", .find = find_filtered, .needs = "count-lights"},
-    {"shadows.settled", "points", "of them, those that the first taps settled: all in light or all in shadow", .find = find_settled, .needs = "count-lights"},
+    {"shadows.filtered", "points", "shadow map lookups that are filtered: one for each light of a surface point", .find = find_filtered, .needs = "count-lights"},
+    {"shadows.settled", "points", "of them, those that the first points decided: entirely lit or entirely in shadow", .find = find_settled, .needs = "count-lights"},
     {"shadows.instances", "items", "items in the device's acceleration structure, with ray queries", NOTED},
     {"shadows.structures-built", "structures", "acceleration structures built in this frame: of meshes, and one of the instances when any has moved", NOTED},
     {"shadows.structures-refitted", "structures", "of meshes that deform, adapted to this frame's vertices without being built anew", NOTED},

@@ -52,7 +52,7 @@ static fnl_vec2 seen_through(const mat4 *turn, fnl_vec2 tangents) {
     return (fnl_vec2){vec3_dot(axis_of(turn, 0), p) / depth, vec3_dot(axis_of(turn, 1), p) / depth};
 }
 
-/* By how much these grow with those of the eye at its axis, in x and in y, so that areas are right: (x, y) * turn is sheared. */
+/* How fast these grow with the tangents of the eye, at its axis, in x and y. The mapping also shears; the product of both is the growth of areas. */
 static fnl_vec2 growth_of(const mat4 *turn) {
     const vec3 x = axis_of(turn, 0), y = axis_of(turn, 1), z = axis_of(turn, 2);
     const fnl_vec2 own = {x.x * z.z - x.z * z.x, y.y * z.z - y.z * z.y}, other = {x.y * z.z - x.z * z.y, y.x * z.z - y.z * z.x};
