@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Renders an eye's picture with fewer pixels towards its edges, as a lens shows it:  foveated [SCENE [PICTURE.png [cells|quadrants]]]
+ * Renders an eye's picture with fewer pixels toward its edges, as a lens shows it:  foveated [SCENE [PICTURE.png [cells|quadrants]]]
  * cells: 3 x 3 cells of four sizes, which take four frames. quadrants: four tilted quadrants of the same size, which take one frame. This example joins them
  * on the CPU; a program that warps the picture for its lens can sample the parts in that pass instead.
  */
@@ -12,8 +12,8 @@
 enum { WIDTH = 480, HEIGHT = 480, MOST = 9 };
 
 /* Renders parts of one size as views of one frame; their pictures stand one below the other in `all`, which the caller frees. */
-static fnl_result render_parts(fnl_renderer *renderer, fnl_frame frame, const fnl_rigid_pose *head, const fnl_eye_cell *cells, const int *which, int count, fnl_image *all,
-                               fnl_image pictures[MOST]) {
+static fnl_result render_parts(fnl_renderer *renderer, fnl_frame frame, const fnl_rigid_pose *head, const fnl_eye_cell *cells,
+                               const int *which, int count, fnl_image *all, fnl_image pictures[MOST]) {
     fnl_camera cameras[4];
     fnl_result result = FNL_OK;
     frame.width = cells[which[0]].rendered_width;
@@ -57,19 +57,16 @@ static fnl_result render(fnl_device *device, fnl_scene *scene, bool quadrants, c
     uint64_t pixels = 0;
     fnl_result result = fnl_renderer_create(device, scene, &renderer);
     if (result == FNL_OK) result = meter(renderer, &eye, &head, &frame);
-    if (result != FNL_OK) {
-        fnl_renderer_destroy(&renderer);
-        return result;
-    }
-    result = quadrants ? fnl_eye_query_quadrants(NULL, &eye, WIDTH, HEIGHT, (fnl_vec2){0.35f, 0.35f}, cells)
-                                  : fnl_eye_query_cells(NULL, &eye, WIDTH, HEIGHT, 0.6f, 0.5f, cells);
+    if (result == FNL_OK && quadrants) result = fnl_eye_query_quadrants(NULL, &eye, WIDTH, HEIGHT, (fnl_vec2){0.35f, 0.35f}, cells);
+    if (result == FNL_OK && !quadrants) result = fnl_eye_query_cells(NULL, &eye, WIDTH, HEIGHT, 0.6f, 0.5f, cells);
     for (int g = quadrants ? 4 : 0; g < (quadrants ? 5 : 4) && result == FNL_OK; g++) {
         result = render_parts(renderer, frame, &head, cells, groups[g], counts[g], &all[g], pictures);
         pixels += (uint64_t)all[g].width * all[g].height;
     }
     if (result == FNL_OK) result = fnl_eye_join_cells(NULL, &eye, cells, quadrants ? 4 : 9, pictures, &joined);
     if (result == FNL_OK) result = fnl_image_save(NULL, path, &joined);
-    if (result == FNL_OK) printf("%s written: %d x %d pixels, of which %.0f %% were rendered\n", path, WIDTH, HEIGHT, 100.0 * (double)pixels / (WIDTH * HEIGHT));
+    if (result == FNL_OK)
+        printf("%s written: %d x %d pixels; %.0f %% as many were rendered\n", path, WIDTH, HEIGHT, 100.0 * (double)pixels / (WIDTH * HEIGHT));
     for (int g = 0; g < 5; g++) fnl_image_free(NULL, &all[g]);
     fnl_image_free(NULL, &joined);
     fnl_renderer_destroy(&renderer);

@@ -103,7 +103,7 @@ float shade_cost(view_block v, float seed) {
     return burn * v.view.frame.frame.nothing;
 }
 
-// Where COUNT_LIGHTS is 1: the rays and the filtered look-ups since the last call.
+// If COUNT_LIGHTS is 1: counts the rays and the filtered lookups since the last call.
 void count_shadows(view_block v, uint_array counters) {
     if (COUNT_LIGHTS != 1u) return;
     uint at = v.view.size.x * v.view.size.y * 2u;

@@ -666,8 +666,12 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_eye_query_cells", "scale is 0, must be above 0 and at most 1", fnl_eye_query_cells(NULL, &eye, 9, 9, 1, 0, cells));
     SAYS("fnl_eye_query_quadrants", "height is 1, must be 2 .. 16384", fnl_eye_query_quadrants(NULL, &eye, 9, 1, corners[0], cells));
     SAYS("fnl_eye_query_quadrants", "strength.x is 2, must be 0 .. 1", fnl_eye_query_quadrants(NULL, &eye, 9, 9, (fnl_vec2){2, 0}, cells));
-    SAYS("fnl_eye_query_quadrants", "eye: edges are 0.5 .. 1 and -1 .. 1, must be within 10000 with 0 between them",
+    SAYS("fnl_eye_query_quadrants", "eye: its axis is outside of its picture, or at the edge: left 0.5, right 1, down -1, up 1",
          fnl_eye_query_quadrants(NULL, &(fnl_eye){{{0, 0, 0}, {0, 0, 0, 1}}, 0.5f, 1, -1, 1}, 9, 9, corners[0], cells));
+    SAYS("fnl_eye_query_quadrants", "quadrants would need 7 x 16385 pixels, must be within 16384: eye is too uneven",
+         fnl_eye_query_quadrants(NULL, &(fnl_eye){{{0, 0, 0}, {0, 0, 0, 1}}, -1, 1, -0.001f, 20}, 9, 16384, (fnl_vec2){0, 0}, cells));
+    SAYS("fnl_eye_query_cells", "eye: edges are 1 .. 1 and -1 .. 1, must ascend and lie within 10000",
+         fnl_eye_query_cells(NULL, &(fnl_eye){{{0, 0, 0}, {0, 0, 0, 1}}, 1, 1, -1, 1}, 9, 9, 1, 1, cells));
     SAYS("fnl_eye_join_cells", "cell_count is 0, must be 1 .. 64", fnl_eye_join_cells(NULL, &eye, cells, 0, &picture, &joined));
     SAYS("fnl_hidden_area_round", "segments is 2, must be 3 .. 1024", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 2, corners, &hidden_area));
     SAYS("fnl_hidden_area_round", "radius is 0, must be above 0 and at most 10000", fnl_hidden_area_round(NULL, &eye, corners[0], 0, 3, corners, &hidden_area));

@@ -118,7 +118,7 @@ FNL_API fnl_result fnl_eye_query_cells(const fnl_host *host, const fnl_eye *eye,
  * plane. w grows from 1 at the eye's axis by strength.x |x| + strength.y |y|, where x and y are 1 at the edges of the picture, as with
  * VK_NV_clip_space_w_scaling. A rendered pixel covers one pixel of the eye at the axis and about w^3 elsewhere. All quadrants have the same rendered size,
  * so one frame can render them as views. strength: 0 .. 1 each; 0.3 is typical. Edges of the eye: left < 0 < right, down < 0 < up. Depth values of
- * different quadrants are not comparable. FNL_ERROR_INVALID if an argument is NULL or out of range.
+ * different quadrants are not comparable. FNL_ERROR_INVALID if an argument is NULL or out of range, or if quadrants would need more than 16384 pixels.
  */
 FNL_API fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *eye, uint32_t width, uint32_t height, fnl_vec2 strength,
                                            fnl_eye_cell cells[4]);
@@ -126,8 +126,8 @@ FNL_API fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *
 /**
  * Assembles the picture of `eye` from the pictures of its cells, as fnl_eye_query_cells() or fnl_eye_query_quadrants() returned them. pictures[i] has the
  * rendered size of cells[i]; all are RGBA8 (sRGB) or all RGBA32F. `out` has the same format and reaches as far as the cells do; pixels outside all cells
- * are black. Free it with fnl_image_free(). Values are interpolated linearly, RGBA8 in linear light; where a pixel of the eye coincides with a pixel of
- * a cell, its value is unchanged. cell_count: 1 .. 64. FNL_ERROR_INVALID if an argument is NULL, out of range, or a picture does not fit its cell.
+ * are black. Free it with fnl_image_free(). Values are interpolated linearly, RGBA8 in linear light; where a pixel of the eye is exactly a pixel
+ * of a cell, its value is unchanged. cell_count: 1 .. 64. FNL_ERROR_INVALID if an argument is NULL, out of range, or a picture does not fit its cell.
  */
 FNL_API fnl_result fnl_eye_join_cells(const fnl_host *host, const fnl_eye *eye, const fnl_eye_cell *cells, uint32_t cell_count, const fnl_image *pictures,
                                       fnl_image *out);

@@ -10,7 +10,7 @@ const uint SHADOW_TAPS = 16u, SHADOW_TAPS_OUTER = 5u;
 // Texels from the point to its farthest tap: with the four texels round that it stays within the border of the page.
 const float SHADOW_REACH = float(SHADOW_BORDER) - 1.0;
 const float SHADOW_PCF_REACH = 1.5, SHADOW_PCF_REACH_OBLONG = 1.0; // texels; oblong ones are 1.5 times as long on the screen
-// Filtered look-ups of this invocation, and those of them that few taps settled.
+// Filtered lookups of this invocation, and how many of them ended after the outer taps.
 uint shadows_filtered = 0u, shadows_settled = 0u;
 // Blockers are sought down to this part of the way from the light to the point: penumbras of nearer ones are too narrow.
 const float SHADOW_NEAREST_BLOCKER = 0.25;
@@ -100,21 +100,23 @@ bool shadow_tap_hides(gpu_shadow_maps maps, uint place, shadow_page at, vec2 tex
 }
 
 // Looks at a disk of the face; `radius` is in the units of `side` and `up`. x: the number of taps that show something before the receiver; y: the sum of
-// its depths. The outer taps come first, which lie all round the disk; with `settles` the rest is not looked up if they say what `hidden` says of the middle.
-vec2 shadow_taps(gpu_shadow_maps maps, uint place, shadow_page at, gpu_shape shape, shadow_receiver r, float radius, float turn, float slack, bool settles, bool hidden) {
+// its depths. The outer taps, which surround the disk, come first. With `settles` the rest are skipped if the outer taps and the center, `hidden`, agree;
+// then there are no depths.
+vec2 shadow_taps(gpu_shadow_maps maps, uint place, shadow_page at, gpu_shape shape, shadow_receiver r, float radius, float turn, float slack,
+                 bool settles, bool hidden) {
     float scale = 0.5 * shadow_width(at.level), texel = (shape.kind == GPU_SHAPE_BOX ? max(shape.size.x, shape.size.y) : r.along) / scale;
     vec2 sum = vec2(0.0);
-    for (uint k = 0u; k < SHADOW_TAPS; k++) {
-        if (settles && k == SHADOW_TAPS_OUTER && sum.x == (hidden ? float(SHADOW_TAPS_OUTER) : 0.0)) {
-            shadows_settled++;
-            return hidden ? vec2(float(SHADOW_TAPS), 0.0) : vec2(0.0);
-        }
+    uint k = 0u;
+    for (; k < SHADOW_TAPS; k++) {
+        if (settles && k == SHADOW_TAPS_OUTER && sum.x == (hidden ? float(SHADOW_TAPS_OUTER) : 0.0)) break;
         vec2 p = source_point(SHADOW_TAPS - 1u - k, SHADOW_TAPS, turn) * radius, beside = r.side * p.x + r.up * p.y, texels = beside * scale;
         float before = slack + (0.5 + 0.5 * length(texels)) * texel, blocker;
         float depth = r.depth + dot(r.slope, beside), bias = shadow_depth_before(shape, r, before) - r.depth;
         if (shadow_tap_hides(maps, place, at, shadow_page_texel(at, r.ndc + beside), -texels, depth, bias, r.depth, blocker)) sum += vec2(1.0, blocker);
     }
-    return sum;
+    if (k == SHADOW_TAPS) return sum;
+    shadows_settled++;
+    return vec2(hidden ? float(SHADOW_TAPS) : 0.0, 0.0);
 }
 
 // The part of the light, 0 .. 1, that reaches the point. `at` and `place`: the page that its pixel asked for; `hidden`: what that page says without a filter.
@@ -126,16 +128,12 @@ vec2 shadow_taps(gpu_shadow_maps maps, uint place, shadow_page at, gpu_shape sha
 float shadow_filtered(lighting_block l, uint light, shadowed_point p, uint row, gpu_shape shape, shadow_page at, uint place, shadow_receiver r,
                       bool hidden) {
     float open = hidden ? 0.0 : 1.0;
-    shadows_filtered++;
     bool is_oblong = light < l.scope.lights.directional_count && row % SHADOW_SUN_ROWS >= SHADOW_SUN_SQUARES;
     bool is_soft = l.scope.view.view.frame.frame.shadow_filter == GPU_SHADOW_FILTER_PCSS;
     float size = is_soft ? source_size(l, light, shape.kind == GPU_SHAPE_BOX) : 0.0, radius = is_oblong ? SHADOW_PCF_REACH_OBLONG : SHADOW_PCF_REACH, reach = 1.0, turn = 0.0;
     uint wanted = at.level;
     if (is_soft) {
-        if (!(size > 0.0)) {
-            shadows_settled++;
-            return open;
-        }
+        if (!(size > 0.0)) return open;
         reach = max(length(r.side), length(r.up));
         turn = source_turn(l, light, p.position);
         radius = shadow_search_radius(shape, r) / reach * size;
@@ -147,6 +145,7 @@ float shadow_filtered(lighting_block l, uint light, shadowed_point p, uint row, 
         r.up = r.side.yx;
     }
     vec2 taps = vec2(0.0);
+    shadows_filtered++;
     for (uint step = is_soft ? 0u : 1u; step < 2u; step++) { // blockers first: one loop, so that shaders hold its code once
         taps = shadow_taps(p.maps, place, at, shape, r, radius, turn, p.slack, !is_soft, hidden);
         if (step == 1u) break;

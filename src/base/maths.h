@@ -19,6 +19,8 @@ typedef fnl_vec4 quat;
 
 /** IEC 61966-2-1, 0 .. 1. */
 static inline float decode_srgb(float x) { return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f); }
+/** 0 .. 1 as 0 .. 255, clamped. */
+static inline uint8_t encode_byte(float x) { return (uint8_t)((x > 0 ? x < 1 ? x : 1 : 0) * 255 + 0.5f); }
 static inline float encode_srgb(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f; }
 
 static inline vec2 vec2_make(float x, float y) { return (vec2){x, y}; }
@@ -98,6 +100,12 @@ static inline quat quat_axis_angle(vec3 axis, float angle) {
 static inline quat quat_normalize(quat q) {
     const float square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w, length = sqrtf(square);
     return square_in_range(square) ? (quat){q.x / length, q.y / length, q.z / length, q.w / length} : quat_normalize_extreme(q);
+}
+
+/** Rotates by `b`, then by `a`. */
+static inline quat quat_mul(quat a, quat b) {
+    return (quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                  a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 
 /** translation * rotation * scale */

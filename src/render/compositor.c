@@ -4,6 +4,7 @@
 
 #include "base/check.h"
 #include "passes/stereo/lens.h"
+#include "scene/eye.h"
 
 /* A picture on the device. */
 struct kept_image {
@@ -55,20 +56,6 @@ float fnl_lens_display_edge(const fnl_lens *lens, float edge, bool vertical) {
     return 0.5f * (low + high);
 }
 
-static fnl_result check_pose(const struct call *call, const char *name, const fnl_rigid_pose *pose) {
-    const quat q = pose->rotation;
-    const float length = sqrtf(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-    const vec3 at = pose->position;
-    if (!vec3_finite(at)) return misuse(call, "%s.position is %g, %g, %g, must be finite", name, (double)at.x, (double)at.y, (double)at.z);
-    if (fabsf(length - 1) < 1e-3f) return FNL_OK;
-    return misuse(call, "%s.rotation is %g, %g, %g, %g, must be a unit quaternion", name, (double)q.x, (double)q.y, (double)q.z, (double)q.w);
-}
-
-static fnl_result check_edges(const struct call *call, const char *name, float left, float right, float down, float up) {
-    if (left < right && down < up && fabsf(left) < 1e4f && fabsf(right) < 1e4f && fabsf(down) < 1e4f && fabsf(up) < 1e4f) return FNL_OK;
-    return misuse(call, "%s: edges are %g .. %g and %g .. %g, must ascend and lie within 1e4", name, (double)left, (double)right, (double)down, (double)up);
-}
-
 static fnl_result check_params(const struct call *call, const fnl_compositor_params *p) {
     TRY(check_count(call, "params->width", p->width, 1, 8192));
     TRY(check_count(call, "params->height", p->height, 1, 8192));
@@ -78,10 +65,10 @@ static fnl_result check_params(const struct call *call, const fnl_compositor_par
         const fnl_display_eye *e = &p->eyes[i];
         char name[40];
         snprintf(name, sizeof name, "params->eyes[%u].eye", i);
-        TRY(check_pose(call, name, &e->eye.pose));
-        TRY(check_edges(call, name, e->eye.left, e->eye.right, e->eye.down, e->eye.up));
+        TRY(rigid_pose_check(call, name, &e->eye.pose));
+        TRY(edges_check(call, name, e->eye.left, e->eye.right, e->eye.down, e->eye.up));
         snprintf(name, sizeof name, "params->eyes[%u]", i);
-        TRY(check_edges(call, name, e->left, e->right, e->down, e->up));
+        TRY(edges_check(call, name, e->left, e->right, e->down, e->up));
         snprintf(name, sizeof name, "params->eyes[%u].lens.k", i);
         TRY(check_floats(call, name, &e->lens.k[0][0], 12, -1e3, 1e3, ""));
         snprintf(name, sizeof name, "params->eyes[%u].lens.center", i);
@@ -214,7 +201,7 @@ fnl_result fnl_compositor_submit(fnl_compositor *c, const fnl_eye_pictures *pict
     if (color->height % c->params.eye_count) return misuse(call, "pictures->color has %u rows, which %u eyes do not divide", color->height, c->params.eye_count);
     if (normal && (normal->width != color->width || normal->height != color->height))
         return misuse(call, "pictures->normal has %u x %u pixels, but color %u x %u", normal->width, normal->height, color->width, color->height);
-    TRY(check_pose(call, "pictures->head", &pictures->head));
+    TRY(rigid_pose_check(call, "pictures->head", &pictures->head));
     c->source_width = color->width;
     c->source_height = color->height / c->params.eye_count;
     c->has_depth = false;
@@ -243,7 +230,7 @@ static fnl_result check_layers(const struct call *call, const fnl_composition *c
         TRY(check_pointer(call, name, layer->image));
         TRY(check_picture(call, name, layer->image, FNL_PIXEL_FORMAT_RGBA8));
         snprintf(name, sizeof name, "layers[%u].pose", i);
-        TRY(check_pose(call, name, &layer->pose));
+        TRY(rigid_pose_check(call, name, &layer->pose));
         snprintf(name, sizeof name, "layers[%u].width", i);
         TRY(check_above(call, name, (double)layer->width, 0, 1e4, " metres"));
         snprintf(name, sizeof name, "layers[%u].height", i);
@@ -436,7 +423,7 @@ fnl_result fnl_compositor_compose(fnl_compositor *c, const fnl_composition *comp
     TRY(check_pointer(call, "composition", composition));
     TRY(check_pointer(call, "out", out));
     *out = (fnl_image){0};
-    TRY(check_pose(call, "head", &composition->head));
+    TRY(rigid_pose_check(call, "head", &composition->head));
     TRY(check_enum(call, "reprojection", (int64_t)composition->reprojection, FNL_REPROJECTION_COUNT, "fnl_reprojection"));
     TRY(check_enum(call, "view", (int64_t)composition->view, FNL_DISPLAY_VIEW_COUNT, "fnl_display_view"));
     TRY(check_layers(call, composition));

@@ -145,7 +145,11 @@ static void test_structures_are_built_when_something_changes(void **state) {
     const uint64_t before = work(&s).bytes;
     mesh = add_square_mesh(scene, add_material(scene, &material));
     instance = add_instance(scene, mesh, mat4_translation((vec3){-3, 1, 0}));
-    expect(&s, 2, 0); /* what was there stays */
+    const uint64_t scratch = structures->rows.data[0].build_scratch;
+    expect(&s, 2, 0); /* what was there stays, and knows what it takes to build it */
+    assert_true(scratch > 0);
+    for (uint32_t i = 0; i < structures->rows.count; i++)
+        if (structures->rows.data[i].made.handle) assert_int_equal(structures->rows.data[i].build_scratch, scratch); /* all are squares */
     settle(&s);
     expect_same(&s, "squares", 0);
     const uint64_t most = work(&s).bytes;

@@ -191,8 +191,9 @@ static inline const struct frame_counts *renderer_counts(const fnl_renderer *r, 
     return (const struct frame_counts *)(const void *)((const char *)r->slots.counts[slot].mapped + view * counters_size());
 }
 
-/** Words of the counts of light evaluations of a view: two for each pixel, then points that no cell served, shadow rays, and those of them that passed. */
-enum { LIGHT_COUNTERS_MORE = 5 }; /* behind those of pixels: points without a list, then rays and filtered look-ups (count_shadows() in shade.glsl) */
+/** What follows the counts of pixels, as count_shadows() in shade.glsl writes it. */
+enum { LIGHT_COUNTER_UNSERVED, LIGHT_COUNTER_RAYS, LIGHT_COUNTER_RAYS_PASSED, LIGHT_COUNTER_FILTERED, LIGHT_COUNTER_SETTLED, LIGHT_COUNTERS_MORE };
+/** Words of the counts of light evaluations of a view: two for each pixel, then LIGHT_COUNTERS_MORE. */
 static inline uint64_t light_counter_count(const fnl_frame *frame) { return 2ull * frame->width * frame->height + LIGHT_COUNTERS_MORE; }
 
 /** What tests ask for: nothing outside of them. */

@@ -144,22 +144,26 @@ static void begin_light(struct frame_state *views, uint32_t count) {
 
 /* ---- numbers ---- */
 
-/* Behind the counts of light evaluations. */
-static bool find_at(const struct counted *counted, uint64_t from_end, uint64_t *value) {
-    *value = ((const uint32_t *)counted->view->counters.mapped)[counted->view->counter_count - from_end];
+/* One of those that follow the counts of pixels. */
+static bool find_at(const struct counted *counted, uint64_t place, uint64_t *value) {
+    const struct renderer_view *view = counted->view;
+    *value = ((const uint32_t *)view->counters.mapped)[view->counter_count - LIGHT_COUNTERS_MORE + place];
     return counted->r->frame.shadows != FNL_SHADOWS_OFF;
 }
-static bool find_rays(const struct counted *counted, uint64_t *value) { return find_at(counted, 4, value); }
-static bool find_rays_passed(const struct counted *counted, uint64_t *value) { return find_at(counted, 3, value); }
-static bool is_filtered(const fnl_frame *frame) { return shadows_have(frame, SHADOWS_MAPS) && frame->shadow.filter != FNL_SHADOW_FILTER_HARD; }
-static bool find_filtered(const struct counted *counted, uint64_t *value) { return find_at(counted, 2, value) && is_filtered(&counted->r->frame); }
-static bool find_settled(const struct counted *counted, uint64_t *value) { return find_at(counted, 1, value) && is_filtered(&counted->r->frame); }
+static bool find_rays(const struct counted *counted, uint64_t *value) { return find_at(counted, LIGHT_COUNTER_RAYS, value); }
+static bool find_rays_passed(const struct counted *counted, uint64_t *value) { return find_at(counted, LIGHT_COUNTER_RAYS_PASSED, value); }
+static bool find_filtered_at(const struct counted *counted, uint64_t place, uint64_t *value) {
+    const fnl_frame *frame = &counted->r->frame;
+    return find_at(counted, place, value) && shadows_have(frame, SHADOWS_MAPS) && frame->shadow.filter != FNL_SHADOW_FILTER_HARD;
+}
+static bool find_filtered(const struct counted *counted, uint64_t *value) { return find_filtered_at(counted, LIGHT_COUNTER_FILTERED, value); }
+static bool find_settled(const struct counted *counted, uint64_t *value) { return find_filtered_at(counted, LIGHT_COUNTER_SETTLED, value); }
 
 static const struct counter rows[] = {
     {"shadows.rays", "rays", "shadow rays that surfaces send", .find = find_rays, .needs = "count-lights"},
     {"shadows.rays-passed", "rays", "of them, those that find at least half of their light", .find = find_rays_passed, .needs = "count-lights"},
     {"shadows.filtered", "points", "shadow map lookups that are filtered: one for each light of a surface point", .find = find_filtered, .needs = "count-lights"},
-    {"shadows.settled", "points", "of them, those that the first points decided: entirely lit or entirely in shadow", .find = find_settled, .needs = "count-lights"},
+    {"shadows.settled", "points", "of them, those that ended after the first points: entirely lit or entirely in shadow", .find = find_settled, .needs = "count-lights"},
     {"shadows.instances", "items", "items in the device's acceleration structure, with ray queries", NOTED},
     {"shadows.structures-built", "structures", "acceleration structures built in this frame: of meshes, and one of the instances when any has moved", NOTED},
     {"shadows.structures-refitted", "structures", "of meshes that deform, adapted to this frame's vertices without being built anew", NOTED},

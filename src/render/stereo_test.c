@@ -20,10 +20,7 @@ static float rnd(float low, float high) {
 
 enum rig { SYMMETRIC, ASYMMETRIC, CANTED, CAVE, RIGS };
 
-static quat turned_by(quat a, quat b) {
-    return quat_normalize((quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                                 a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z});
-}
+static quat turned_by(quat a, quat b) { return quat_normalize(quat_mul(a, b)); }
 
 static fnl_rigid_pose random_head(void) {
     const quat q = quat_normalize((quat){rnd(-1, 1), rnd(-1, 1), rnd(-1, 1), rnd(0.1f, 1)});

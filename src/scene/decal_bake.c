@@ -34,8 +34,6 @@ static void close_picture(const fnl_scene *scene, struct picture *picture) {
     if (picture->decoded.pixels) fnl_image_free(&scene->host, &picture->decoded);
 }
 
-static uint8_t to_byte(float x) { return (uint8_t)(CLAMP(x, 0.0f, 1.0f) * 255 + 0.5f); }
-
 /* Linear, premultiplied if asked; bilinear, clamped at the edge. `none`: what there is without a picture. */
 enum sampling { SAMPLE_COLOR, SAMPLE_PREMULTIPLIED, SAMPLE_RAW };
 static vec4 sample(const struct picture *p, float u, float v, enum sampling how, vec4 none) {
@@ -224,7 +222,7 @@ static void write_texel(const struct paint *w, uint8_t *texel, const struct spot
         for (int c = 0; c < 3; c++) v[c] = w->factor[c] > 0 ? CLAMP(v[c] / w->factor[c], 0.0f, 1.0f) : 0;
     }
     int first = w->slot == SCENE_TEXTURE_METALLIC_ROUGHNESS ? 1 : 0; /* red is another's */
-    for (int c = first; c < 3; c++) texel[c] = to_byte(is_srgb(w->slot) ? encode_srgb(v[c]) : v[c]);
+    for (int c = first; c < 3; c++) texel[c] = encode_byte(is_srgb(w->slot) ? encode_srgb(v[c]) : v[c]);
 }
 
 static void paint_texel(struct paint *w, int64_t x, int64_t y, const struct spot *spot, bool inside) {

@@ -1,34 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /* Cameras of eyes. */
-#include "fanal/stereo.h"
-#include "base/check.h"
+#include "scene/eye.h"
+
 #include "base/maths.h"
 
-static fnl_result check_pose(const struct call *call, const char *position, const char *rotation, const fnl_rigid_pose *pose) {
-    TRY(check_finite(call, position, pose->position));
+fnl_result rigid_pose_check(const struct call *call, const char *name, const fnl_rigid_pose *pose) {
+    const vec3 at = pose->position;
     const quat q = pose->rotation;
-    float length = sqrtf(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-    return fabsf(length - 1) < 1e-3f ? FNL_OK : misuse(call, "%s is %g, %g, %g, %g, must be a unit quaternion", rotation, (double)q.x, (double)q.y, (double)q.z, (double)q.w);
+    const float length = sqrtf(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+    if (!vec3_finite(at)) return misuse(call, "%s.position is %g, %g, %g, must be finite", name, (double)at.x, (double)at.y, (double)at.z);
+    if (fabsf(length - 1) < 1e-3f) return FNL_OK;
+    return misuse(call, "%s.rotation is %g, %g, %g, %g, must be a unit quaternion", name, (double)q.x, (double)q.y, (double)q.z, (double)q.w);
 }
 
-static fnl_result check_edges(const struct call *call, const fnl_eye *eye) {
-    const double most = 1e4;
-    TRY(check_range(call, "eye->left", (double)eye->left, -most, most, ""));
-    TRY(check_above(call, "eye->right", (double)eye->right, (double)eye->left, most, " (left)"));
-    TRY(check_range(call, "eye->down", (double)eye->down, -most, most, ""));
-    return check_above(call, "eye->up", (double)eye->up, (double)eye->down, most, " (down)");
+fnl_result edges_check(const struct call *call, const char *name, float left, float right, float down, float up) {
+    const float most = 1e4f;
+    if (left < right && down < up && left >= -most && right <= most && down >= -most && up <= most) return FNL_OK;
+    return misuse(call, "%s: edges are %g .. %g and %g .. %g, must ascend and lie within %g",
+                  name, (double)left, (double)right, (double)down, (double)up, (double)most);
+}
+
+fnl_result eye_check(const struct call *call, const fnl_eye *eye) {
+    TRY(check_pointer(call, "eye", eye));
+    TRY(rigid_pose_check(call, "eye->pose", &eye->pose));
+    return edges_check(call, "eye", eye->left, eye->right, eye->down, eye->up);
 }
 
 fnl_result fnl_eye_query_camera(const fnl_host *host, const fnl_eye *eye, const fnl_rigid_pose *head, uint32_t width, uint32_t height,
                                 float near_distance, fnl_camera *out) {
     const fnl_host resolved = host_resolve(host);
     const struct call *call = CALL(&resolved);
-    TRY(check_pointer(call, "eye", eye));
     TRY(check_pointer(call, "head", head));
     TRY(check_pointer(call, "out", out));
-    TRY(check_pose(call, "eye->pose.position", "eye->pose.rotation", &eye->pose));
-    TRY(check_pose(call, "head->position", "head->rotation", head));
-    TRY(check_edges(call, eye));
+    TRY(eye_check(call, eye));
+    TRY(rigid_pose_check(call, "head", head));
     TRY(check_count(call, "width", width, 1, 16384));
     TRY(check_count(call, "height", height, 1, 16384));
     TRY(check_above(call, "near_distance", (double)near_distance, 0, (double)FLT_MAX, " metres"));

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures whose resolution falls towards their edges: parts of an eye's picture that are rendered by themselves, and joined. */
-#include "base/check.h"
 #include "base/maths.h"
-#include "fanal/stereo.h"
+#include "scene/eye.h"
 
 fnl_result fnl_eye_query_cells(const fnl_host *host, const fnl_eye *eye, uint32_t width, uint32_t height, float inner, float scale, fnl_eye_cell cells[9]) {
     const fnl_host resolved = host_resolve(host);
     const struct call *call = CALL(&resolved);
-    TRY(check_pointer(call, "eye", eye));
+    TRY(eye_check(call, eye));
     TRY(check_pointer(call, "cells", cells));
     TRY(check_count(call, "width", width, 3, 16384));
     TRY(check_count(call, "height", height, 3, 16384));
@@ -68,29 +67,27 @@ static quat tilt(fnl_vec2 slope) {
     return length > 0 ? quat_axis_angle(vec3_make(slope.y / length, -slope.x / length, 0), atanf(length)) : quat_identity();
 }
 
-static quat turn_after(quat a, quat b) {
-    return (quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                  a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
-}
-
-fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *eye, uint32_t width, uint32_t height, fnl_vec2 strength, fnl_eye_cell cells[4]) {
+fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *eye, uint32_t width, uint32_t height,
+                                   fnl_vec2 strength, fnl_eye_cell cells[4]) {
     const fnl_host resolved = host_resolve(host);
     const struct call *call = CALL(&resolved);
-    TRY(check_pointer(call, "eye", eye));
+    TRY(eye_check(call, eye));
     TRY(check_pointer(call, "cells", cells));
     TRY(check_count(call, "width", width, 2, 16384));
     TRY(check_count(call, "height", height, 2, 16384));
     TRY(check_range(call, "strength.x", (double)strength.x, 0, 1, ""));
     TRY(check_range(call, "strength.y", (double)strength.y, 0, 1, ""));
-    const float least = 1e-3f, most_edge = 1e4f;
-    if (!(-eye->left >= least && eye->right >= least && -eye->down >= least && eye->up >= least && fmaxf(fmaxf(-eye->left, eye->right), fmaxf(-eye->down, eye->up)) <= most_edge))
-        return misuse(call, "eye: edges are %g .. %g and %g .. %g, must be within %g with 0 between them", (double)eye->left, (double)eye->right, (double)eye->down, (double)eye->up, (double)most_edge);
+    const float nearest = fminf(fminf(-eye->left, eye->right), fminf(-eye->down, eye->up));
+    if (nearest < 1e-3f)
+        return misuse(call, "eye: its axis is outside of its picture, or at the edge: left %g, right %g, down %g, up %g",
+                      (double)eye->left, (double)eye->right, (double)eye->down, (double)eye->up);
     /* Parts meet at a corner of pixels, the one nearest to the eye's axis. */
     const float dx = (eye->right - eye->left) / (float)width, dy = (eye->up - eye->down) / (float)height;
-    const uint32_t split_x = CLAMP((uint32_t)lroundf(-eye->left / dx), 1u, width - 1), split_y = CLAMP((uint32_t)lroundf(eye->up / dy), 1u, height - 1);
+    const uint32_t split_x = CLAMP((uint32_t)lroundf(-eye->left / dx), 1u, width - 1);
+    const uint32_t split_y = CLAMP((uint32_t)lroundf(eye->up / dy), 1u, height - 1);
     const fnl_vec2 split = {eye->left + dx * (float)split_x, eye->up - dy * (float)split_y};
     fnl_vec2 steps[4];
-    uint32_t most[2] = {1, 1};
+    float most[2] = {0, 0}; /* pixels that a quadrant needs */
     for (uint32_t i = 0; i < 4; i++) {
         const bool right = i % 2, low = i / 2;
         const float edge_x = right ? eye->right : eye->left, edge_y = low ? eye->down : eye->up;
@@ -98,26 +95,29 @@ fnl_result fnl_eye_query_quadrants(const fnl_host *host, const fnl_eye *eye, uin
         const mat4 matrix = turn_of(turn);
         fnl_vec2 from = {INFINITY, INFINITY}, to = {-INFINITY, -INFINITY};
         for (uint32_t c = 0; c < 4; c++) {
-            const fnl_vec2 corner = seen_through(&matrix, (fnl_vec2){c % 2 ? edge_x : split.x, c / 2 ? edge_y : split.y});
+            const fnl_vec2 place = {c % 2 ? edge_x : split.x, c / 2 ? edge_y : split.y}, corner = seen_through(&matrix, place);
             from = (fnl_vec2){fminf(from.x, corner.x), fminf(from.y, corner.y)};
             to = (fnl_vec2){fmaxf(to.x, corner.x), fmaxf(to.y, corner.y)};
         }
         const fnl_vec2 growth = growth_of(&matrix);
         steps[i] = (fnl_vec2){growth.x * dx, growth.y * dy};
-        /* A pixel more on each side, which those of the edge are mixed with. */
-        cells[i] = (fnl_eye_cell){.eye = {{eye->pose.position, turn_after(eye->pose.rotation, turn)}, from.x - steps[i].x, 0, 0, to.y + steps[i].y},
+        /* One more pixel on each side, for interpolation at the edges. */
+        const fnl_rigid_pose pose = {eye->pose.position, quat_mul(eye->pose.rotation, turn)};
+        cells[i] = (fnl_eye_cell){.eye = {.pose = pose, .left = from.x - steps[i].x, .up = to.y + steps[i].y},
                                   .x = right ? split_x : 0,
                                   .y = low ? split_y : 0,
                                   .width = right ? width - split_x : split_x,
                                   .height = low ? height - split_y : split_y};
-        most[0] = MAX(most[0], (uint32_t)ceilf((to.x - from.x) / steps[i].x - 1e-3f) + 2);
-        most[1] = MAX(most[1], (uint32_t)ceilf((to.y - from.y) / steps[i].y - 1e-3f) + 2);
+        most[0] = fmaxf(most[0], ceilf((to.x - from.x) / steps[i].x - 1e-3f) + 2);
+        most[1] = fmaxf(most[1], ceilf((to.y - from.y) / steps[i].y - 1e-3f) + 2);
     }
+    if (!(most[0] <= 16384 && most[1] <= 16384))
+        return misuse(call, "quadrants would need %g x %g pixels, must be within 16384: eye is too uneven", (double)most[0], (double)most[1]);
     for (uint32_t i = 0; i < 4; i++) {
-        cells[i].rendered_width = most[0];
-        cells[i].rendered_height = most[1];
-        cells[i].eye.right = cells[i].eye.left + steps[i].x * (float)most[0];
-        cells[i].eye.down = cells[i].eye.up - steps[i].y * (float)most[1];
+        cells[i].rendered_width = (uint32_t)most[0];
+        cells[i].rendered_height = (uint32_t)most[1];
+        cells[i].eye.right = cells[i].eye.left + steps[i].x * most[0];
+        cells[i].eye.down = cells[i].eye.up - steps[i].y * most[1];
     }
     return FNL_OK;
 }
@@ -148,11 +148,9 @@ static vec4 value_at(const struct joined *j, fnl_vec2 place) {
     return mix4(mix4(texel_at(j, left, top), texel_at(j, right, top), u), mix4(texel_at(j, left, bottom), texel_at(j, right, bottom), u), v);
 }
 
-static uint8_t to_byte(float value) { return (uint8_t)lroundf(255 * CLAMP(value, 0.0f, 1.0f)); }
-
 static void join(const fnl_eye *eye, const fnl_eye_cell *cell, struct joined *j, fnl_image *out) {
     const quat back = {-eye->pose.rotation.x, -eye->pose.rotation.y, -eye->pose.rotation.z, eye->pose.rotation.w};
-    const mat4 turn = turn_of(turn_after(back, cell->eye.pose.rotation));
+    const mat4 turn = turn_of(quat_mul(back, cell->eye.pose.rotation));
     const float dx = (eye->right - eye->left) / (float)out->width, dy = (eye->up - eye->down) / (float)out->height;
     const float across = (float)cell->rendered_width / (cell->eye.right - cell->eye.left), along = (float)cell->rendered_height / (cell->eye.up - cell->eye.down);
     for (uint32_t y = cell->y; y < cell->y + cell->height; y++)
@@ -164,8 +162,11 @@ static void join(const fnl_eye *eye, const fnl_eye_cell *cell, struct joined *j,
                 ((vec4 *)out->pixels)[pixel] = value;
                 continue;
             }
-            const uint8_t bytes[4] = {to_byte(encode_srgb(value.x)), to_byte(encode_srgb(value.y)), to_byte(encode_srgb(value.z)), to_byte(value.w)};
-            memcpy((uint8_t *)out->pixels + 4 * pixel, bytes, 4);
+            uint8_t *byte = (uint8_t *)out->pixels + 4 * pixel;
+            byte[0] = encode_byte(encode_srgb(value.x));
+            byte[1] = encode_byte(encode_srgb(value.y));
+            byte[2] = encode_byte(encode_srgb(value.z));
+            byte[3] = encode_byte(value.w);
         }
 }
 
@@ -173,6 +174,9 @@ static fnl_result check_cells(const struct call *call, const fnl_eye_cell *cells
     for (uint32_t i = 0; i < count; i++) {
         const fnl_eye_cell *cell = &cells[i];
         const fnl_image *picture = &pictures[i];
+        char name[40];
+        snprintf(name, sizeof name, "cells[%u].eye.pose", i);
+        TRY(rigid_pose_check(call, name, &cell->eye.pose));
         if (cell->width > 16384 || cell->height > 16384 || cell->x > 16384 - cell->width || cell->y > 16384 - cell->height)
             return misuse(call, "cells[%u] ends beyond pixel 16384", i);
         if (!(cell->eye.left < cell->eye.right && cell->eye.down < cell->eye.up)) return misuse(call, "cells[%u].eye: edges must ascend", i);
@@ -189,7 +193,7 @@ fnl_result fnl_eye_join_cells(const fnl_host *host, const fnl_eye *eye, const fn
     const struct call *call = CALL(&resolved);
     TRY(check_pointer(call, "out", out));
     *out = (fnl_image){0};
-    TRY(check_pointer(call, "eye", eye));
+    TRY(eye_check(call, eye));
     TRY(check_pointer(call, "cells", cells));
     TRY(check_pointer(call, "pictures", pictures));
     TRY(check_count(call, "cell_count", cell_count, 1, 64));

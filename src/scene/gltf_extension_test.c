@@ -337,11 +337,6 @@ static vec3 sun_of(const fnl_scene *scene) {
     return light.direction;
 }
 
-static quat quat_mul(quat a, quat b) {
-    return (quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-                  a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
-}
-
 static void test_environments_of_files(void **state) {
     UNUSED(state);
     const struct faces faces = make_faces(SIDE);
