@@ -286,7 +286,7 @@ static void test_tangents_follow_texture_transforms(void **state) {
     char text[2048], material[1024], transform[256], what[64];
     normal_texels(texels);
     for (uint32_t m = 0; m < COUNT_OF(materials); m++)
-        for (uint32_t t = 0; t < COUNT_OF(turns); t++) {
+        for (uint32_t t = m < 3 ? 0 : 2; t < COUNT_OF(turns); t++) {
             /* A flat sheet: there a turn within the surface is the same as one of its coordinates. */
             const float bend = m < 3 ? 1 : 0;
             snprintf(what, sizeof what, "material %u, transform %u", m, t);

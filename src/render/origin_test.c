@@ -48,6 +48,8 @@ static const float hull[] = {-3, 0, 0, 3, 0, 0, 0, 5, 0, 0, 1, 6};
 /* Lights of all kinds, decals, and reflection probes. */
 static struct stage open_world(const char *source) {
     struct stage s = stage_open(source, 0);
+    s.frame.width = 96;
+    s.frame.height = 54;
     fnl_probe_params probe = fnl_probe_params_default();
     fnl_scatter_params scatter = fnl_scatter_params_default();
     fnl_light_params light = fnl_light_params_default();

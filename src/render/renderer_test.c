@@ -191,7 +191,7 @@ static void test_steady_state_allocates_nothing(void **state) {
             frame.width = frame.height = 24;
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!harness_tries(frame.shading, frame.lists, 7)) continue;
+            if (!harness_tries(frame.shading, frame.lists, 13)) continue;
             frame.exposure = FNL_EXPOSURE_AUTO;
             frame.timers = frame.count_lights = true;
             frame.record_threads = lists % 2 ? 0 : 1;
@@ -509,7 +509,7 @@ static void test_empty_scene(void **state) {
             fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!harness_tries(frame.shading, frame.lists, 7)) continue;
+            if (!harness_tries(frame.shading, frame.lists, 13)) continue;
             fnl_scene *scene = test_scene();
             assert_int_equal(fnl_scene_set_background(scene, (vec3){0.5f, 1, 2}), FNL_OK);
             fnl_image radiance = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);

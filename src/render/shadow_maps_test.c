@@ -110,12 +110,14 @@ static void test_faces_have_few_texels_LC_14(void **state) {
         /* A page for each face and level, the largest a quarter of a cell. */
         const uint64_t levels = alike[i] == 56 ? 3 : alike[i] == 24 ? 2 : 1;
         assert_true(alike[i] == 1920 || (wanted <= 64 * 6 * levels && cells < first * 2 / 3));
-        struct shot a = stage_shoot(&s, &s.frame);
-        s.frame.shadow.texels_max = alike[i];
-        struct shot b = stage_shoot(&s, &s.frame);
-        assert_memory_equal(a.color.pixels, b.color.pixels, (size_t)a.color.width * a.color.height * 4);
-        shot_free(&a);
-        shot_free(&b);
+        if (alike[i] != most[i]) {
+            struct shot a = stage_shoot(&s, &s.frame);
+            s.frame.shadow.texels_max = alike[i];
+            struct shot b = stage_shoot(&s, &s.frame);
+            assert_memory_equal(a.color.pixels, b.color.pixels, (size_t)a.color.width * a.color.height * 4);
+            shot_free(&a);
+            shot_free(&b);
+        }
         if (i == 0) first = cells;
         error = leak.error;
         stage_close(&s);

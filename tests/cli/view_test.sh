@@ -170,7 +170,7 @@ moved=$(moved walked.tsv turned.tsv)
 
 # ---- hundreds of events, of which many make no sense; FANAL_SOAK: how many ----
 
-awk -v count="${FANAL_SOAK:-500}" 'BEGIN { srand(7); for (i = 0; i < count; i++) { r = rand();
+awk -v count="${FANAL_SOAK:-300}" 'BEGIN { srand(7); for (i = 0; i < count; i++) { r = rand();
     if (r < 0.5) print "move", int(rand() * 200) - 20, int(rand() * 120) - 20
     else if (r < 0.6) print "wheel", 0, int(rand() * 5) - 2
     else if (r < 0.75) print "button", int(rand() * 4), rand() < 0.5 ? "down" : "up", int(rand() * 8)

@@ -75,7 +75,7 @@ static void test_lights_past_their_detail_cost_nothing(void **state) {
             fnl_frame frame = stage.frame;
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!harness_tries(frame.shading, frame.lists, 12)) continue;
+            if (!harness_tries(frame.shading, frame.lists, 23)) continue;
             bool exact = !shading_is(frame.shading, SHADING_APPROXIMATE); /* others may light fewer points */
             uint64_t least = exact ? 20 : 4;
             struct shot near = stage_shoot(&stage, &frame);
@@ -192,7 +192,7 @@ static void test_lists_agree_on_faded_lights(void **state) {
         assert_int_equal(count_broken(&all.radiance), 0);
         for (uint32_t lists = FNL_LISTS_TILED; lists < FNL_LISTS_AUTO; lists++) {
             frame.lists = (fnl_light_lists)lists;
-            if (!harness_tries(frame.shading, frame.lists, 6)) continue;
+            if (!harness_tries(frame.shading, frame.lists, 13)) continue;
             frame.light_lod = 0;
             struct shot whole = stage_shoot(&stage, &frame);
             frame.light_lod = 6;
