@@ -114,6 +114,9 @@ endfunction()
 function(fanal_test_renders name)
   set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT
     GALLIVM_PERF=nopt LP_NATIVE_VECTOR_WIDTH=128 MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/driver_cache_4)
+  if(FANAL_SANITIZE)
+    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0)
+  endif()
 endfunction()
 
 # fanal_render_test(tiled SOURCES tiled_test.c HELPERS list_bench) is a test of all layers that renders (tests/render_harness.h). It is a part of

@@ -113,6 +113,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     uint64_t ticket = 0;
     fnl_result result = overlay_prepare(r, &frame);
     if (result == FNL_OK) result = renderer_prepare(r, &frame);
+    whole.shading = frame.shading; /* that was chosen */
     frame.occlusion = whole.occlusion = frame_choose_occlusion(r, &whole); /* it goes by the number of views */
     struct view_plan plan = {0};
     if (result == FNL_OK) multiview_plan(r, &whole, &plan);
