@@ -76,6 +76,13 @@ void world_add_mesh(struct world *w, uint32_t side, bool plain) {
 static void add_morphed_mesh(struct world *w) {
     fnl_scene *scene = w->stage.scene;
     struct scene_primitive p = scene->primitives.data[scene->meshes.data[w->meshes[0].index].first_primitive];
+    p.memory = (struct arena){0};
+    p.positions = arena_copy(&scene->arena, p.positions, p.vertex_count * sizeof *p.positions);
+    p.normals = arena_copy(&scene->arena, p.normals, p.vertex_count * sizeof *p.normals);
+    p.tangents = p.tangents ? arena_copy(&scene->arena, p.tangents, p.vertex_count * sizeof *p.tangents) : NULL;
+    p.uv[0] = p.uv[0] ? arena_copy(&scene->arena, p.uv[0], p.vertex_count * sizeof *p.uv[0]) : NULL;
+    p.colors = p.colors ? arena_copy(&scene->arena, p.colors, p.vertex_count * sizeof *p.colors) : NULL;
+    p.indices = arena_copy(&scene->arena, p.indices, p.index_count * sizeof *p.indices);
     struct scene_morph_target *targets = ARENA_ARRAY(&scene->arena, struct scene_morph_target, 2);
     for (int t = 0; t < 2; t++) {
         vec3 *moved = ARENA_ARRAY(&scene->arena, vec3, p.vertex_count);

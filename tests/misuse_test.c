@@ -365,6 +365,12 @@ static fnl_loaded loaded;
     X(fnl_scene_remove_decal, NULLED("scene", fnl_scene_remove_decal(NULL, w.decal)))                                       \
     X(fnl_scene_remove_instance, NULLED("scene", fnl_scene_remove_instance(NULL, w.instance)))                              \
     X(fnl_scene_remove_light, NULLED("scene", fnl_scene_remove_light(NULL, w.light)))                                       \
+    X(fnl_scene_remove_light_profile, NULLED("scene", fnl_scene_remove_light_profile(NULL, (fnl_light_profile_id){0, 1})))  \
+    X(fnl_scene_remove_image, NULLED("scene", fnl_scene_remove_image(NULL, (fnl_image_id){0, 1})))                                       \
+    X(fnl_scene_remove_material, NULLED("scene", fnl_scene_remove_material(NULL, w.material)))                              \
+    X(fnl_scene_remove_mesh, NULLED("scene", fnl_scene_remove_mesh(NULL, w.mesh)))                                          \
+    X(fnl_scene_remove_camera, NULLED("scene", fnl_scene_remove_camera(NULL, 0)))                                           \
+    X(fnl_scene_remove_animation, NULLED("scene", fnl_scene_remove_animation(NULL, 0)))                                     \
     X(fnl_scene_scatter_decals, NULLED("scene", fnl_scene_scatter_decals(NULL, 1, 1)))                                      \
     X(fnl_scene_scatter_light_shapes, NULLED("scene", fnl_scene_scatter_light_shapes(NULL, &scatter));                      \
       NULLED("params", fnl_scene_scatter_light_shapes(w.scene, NULL)))                                                      \

@@ -120,11 +120,13 @@ FNL_API fnl_result fnl_scene_refresh_shadows(fnl_scene *scene, const fnl_light_i
  * Adds a luminaire's photometric data for lights to have (fnl_light_params.profile): a file of IESNA LM-63 (.ies) of 1986 to 2019, type C, B or A.
  * It is `size` bytes at `data`, which are not kept; with data NULL the file called `name` is read. `name` is for messages besides.
  * `candela`, unless NULL, gets the intensity of the brightest direction: a light of this intensity shines as the luminaire does. What tilting does
- * to lamps (TILT) is left out. FNL_ERROR_FORMAT: it is no such file. A profile stays as long as the scene.
+ * to lamps (TILT) is left out. FNL_ERROR_FORMAT: it is no such file.
  */
 FNL_API fnl_result fnl_scene_add_light_profile(fnl_scene *scene, const char *name, const void *data, size_t size, fnl_light_profile_id *out,
                                                float *candela);
 FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
+/** Removes a light profile and frees its memory. FNL_ERROR_INVALID if a light has it. */
+FNL_API fnl_result fnl_scene_remove_light_profile(fnl_scene *scene, fnl_light_profile_id profile);
 
 /**
  * Clips a light to the convex hull of `count` (4 .. 64) world-space points: outside the hull it contributes exactly zero, as

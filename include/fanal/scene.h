@@ -68,8 +68,9 @@ typedef struct fnl_load_params {
      *
      * On FNL_OK `out`, initially all zero, says where the bytes are. They must stay unchanged until `release`, because
      * pictures are decoded from them when a renderer needs them, on any thread. `release` is called during the loading call
-     * if that fails, otherwise during fnl_scene_destroy. Any other result means that the resource is missing, and nothing is
-     * released; FNL_ERROR_MEMORY ends the load. The callback must not use the scene. Default NULL.
+     * if that fails, otherwise when the file is unloaded (fnl_scene_remove_instance) or during fnl_scene_destroy. Any other
+     * result means that the resource is missing, and nothing is released; FNL_ERROR_MEMORY ends the load. The callbacks must not
+     * use the scene. Default NULL.
      */
     fnl_result (*resolve)(void *user, const char *uri, fnl_resource *out);
     /**
@@ -225,6 +226,8 @@ typedef struct fnl_animation_time {
  * animation may stand there more than once, as at two times. An error of an argument changes nothing.
  */
 FNL_API fnl_result fnl_scene_set_times(fnl_scene *scene, const fnl_animation_time *times, uint32_t count);
+/** Removes an animation; the indices of those after it decrease by 1. What it has set stays as it is. */
+FNL_API fnl_result fnl_scene_remove_animation(fnl_scene *scene, uint32_t index);
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,7 @@
  * A loaded scene is looked through and changed while a renderer shows it. After each change its picture has the bits of a scene that was
  * loaded from a file which says so.
  */
+#include "fanal/trace.h"
 #include "image/image.h"
 #include "tests/gltf_test_file.h"
 #include "tests/render_harness.h"
@@ -199,6 +200,73 @@ static void test_a_file_in_a_scene_looks_as_it_does_alone(void **state) {
         fnl_image_free(gpu_host(harness_device()), &b);
     }
     fnl_image_free(gpu_host(harness_device()), &before);
+    stage_close(&stage);
+    stage_close(&alone);
+}
+
+static fnl_loaded load_file(struct stage *stage, const struct file *file) {
+    size_t size;
+    unsigned char *glb = make_glb(file, &size);
+    fnl_load_params params = fnl_load_params_default();
+    fnl_loaded loaded;
+    params.data = glb;
+    params.size = size;
+    assert_int_equal(fnl_scene_load_into(stage->scene, (fnl_instance_id){0, 0}, "file.glb", &params, &loaded), FNL_OK);
+    free(glb);
+    return loaded;
+}
+
+static void expect_same_trace(const struct stage *a, const struct stage *b) {
+    const fnl_scene *scenes[] = {a->scene, b->scene};
+    fnl_trace traces[2];
+    fnl_trace_params params = fnl_trace_params_default();
+    params.width = params.height = 32;
+    params.camera = a->frame.camera;
+    for (int i = 0; i < 2; i++) assert_int_equal(fnl_scene_trace(scenes[i], &params, &traces[i]), FNL_OK);
+    assert_int_equal(count_differing(&traces[0].radiance, &traces[1].radiance), 0);
+    for (int i = 0; i < 2; i++) fnl_trace_free(&scenes[i]->host, &traces[i]);
+}
+
+/* Files come and go while a renderer shows them: each looks as it does alone, whatever was in its place before, and no memory stays. */
+static void test_files_that_come_and_go(void **state) {
+    UNUSED(state);
+    struct file others[2] = {plain, plain};
+    others[0].color[1] = 0.9f;
+    others[0].extra = others[0].arm = ""; /* a smaller one */
+    others[1].intensity = 90;
+    others[1].board_material = 1;
+    struct stage stage = open_stage(load(&plain)), alone = open_stage(load(&plain));
+    static const char *const roots[] = {"group", "base", "arm", "extra"};
+    for (uint32_t i = 0; i < COUNT_OF(roots); i++)
+        assert_int_equal(fnl_scene_set_instance_visible(stage.scene, instance(stage.scene, roots[i]), false), FNL_OK);
+    assert_int_equal(fnl_scene_set_time(alone.scene, 0, 0.6), FNL_OK);
+    fnl_image wanted = shoot(&alone), nothing = shoot(&stage);
+    assert_true(count_differing(&wanted, &nothing) > 200);
+    uint64_t device_bytes = 0;
+    for (uint32_t round = 0; round < 16; round++) {
+        const struct file *other = &others[round % 2];
+        const bool before = round % 4 < 2; /* its place is then free below those of the file that is shown, or above */
+        fnl_loaded first = before ? load_file(&stage, other) : load_file(&stage, &plain), second = before ? load_file(&stage, &plain) : load_file(&stage, other);
+        if (round % 3 == 0) { /* all has been on the device */
+            fnl_image both = shoot(&stage);
+            fnl_image_free(gpu_host(harness_device()), &both);
+        }
+        const fnl_loaded *shown = before ? &second : &first, *gone = before ? &first : &second;
+        assert_int_equal(fnl_scene_remove_instance(stage.scene, gone->root), FNL_OK);
+        assert_int_equal(fnl_scene_set_time(stage.scene, 2, 0.6), FNL_OK); /* the first two are those of the scene itself */
+        fnl_image picture = shoot(&stage);
+        if (count_differing(&picture, &wanted)) fail_msg("round %u: %llu pixels differ", round, (unsigned long long)count_differing(&picture, &wanted));
+        fnl_image_free(gpu_host(harness_device()), &picture);
+        if (round % 8 == 0) expect_same_trace(&stage, &alone);
+        assert_int_equal(fnl_scene_remove_instance(stage.scene, shown->root), FNL_OK);
+        picture = shoot(&stage);
+        assert_int_equal(count_differing(&picture, &nothing), 0);
+        fnl_image_free(gpu_host(harness_device()), &picture);
+        if (round < 8) device_bytes = gpu_memory_stats(harness_device()).used_bytes;
+    }
+    assert_int_equal(gpu_memory_stats(harness_device()).used_bytes, device_bytes);
+    fnl_image_free(gpu_host(harness_device()), &wanted);
+    fnl_image_free(gpu_host(harness_device()), &nothing);
     stage_close(&stage);
     stage_close(&alone);
 }
@@ -676,6 +744,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_everything_is_found_by_name, harness_check),
         cmocka_unit_test_teardown(test_a_file_in_a_scene_looks_as_it_does_alone, harness_check),
+        cmocka_unit_test_teardown(test_files_that_come_and_go, harness_check),
         cmocka_unit_test_teardown(test_changes_show_as_if_built_so, harness_check),
         cmocka_unit_test_teardown(test_what_is_set_holds_until_it_is_animated, harness_check),
         cmocka_unit_test_teardown(test_variants_show_as_if_built_so, harness_check),

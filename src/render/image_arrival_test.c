@@ -332,8 +332,8 @@ static void add_decals(fnl_scene *scene, bool pictures) {
         if (kinds[i] != FNL_DECAL_BOX)
             decal.instance = (fnl_instance_id){node, scene->nodes.data[node].generation};
         decal.channels = FNL_DECAL_COLOR | FNL_DECAL_NORMAL | FNL_DECAL_ROUGHNESS;
-        decal.color_image = (fnl_image_id){i == 2 ? 4 : 1, FIXED_GENERATION};
-        decal.normal_image = (fnl_image_id){3, FIXED_GENERATION};
+        decal.color_image = (fnl_image_id){i == 2 ? 4 : 1, FIRST_GENERATION};
+        decal.normal_image = (fnl_image_id){3, FIRST_GENERATION};
         decal.transform = mat4_scaling(vec3_make(1.2f, 1.2f, 1));
         if (kinds[i] == FNL_DECAL_BOX) decal.transform = mat4_mul(mat4_translation(vec3_make(4, 2, 0)), decal.transform);
         assert_int_equal(fnl_scene_add_decal(scene, &decal, &id), FNL_OK);
@@ -404,7 +404,7 @@ static void set_images(fnl_scene *scene, uint32_t material, fnl_image_id color, 
     assert_int_equal(fnl_scene_query_material(scene, material, &look), FNL_OK);
     look.base_color_image = color;
     look.emissive_image = emissive;
-    assert_int_equal(fnl_scene_set_material(scene, (fnl_material_id){material, FIXED_GENERATION}, &look), FNL_OK);
+    assert_int_equal(fnl_scene_set_material(scene, (fnl_material_id){material, FIRST_GENERATION}, &look), FNL_OK);
 }
 
 /* Images of 4 MiB, and the fourth of 18, as a file would bring them; each with a material. `from` .. `end` of them. */
@@ -461,17 +461,17 @@ static void test_a_frame_takes_up_little(void **state) {
             assert_int_equal(pending(&stage), LATE - 4);
             while (pending(&stage)) usleep(1000);
             assert_int_equal(d->image_upload_count, IMAGES + LATE - 1);
-            set_images(scene, material, (fnl_image_id){scene->images.count - LATE + LARGE, FIXED_GENERATION}, (fnl_image_id){0, 0});
+            set_images(scene, material, (fnl_image_id){scene->images.count - LATE + LARGE, FIRST_GENERATION}, (fnl_image_id){0, 0});
             while (pending(&stage)) usleep(1000);
         }
         if (way < 2) assert_int_equal(d->image_upload_count, IMAGES + LATE);
         if (way == 0) {
             /* What came in parts is the picture. */
             fnl_scene *wanted = load(&whole, false);
-            set_images(scene, 5, (fnl_image_id){IMAGES + LARGE, FIXED_GENERATION}, (fnl_image_id){0, 0});
+            set_images(scene, 5, (fnl_image_id){IMAGES + LARGE, FIRST_GENERATION}, (fnl_image_id){0, 0});
             add_late_images(wanted, &small, &large, 0, LATE);
             for (uint32_t i = 0; i < LATE; i++) wanted->images.data[IMAGES + i].async = false;
-            set_images(wanted, 5, (fnl_image_id){IMAGES + LARGE, FIXED_GENERATION}, (fnl_image_id){0, 0});
+            set_images(wanted, 5, (fnl_image_id){IMAGES + LARGE, FIRST_GENERATION}, (fnl_image_id){0, 0});
             fnl_image last = picture_of(wanted, &stage.frame);
             assert_int_equal(pending(&stage), 0);
             expect_equal(&stage, &last, "an image that came in parts");
@@ -532,7 +532,7 @@ static void meet_broken_image(const struct broken_case *c, bool async, struct br
     const struct file file = {.broken = 4};
     shut();
     fnl_scene *scene = load(&file, async);
-    const fnl_image_id none = {0, 0}, first = {0, FIXED_GENERATION};
+    const fnl_image_id none = {0, 0}, first = {0, FIRST_GENERATION};
     if (c->decals_only) {
         set_images(scene, 1, none, none); /* of a good image too */
         set_images(scene, 4, none, none);
@@ -552,7 +552,7 @@ static void meet_broken_image(const struct broken_case *c, bool async, struct br
     set_images(scene, 5, none, first); /* a change of materials, and another use */
     fnl_decal_params decal = fnl_decal_params_default();
     decal.channels = FNL_DECAL_EMISSION;
-    decal.emissive_image = (fnl_image_id){4, FIXED_GENERATION};
+    decal.emissive_image = (fnl_image_id){4, FIRST_GENERATION};
     fnl_decal_id id;
     if (c->decals) assert_int_equal(fnl_scene_add_decal(scene, &decal, &id), FNL_OK);
     assert_int_equal(pending(&stage), 0);
@@ -650,8 +650,8 @@ static void edit(fnl_scene *scene, bool async) {
         assert_int_equal(fnl_scene_query_material(scene, m, &look), FNL_OK);
         if (m == 0) look.base_color_image = image;
         if (m == 4) look.emissive_image = (fnl_image_id){0, 0};
-        if (m == 5) look.base_color_image = (fnl_image_id){4, FIXED_GENERATION};
-        assert_int_equal(fnl_scene_set_material(scene, (fnl_material_id){m, FIXED_GENERATION}, &look), FNL_OK);
+        if (m == 5) look.base_color_image = (fnl_image_id){4, FIRST_GENERATION};
+        assert_int_equal(fnl_scene_set_material(scene, (fnl_material_id){m, FIRST_GENERATION}, &look), FNL_OK);
     }
     assert_int_equal(fnl_scene_grow_metal(scene, 2), FNL_OK); /* decodes images 2 and 5 at once */
     fnl_scene *gone = scene;

@@ -85,12 +85,6 @@ static uint32_t light_of(const fnl_renderer *r, uint32_t light) {
     return scene->lights.data[at].generation <= r->pixel.next_generation ? at : SCENE_NONE; /* else another has come in its place */
 }
 
-static uint32_t without_holes(const fnl_scene *scene, uint32_t light) {
-    uint32_t before = 0;
-    for (uint32_t i = 0; i < scene->free_lights.count; i++) before += scene->free_lights.data[i] < light;
-    return light - before;
-}
-
 static void describe_light(const fnl_renderer *r, const struct inspected *found, uint32_t i, fnl_pixel_light *out) {
     const struct gpu_inspect_light *g = &found->lights[i];
     const uint32_t light = light_of(r, g->light);
@@ -103,7 +97,7 @@ static void describe_light(const fnl_renderer *r, const struct inspected *found,
                              .shadow = (fnl_pixel_shadow)g->shadow};
     if (light != SCENE_NONE) {
         out->id = (fnl_light_id){light, r->scene->lights.data[light].generation};
-        out->index = without_holes(r->scene, light);
+        out->index = scene_entity_index(r->scene, FNL_ENTITY_LIGHT, light);
     }
     if (out->shadow != FNL_PIXEL_SHADOW_MAP) return;
     out->shadow_face = g->face;

@@ -68,7 +68,7 @@ static fnl_scene *make_scene(const struct board *b) {
     fnl_scene *scene;
     assert_int_equal(fnl_scene_create(NULL, &scene), FNL_OK);
     fnl_material_params look = fnl_material_params_default();
-    const fnl_image_id id = {add_image(scene, b), FIXED_GENERATION};
+    const fnl_image_id id = {add_image(scene, b), FIRST_GENERATION};
     look.unlit = true;
     look.double_sided = true;
     fnl_material_id material;

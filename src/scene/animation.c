@@ -102,9 +102,13 @@ static void set_rotation(double out[4], quat q) {
 
 /* ---- one animation ---- */
 
+static const struct scene_animation *animation_at(const fnl_scene *scene, uint32_t index) {
+    return &scene->animations.data[scene_entity_slot(scene, FNL_ENTITY_ANIMATION, index)];
+}
+
 fnl_result animation_apply(fnl_scene *scene, uint32_t animation, double seconds) {
-    if (animation >= scene->animations.count) return FNL_OK;
-    const struct scene_animation *what = &scene->animations.data[animation];
+    if (animation >= scene_entity_count(scene, FNL_ENTITY_ANIMATION)) return FNL_OK;
+    const struct scene_animation *what = animation_at(scene, animation);
     for (uint32_t i = 0; i < what->channel_count; i++) {
         const struct scene_channel *channel = &what->channels[i];
         if (!channel->key_count) continue;
@@ -304,12 +308,12 @@ static void blend_group(fnl_scene *scene, const struct blended *group, uint32_t 
 
 static fnl_result blend(fnl_scene *scene, const fnl_animation_time *times, uint32_t count) {
     uint32_t total = 0, used = 0;
-    for (uint32_t i = 0; i < count; i++) total += times[i].weight > 0 ? scene->animations.data[times[i].animation].channel_count : 0;
+    for (uint32_t i = 0; i < count; i++) total += times[i].weight > 0 ? animation_at(scene, times[i].animation)->channel_count : 0;
     const size_t size = MAX(total, 1u) * sizeof(struct blended);
     struct blended *all = host_allocate(&scene->host, size);
     if (!all) return FNL_ERROR_MEMORY;
     for (uint32_t i = 0; i < count; i++) {
-        const struct scene_animation *animation = &scene->animations.data[times[i].animation];
+        const struct scene_animation *animation = animation_at(scene, times[i].animation);
         for (uint32_t k = 0; k < animation->channel_count && times[i].weight > 0; k++)
             if (animation->channels[k].key_count) {
                 all[used] = (struct blended){&animation->channels[k], (float)times[i].seconds, times[i].weight, i, used};
@@ -324,14 +328,14 @@ static fnl_result blend(fnl_scene *scene, const fnl_animation_time *times, uint3
     host_free(&scene->host, all, size);
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < count && result == FNL_OK; i++)
-        if (times[i].weight > 0) result = animation_finish_properties(scene, &scene->animations.data[times[i].animation]);
+        if (times[i].weight > 0) result = animation_finish_properties(scene, animation_at(scene, times[i].animation));
     return result;
 }
 
 /* ---- the calls ---- */
 
 static bool sets_weights(const fnl_scene *scene, uint32_t animation) {
-    const struct scene_animation *what = &scene->animations.data[animation];
+    const struct scene_animation *what = animation_at(scene, animation);
     for (uint32_t i = 0; i < what->channel_count; i++)
         if (what->channels[i].path == SCENE_PATH_WEIGHTS) return true;
     return false;
@@ -339,7 +343,7 @@ static bool sets_weights(const fnl_scene *scene, uint32_t animation) {
 
 static fnl_result set_times(fnl_scene *scene, const fnl_animation_time *times, uint32_t count) {
     uint32_t weighty = 0, only = 0;
-    if (scene->animations.count == 0) return FNL_OK;
+    if (scene_entity_count(scene, FNL_ENTITY_ANIMATION) == 0) return FNL_OK;
     for (uint32_t i = 0; i < count; i++) {
         if (!(times[i].weight > 0)) continue;
         weighty++;
@@ -355,7 +359,8 @@ static fnl_result set_times(fnl_scene *scene, const fnl_animation_time *times, u
 }
 
 static fnl_result check_animation(const struct call *call, const fnl_scene *scene, uint32_t animation) {
-    return scene->animations.count || animation ? check_index(call, "animation", animation, scene->animations.count, "animations") : FNL_OK;
+    const uint32_t count = scene_entity_count(scene, FNL_ENTITY_ANIMATION);
+    return count || animation ? check_index(call, "animation", animation, count, "animations") : FNL_OK;
 }
 
 fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double seconds) {

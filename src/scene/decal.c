@@ -54,17 +54,12 @@ fnl_result decal_check(const struct call *call, const fnl_decal_params *p) {
     return check_count(call, "slices", p->slices, 1, 4096);
 }
 
-static fnl_result check_image(const struct call *call, const fnl_scene *scene, const char *name, fnl_image_id id) {
-    bool known = id.generation ? id.generation == 1 && id.index < scene->images.count : id.index == 0;
-    return check_id(call, name, known, id.index, id.generation, "an image");
-}
-
 static fnl_result check_all(const struct call *call, const fnl_scene *scene, const fnl_decal_params *p) {
     TRY(decal_check(call, p));
-    TRY(check_image(call, scene, "color_image", p->color_image));
-    TRY(check_image(call, scene, "normal_image", p->normal_image));
-    TRY(check_image(call, scene, "metallic_roughness_image", p->metallic_roughness_image));
-    TRY(check_image(call, scene, "emissive_image", p->emissive_image));
+    TRY(scene_check_image(call, scene, "color_image", p->color_image, true));
+    TRY(scene_check_image(call, scene, "normal_image", p->normal_image, true));
+    TRY(scene_check_image(call, scene, "metallic_roughness_image", p->metallic_roughness_image, true));
+    TRY(scene_check_image(call, scene, "emissive_image", p->emissive_image, true));
     bool nothing = p->instance.generation == 0 && p->instance.index == 0;
     return nothing && !needs_instance(p->kind) ? FNL_OK : scene_check_instance(call, scene, p->instance);
 }
@@ -127,21 +122,19 @@ uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint3
     if (++scene->next_generation == 0) scene->next_generation = 1;
     struct scene_decal decal = {.params = *params, .node = node, .generation = scene->next_generation};
     place_decal(scene, &decal);
-    uint32_t index;
-    if (scene->free_decals.count > 0) {
-        index = scene->free_decals.data[--scene->free_decals.count];
-        scene->decals.data[index] = decal;
-    } else {
-        index = scene->decals.count;
-        if (index == SCENE_NONE || !array_push(&scene->host, &scene->decals, decal)) return SCENE_NONE;
-    }
+    const uint32_t index = scene_take_place(scene, SCENE_DECALS, &scene->decals);
+    if (index == SCENE_NONE) return SCENE_NONE;
+    scene->decals.data[index] = decal;
     touch(scene);
-    if (params->kind == FNL_DECAL_BAKED && decal_bake(scene, node) != FNL_OK) {
-        scene->decals.data[index].removed = true;
-        UNUSED(array_push(&scene->host, &scene->free_decals, index)); /* else it stays a hole */
-        return SCENE_NONE;
-    }
-    return index;
+    if (params->kind != FNL_DECAL_BAKED || decal_bake(scene, node) == FNL_OK) return index;
+    scene_remove_decal(scene, index);
+    return SCENE_NONE;
+}
+
+void scene_remove_decal(fnl_scene *scene, uint32_t index) {
+    scene->decals.data[index].removed = true;
+    scene_leave_hole(scene, SCENE_DECALS, index);
+    touch(scene);
 }
 
 fnl_result fnl_scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, fnl_decal_id *out) {
@@ -184,12 +177,12 @@ fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id id, const fnl_deca
 fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id id) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_decal_id(CALL(&scene->host), scene, id));
-    if (!array_push(&scene->host, &scene->free_decals, id.index)) return FNL_ERROR_MEMORY;
-    struct scene_decal *decal = &scene->decals.data[id.index];
-    bool exists = decal_exists(scene, decal);
-    decal->removed = true;
-    touch(scene);
-    return decal->params.kind == FNL_DECAL_BAKED && exists ? decal_bake(scene, decal->node) : FNL_OK;
+    const struct scene_decal *decal = &scene->decals.data[id.index];
+    const bool baked = decal->params.kind == FNL_DECAL_BAKED && decal_exists(scene, decal);
+    scene_remove_decal(scene, id.index);
+    const fnl_result result = baked ? decal_bake(scene, decal->node) : FNL_OK;
+    scene_drop_parts(scene);
+    return result;
 }
 
 fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers) {

@@ -326,21 +326,51 @@ static struct scene_painted *find_painted(fnl_scene *scene, uint32_t node) {
 /* A copy of the mesh with materials of its own. */
 static uint32_t copy_mesh(fnl_scene *scene, uint32_t source) {
     struct scene_mesh mesh = scene->meshes.data[source];
-    struct scene_primitive *copies = ARENA_ARRAY(&scene->arena, struct scene_primitive, mesh.primitive_count);
+    const size_t size = mesh.primitive_count * sizeof(struct scene_primitive);
+    struct scene_primitive *copies = host_allocate(&scene->host, size);
+    uint32_t index = SCENE_NONE, made = 0;
     if (!copies) return SCENE_NONE;
-    for (uint32_t i = 0; i < mesh.primitive_count; i++) {
+    for (; made < mesh.primitive_count; made++) {
+        const uint32_t i = made;
         copies[i] = scene->primitives.data[mesh.first_primitive + i];
         copies[i].memory = (struct arena){0}; /* the source's */
         copies[i].mapping_count = 0;          /* they follow it */
         struct scene_material material =
             copies[i].material == SCENE_NONE ? scene_material_default() : scene->materials.data[copies[i].material];
         if (copies[i].material == SCENE_NONE) material.name = "";
-        copies[i].material = scene_add_material(scene, &material);
-        if (copies[i].material == SCENE_NONE) return SCENE_NONE;
+        copies[i].material = copies[i].standard_material = scene_add_material(scene, &material);
+        if (copies[i].material == SCENE_NONE) break;
     }
-    uint32_t index = scene_add_mesh(scene, mesh.name, copies, mesh.primitive_count);
+    if (made == mesh.primitive_count) index = scene_add_mesh(scene, mesh.name, copies, mesh.primitive_count);
     if (index != SCENE_NONE) scene->meshes.data[index].morph_weights = mesh.morph_weights;
+    for (uint32_t i = 0; i < made && index == SCENE_NONE; i++) scene_remove_material(scene, copies[i].material);
+    host_free(&scene->host, copies, size);
     return index;
+}
+
+/* The pictures that were painted on: those that are not the original's. */
+static void remove_pictures(fnl_scene *scene, uint32_t own, uint32_t original) {
+    for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
+        const uint32_t image = scene->materials.data[own].textures[slot].image;
+        const bool shared = original != SCENE_NONE && scene->materials.data[original].textures[slot].image == image;
+        if (image == SCENE_NONE || shared || scene->images.data[image].removed) continue;
+        scene_remove_image(scene, image);
+    }
+}
+
+void decal_forget_removed(fnl_scene *scene) {
+    for (uint32_t i = scene->painted.count; i > 0; i--) {
+        const struct scene_painted painted = scene->painted.data[i - 1];
+        if (!scene->nodes.data[painted.node].removed) continue;
+        const struct scene_mesh *source = &scene->meshes.data[painted.mesh], *own = &scene->meshes.data[painted.own_mesh];
+        for (uint32_t k = 0; k < own->primitive_count; k++) {
+            const uint32_t material = scene->primitives.data[own->first_primitive + k].material;
+            remove_pictures(scene, material, scene->primitives.data[source->first_primitive + k].material);
+            scene_remove_material(scene, material);
+        }
+        scene_remove_mesh(scene, painted.own_mesh);
+        scene->painted.data[i - 1] = scene->painted.data[--scene->painted.count];
+    }
 }
 
 /* The picture that is painted on: that of the copied material, which is made when there is none yet. `original`: what it begins as. */
@@ -350,14 +380,9 @@ static uint32_t own_image(fnl_scene *scene, const struct scene_texture *original
     uint32_t width = source->pixels ? source->width : PLAIN_SIDE, height = source->pixels ? source->height : PLAIN_SIDE;
     size_t bytes = (size_t)width * height * 4;
     if (texture->image == original->image) {
-        struct scene_image image = {
-            .name = arena_format(&scene->arena, "%s: painted picture %u", scene->source, scene->images.count),
-            .file_kind = "generated",
-            .width = width,
-            .height = height,
-            .pixels = arena_allocate(&scene->arena, bytes),
-            .color = is_srgb(slot)};
-        uint32_t index = image.name && image.pixels ? scene_add_image(scene, &image) : SCENE_NONE;
+        struct scene_image image;
+        const bool made = scene_image_create(scene, "painted picture", width, height, is_srgb(slot), &image);
+        const uint32_t index = made ? scene_add_image(scene, &image) : SCENE_NONE;
         if (index == SCENE_NONE) return SCENE_NONE;
         texture = &scene->materials.data[material].textures[slot];
         *texture = *original;

@@ -293,5 +293,5 @@ void glb_save_materials(struct glb *g) {
     }
     const uint32_t first = g->file ? g->file->materials.count : 0; /* what the loader adds itself it will add again */
     for (uint32_t i = first; i < g->scene->materials.count && g->scene->painted.count == 0 && g->result == FNL_OK; i++)
-        if (i != g->scene->stage.material) glb_material(g, i);
+        if (!g->scene->materials.data[i].removed && i != g->scene->stage.material) glb_material(g, i);
 }

@@ -132,7 +132,7 @@ void glb_save_meshes(struct glb *g) {
         }
     }
     for (uint32_t i = g->file ? g->file->meshes.count : 0; i < g->scene->meshes.count && g->result == FNL_OK; i++) {
-        bool copy = i == g->scene->stage.mesh; /* or that baked decals are painted on */
+        bool copy = g->scene->meshes.data[i].removed || i == g->scene->stage.mesh; /* or that baked decals are painted on */
         for (uint32_t k = 0; k < g->scene->painted.count; k++) copy = copy || g->scene->painted.data[k].own_mesh == i;
         if (!copy) glb_mesh(g, i);
         if (!copy && g->scene->meshes.data[i].primitive_count) {

@@ -184,7 +184,7 @@ static uint32_t camera_of(struct glb *g, const struct scene_camera *camera) {
 static void save_cameras(struct glb *g) {
     for (uint32_t i = 0; i < g->scene->cameras.count && g->result == FNL_OK; i++) {
         const struct scene_camera *camera = &g->scene->cameras.data[i];
-        if (camera->node != SCENE_NONE) continue;
+        if (camera->removed || camera->node != SCENE_NONE) continue;
         const vec3 forward = vec3_normalize(vec3_sub(camera->camera.target, camera->camera.position));
         const mat4 pose = glb_turn(forward, light_up(forward, camera->camera.up));
         json_t *node = json_object();
@@ -310,9 +310,23 @@ static bool write_channel(struct glb *g, const struct scene_channel *c, json_t *
     return true;
 }
 
+/* From the last to the first: nothing refers to them by their numbers. */
+static void drop_animations(struct glb *g) {
+    json_t *array = json_object_get(g->root, "animations");
+    for (uint32_t i = g->file ? g->file->animations.count : 0; i > 0; i--)
+        if (g->scene->animations.data[i - 1].removed) json_array_remove(array, i - 1);
+    if (array && json_array_size(array) == 0) json_object_del(g->root, "animations");
+}
+
+static void drop_cameras(struct glb *g) {
+    for (uint32_t i = 0; g->file && i < g->file->cameras.count; i++)
+        if (g->scene->cameras.data[i].removed) json_object_del(json_array_get(json_object_get(g->root, "nodes"), g->file->cameras.data[i].node), "camera");
+}
+
 static void save_animations(struct glb *g) {
     for (uint32_t i = g->file ? g->file->animations.count : 0; i < g->scene->animations.count && g->result == FNL_OK; i++) {
         const struct scene_animation *animation = &g->scene->animations.data[i];
+        if (animation->removed) continue;
         json_t *object = json_object(), *samplers = glb_array(g, object, "samplers"), *channels = glb_array(g, object, "channels");
         uint32_t missing = 0;
         glb_set_name(g, object, animation->name, animation->extras);
@@ -329,7 +343,9 @@ void glb_save_nodes(struct glb *g) {
     json_t *array = json_object_get(g->root, "nodes");
     for (uint32_t i = 0; i < g->node_count && g->result == FNL_OK; i++)
         if (json_is_object(json_array_get(array, i))) patch_node(g, json_array_get(array, i), i);
+    drop_cameras(g);
     add_nodes(g);
+    if (g->result == FNL_OK) drop_animations(g);
     if (g->result == FNL_OK) save_animations(g);
     if (g->result == FNL_OK) save_cameras(g);
 }

@@ -194,7 +194,19 @@ static void load_parts(struct gltf *g) {
 /** What fnl_scene_save needs to write the file again. */
 static void keep_document(struct gltf *g, const unsigned char *bytes, size_t size) {
     struct scene_document *document = &g->scene->document;
-    *document = (struct scene_document){bytes, size, g->params.lenient, gltf_keep(g, g->buffer_count, sizeof *document->buffers), g->buffer_count};
+    const fnl_scene *scene = g->scene;
+    *document = (struct scene_document){.bytes = bytes,
+                                        .size = size,
+                                        .lenient = g->params.lenient,
+                                        .buffers = gltf_keep(g, g->buffer_count, sizeof *document->buffers),
+                                        .buffer_count = g->buffer_count,
+                                        .counts = {[SCENE_IMAGES] = scene->images.count,
+                                                   [SCENE_SAMPLERS] = scene->samplers.count,
+                                                   [SCENE_MATERIALS] = scene->materials.count,
+                                                   [SCENE_PRIMITIVES] = scene->primitives.count,
+                                                   [SCENE_MESHES] = scene->meshes.count,
+                                                   [SCENE_ANIMATIONS] = scene->animations.count,
+                                                   [SCENE_CAMERAS] = scene->cameras.count}};
     for (uint32_t i = 0; i < g->buffer_count && document->buffers; i++)
         if (g->buffers[i].valid && g->buffers[i].data) document->buffers[i] = (struct scene_buffer){g->buffers[i].data, g->buffers[i].size};
 }

@@ -16,10 +16,12 @@ struct light_profile {
     uint32_t generation;
     uint32_t offset; /* of its place on the device, floats; above 0 */
     float candela;   /* in the brightest direction */
+    struct arena memory; /* of the values and the name, if they are its own */
 };
 
 /** Floats before the values on the device: rows, columns. */
 #define LIGHT_PROFILE_HEAD 2u
+static inline uint32_t light_profile_floats(const struct light_profile *profile) { return LIGHT_PROFILE_HEAD + (profile->rows + 1) * profile->columns; }
 
 /**
  * Reads LM-63-1986, -1991, -1995, -2002 and -2019, photometry of type C, B and A. `name` is for messages. Broken files are FNL_ERROR_FORMAT with one

@@ -199,6 +199,7 @@ fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {
     TRY(check_light_id(CALL(&scene->host), scene, light));
     if (!array_reserve(&scene->host, &scene->free_lights, scene->lights.count)) return FNL_ERROR_MEMORY;
     scene_remove_light(scene, light.index);
+    scene_drop_parts(scene);
     return FNL_OK;
 }
 

@@ -316,22 +316,57 @@ static unsigned char *make_textured(size_t *size) {
 /* What else may hold on to the file's image, or its mesh. */
 enum holder { NOBODY, AN_INSTANCE, A_MATERIAL, A_DECAL, A_READER, HOLDERS };
 
-static void hold(fnl_scene *scene, enum holder by, const fnl_loaded *loaded) {
-    const fnl_image_id image = {loaded->first[FNL_ENTITY_IMAGE], FIXED_GENERATION};
-    const fnl_mat4 place = mat4_identity();
+static fnl_entity_info entity_at(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
+    fnl_entity_info info;
+    assert_int_equal(fnl_scene_query_entity(scene, kind, index, &info), FNL_OK);
+    return info;
+}
+
+struct held {
     fnl_instance_id instance;
     fnl_material_id material;
-    fnl_decal_id id;
+    fnl_decal_id decal;
+};
+
+static struct held hold(fnl_scene *scene, enum holder by, const fnl_loaded *loaded) {
+    const fnl_image_id image = entity_at(scene, FNL_ENTITY_IMAGE, loaded->first[FNL_ENTITY_IMAGE]).id.image;
+    const fnl_mesh_id mesh = entity_at(scene, FNL_ENTITY_MESH, loaded->first[FNL_ENTITY_MESH]).id.mesh;
+    const fnl_mat4 place = mat4_identity();
+    struct held held;
     fnl_material_params look = fnl_material_params_default();
     fnl_decal_params decal = fnl_decal_params_default();
     look.emissive_image = decal.color_image = image;
-    if (by == AN_INSTANCE) assert_int_equal(fnl_scene_add_instance(scene, (fnl_mesh_id){loaded->first[FNL_ENTITY_MESH], FIXED_GENERATION}, &place, &instance), FNL_OK);
-    if (by == A_MATERIAL) assert_int_equal(fnl_scene_add_material(scene, &look, &material), FNL_OK);
-    if (by == A_DECAL) assert_int_equal(fnl_scene_add_decal(scene, &decal, &id), FNL_OK);
+    if (by == AN_INSTANCE) assert_int_equal(fnl_scene_add_instance(scene, mesh, &place, &held.instance), FNL_OK);
+    if (by == A_MATERIAL) assert_int_equal(fnl_scene_add_material(scene, &look, &held.material), FNL_OK);
+    if (by == A_DECAL) assert_int_equal(fnl_scene_add_decal(scene, &decal, &held.decal), FNL_OK);
     if (by == A_READER) atomic_fetch_add(&scene->readers, 1);
+    return held;
 }
 
-static void test_images_of_a_file_that_goes_are_freed(void **state) {
+static void let_go(fnl_scene *scene, enum holder by, const struct held *held) {
+    fnl_image pixel = {1, 1, FNL_PIXEL_FORMAT_RGBA8, (uint8_t[4]){1, 2, 3, 4}};
+    fnl_image_id image;
+    if (by == AN_INSTANCE) assert_int_equal(fnl_scene_remove_instance(scene, held->instance), FNL_OK);
+    if (by == A_MATERIAL) assert_int_equal(fnl_scene_remove_material(scene, held->material), FNL_OK);
+    if (by == A_DECAL) assert_int_equal(fnl_scene_remove_decal(scene, held->decal), FNL_OK);
+    if (by != A_READER) return;
+    atomic_fetch_sub(&scene->readers, 1); /* the next removal finds it */
+    assert_int_equal(fnl_scene_add_image(scene, &pixel, true, &image), FNL_OK);
+    assert_int_equal(fnl_scene_remove_image(scene, image), FNL_OK);
+}
+
+static void expect_counts(const fnl_scene *scene, const uint32_t counts[FNL_ENTITY_COUNT]) {
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++)
+        if (fnl_scene_count(scene, (fnl_entity)kind) != counts[kind])
+            fail_msg("kind %d: %u, not %u", kind, fnl_scene_count(scene, (fnl_entity)kind), counts[kind]);
+}
+
+static void count_all(const fnl_scene *scene, uint32_t counts[FNL_ENTITY_COUNT]) {
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) counts[kind] = fnl_scene_count(scene, (fnl_entity)kind);
+}
+
+/* A file goes with its root, or with the last that uses a part of it. */
+static void test_files_go_with_their_last_user(void **state) {
     UNUSED(state);
     for (int by = NOBODY; by < HOLDERS; by++) {
         size_t size_a, size_b, size;
@@ -341,24 +376,22 @@ static void test_images_of_a_file_that_goes_are_freed(void **state) {
         host.log = quiet_log;
         fnl_scene *scene = open_first(&host, &a, &size_a, &b, &size_b);
         fnl_load_params params = from_memory(textured, size);
-        fnl_loaded loaded;
-        long long before[2];
-        for (int round = 0; round < 2; round++) {
-            before[round] = memory.live_bytes;
+        uint32_t counts[FNL_ENTITY_COUNT];
+        count_all(scene, counts);
+        for (int round = 0; round < 3; round++) {
+            fnl_loaded loaded;
+            const long long before = memory.live_bytes;
             assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "c.glb", &params, &loaded), FNL_OK);
-            assert_true(memory.live_bytes >= before[round] + PICTURE_BYTES);
-            hold(scene, (enum holder)by, &loaded);
+            assert_true(memory.live_bytes >= before + PICTURE_BYTES);
+            const struct held held = hold(scene, (enum holder)by, &loaded);
             assert_int_equal(fnl_scene_remove_instance(scene, loaded.root), FNL_OK);
-            const bool stays = memory.live_bytes >= before[round] + PICTURE_BYTES / 2;
-            if (stays != (by != NOBODY)) fail_msg("holder %d: %lld bytes more than before", by, (long long)memory.live_bytes - before[round]);
-            const struct scene_image *image = &scene->images.data[loaded.first[FNL_ENTITY_IMAGE]];
-            assert_int_equal(image->encoded != NULL, by != NOBODY && by != A_READER);
-            const uint32_t texture = scene->materials.data[loaded.first[FNL_ENTITY_MATERIAL]].textures[SCENE_TEXTURE_BASE_COLOR].image;
-            assert_int_equal(texture != SCENE_NONE, by == AN_INSTANCE);
+            const bool stays = memory.live_bytes >= before + PICTURE_BYTES;
+            if (stays != (by != NOBODY)) fail_msg("holder %d: %lld bytes more than before", by, (long long)memory.live_bytes - before);
+            let_go(scene, (enum holder)by, &held);
+            if (round && memory.live_bytes != before) fail_msg("holder %d: %lld bytes stay", by, (long long)memory.live_bytes - before);
+            expect_counts(scene, counts);
+            assert_int_equal(scene->parts.count, 0);
         }
-        assert_int_equal(scene->parts.count, 0);
-        assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_IMAGE), 3); /* ids stay */
-        atomic_store(&scene->readers, 0);
         fnl_scene_destroy(&scene);
         assert_int_equal(memory.live_bytes, 0);
         assert_int_equal(memory.wrong_sizes, 0);
@@ -368,12 +401,213 @@ static void test_images_of_a_file_that_goes_are_freed(void **state) {
     }
 }
 
+/* An instance that shows the file's mesh keeps what it shows, and no more. */
+static void test_what_is_used_stays_whole(void **state) {
+    UNUSED(state);
+    size_t size_a, size_b;
+    unsigned char *a, *b;
+    struct test_memory memory = {0};
+    fnl_host host = counting_host(&memory);
+    host.log = quiet_log;
+    fnl_scene *scene = open_first(&host, &a, &size_a, &b, &size_b);
+    fnl_load_params params = from_memory(b, size_b);
+    fnl_loaded loaded;
+    uint32_t counts[FNL_ENTITY_COUNT];
+    count_all(scene, counts);
+    assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "b.glb", &params, &loaded), FNL_OK);
+    const fnl_material_id material = entity_at(scene, FNL_ENTITY_MATERIAL, loaded.first[FNL_ENTITY_MATERIAL]).id.material;
+    const struct held held = hold(scene, AN_INSTANCE, &loaded);
+    assert_int_equal(fnl_scene_remove_instance(scene, loaded.root), FNL_OK);
+    counts[FNL_ENTITY_INSTANCE]++, counts[FNL_ENTITY_MESH]++, counts[FNL_ENTITY_MATERIAL]++, counts[FNL_ENTITY_IMAGE]++;
+    expect_counts(scene, counts);
+    fnl_mesh_info mesh;
+    fnl_material_params look;
+    assert_int_equal(fnl_scene_query_mesh(scene, counts[FNL_ENTITY_MESH] - 1, 0, &mesh), FNL_OK);
+    assert_memory_equal(&mesh.params.material, &material, sizeof material);
+    assert_true(mesh.params.positions[3] == 1);
+    assert_int_equal(fnl_scene_query_material(scene, counts[FNL_ENTITY_MATERIAL] - 1, &look), FNL_OK);
+    assert_int_not_equal(look.base_color_image.generation, 0);
+    assert_int_equal(fnl_scene_remove_material(scene, material), FNL_ERROR_INVALID);
+    assert_int_equal(fnl_scene_remove_image(scene, look.base_color_image), FNL_ERROR_INVALID);
+
+    /* What is loaded meanwhile takes other places. */
+    fnl_loaded other;
+    assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "b.glb", &params, &other), FNL_OK);
+    const fnl_material_id second = entity_at(scene, FNL_ENTITY_MATERIAL, other.first[FNL_ENTITY_MATERIAL]).id.material;
+    assert_int_not_equal(second.index, material.index);
+    assert_int_equal(fnl_scene_remove_instance(scene, held.instance), FNL_OK);
+    assert_string_equal(entity_at(scene, FNL_ENTITY_MATERIAL, counts[FNL_ENTITY_MATERIAL] - 1).name, "b paint");
+    assert_int_equal(fnl_scene_set_material(scene, material, &look), FNL_ERROR_INVALID); /* the old id is not that of the new one */
+    assert_int_equal(fnl_scene_query_material(scene, counts[FNL_ENTITY_MATERIAL] - 1, &look), FNL_OK);
+    assert_int_equal(fnl_scene_set_material(scene, second, &look), FNL_OK);
+    fnl_scene_destroy(&scene);
+    assert_int_equal(memory.live_bytes, 0);
+    assert_int_equal(memory.wrong_sizes, 0);
+    free(a);
+    free(b);
+}
+
+/* Files of different sizes come and go in any order: memory does not grow, and each is whole as long as it is there. */
+static void test_rounds_of_loading_keep_memory_flat(void **state) {
+    UNUSED(state);
+    enum { FILES = 3, ROUNDS = 10000 };
+    size_t size_a, sizes[FILES];
+    unsigned char *a, *files[FILES];
+    struct test_memory memory = {0};
+    fnl_host host = counting_host(&memory);
+    host.log = quiet_log;
+    fnl_scene *scene = open_first(&host, &a, &size_a, &files[0], &sizes[0]);
+    files[1] = make_file("c", &sizes[1]);
+    files[2] = make_textured(&sizes[2]);
+    fnl_loaded loaded[FILES];
+    bool there[FILES] = {false};
+    uint32_t counts[FNL_ENTITY_COUNT], most = 0;
+    long long bytes = 0;
+    uint64_t random = 1;
+    count_all(scene, counts);
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        const uint32_t i = (uint32_t)(random >> 33) % FILES;
+        fnl_load_params params = from_memory(files[i], sizes[i]);
+        if (there[i])
+            assert_int_equal(fnl_scene_remove_instance(scene, loaded[i].root), FNL_OK);
+        else
+            assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "x.glb", &params, &loaded[i]), FNL_OK);
+        there[i] = !there[i];
+        for (uint32_t k = 0; k < FILES; k++) {
+            if (!there[k]) continue;
+            const struct scene_node *root = &scene->nodes.data[loaded[k].root.index];
+            assert_true(!root->removed && root->generation == loaded[k].root.generation && root->first_child != SCENE_NONE);
+        }
+        if (there[0] || there[1] || there[2]) continue;
+        expect_counts(scene, counts);
+        if (round < 1000) {
+            bytes = memory.live_bytes;
+            most = scene->nodes.count + scene->meshes.count + scene->primitives.count + scene->images.count + scene->materials.count +
+                   scene->samplers.count + scene->animations.count + scene->cameras.count + scene->lights.count;
+        } else if (memory.live_bytes != bytes) {
+            fail_msg("round %u: %lld bytes more", round, (long long)memory.live_bytes - bytes);
+        }
+    }
+    assert_true(most < 100);
+    assert_int_equal(most, scene->nodes.count + scene->meshes.count + scene->primitives.count + scene->images.count + scene->materials.count +
+                               scene->samplers.count + scene->animations.count + scene->cameras.count + scene->lights.count);
+    fnl_scene_destroy(&scene);
+    assert_int_equal(memory.live_bytes, 0);
+    assert_int_equal(memory.wrong_sizes, 0);
+    free(a);
+    for (int i = 0; i < FILES; i++) free(files[i]);
+}
+
+/* ---- what calls add ---- */
+
+static const char profile_text[] = "IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 1\n0 45 90\n0\n100 50 0\n";
+
+static void test_rounds_of_adding_keep_memory_flat(void **state) {
+    UNUSED(state);
+    struct test_memory memory = {0};
+    fnl_host host = counting_host(&memory);
+    host.log = quiet_log;
+    fnl_scene *scene;
+    long long bytes = 0;
+    uint32_t counts[FNL_ENTITY_COUNT];
+    assert_int_equal(fnl_scene_create(&host, &scene), FNL_OK);
+    count_all(scene, counts);
+    for (uint32_t round = 0; round < 10000; round++) {
+        if (round == 10) bytes = memory.live_bytes;
+        fnl_image pixel = {1, 1, FNL_PIXEL_FORMAT_RGBA8, (uint8_t[4]){1, 2, 3, 4}};
+        fnl_image_id image;
+        fnl_material_params look = fnl_material_params_default();
+        fnl_material_id material;
+        const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+        fnl_mesh_params shape = {.vertex_count = 3, .positions = positions};
+        fnl_mesh_id mesh;
+        const fnl_mat4 place = mat4_identity();
+        fnl_instance_id instance;
+        fnl_light_profile_id profile;
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id lamp;
+        const fnl_camera camera = fnl_camera_default();
+        assert_int_equal(fnl_scene_add_image(scene, &pixel, true, &image), FNL_OK);
+        look.base_color_image = image;
+        assert_int_equal(fnl_scene_add_material(scene, &look, &material), FNL_OK);
+        shape.material = material;
+        assert_int_equal(fnl_scene_add_mesh(scene, &shape, &mesh), FNL_OK);
+        assert_int_equal(fnl_scene_add_instance(scene, mesh, &place, &instance), FNL_OK);
+        assert_int_equal(fnl_scene_add_light_profile(scene, "p.ies", profile_text, sizeof profile_text - 1, &profile, NULL), FNL_OK);
+        light.kind = FNL_LIGHT_SPOT;
+        light.profile = profile;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &lamp), FNL_OK);
+        assert_int_equal(fnl_scene_add_camera(scene, "eye", &camera), FNL_OK);
+
+        /* Nothing goes as long as something uses it, and nothing twice. */
+        assert_int_equal(fnl_scene_remove_image(scene, image), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_material(scene, material), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_mesh(scene, mesh), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_light_profile(scene, profile), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_instance(scene, instance), FNL_OK);
+        assert_int_equal(fnl_scene_remove_mesh(scene, mesh), FNL_OK);
+        assert_int_equal(fnl_scene_remove_mesh(scene, mesh), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_add_instance(scene, mesh, &place, &instance), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_material(scene, material), FNL_OK);
+        assert_int_equal(fnl_scene_remove_material(scene, material), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_image(scene, image), FNL_OK);
+        assert_int_equal(fnl_scene_remove_image(scene, image), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_light(scene, lamp), FNL_OK);
+        assert_int_equal(fnl_scene_remove_light_profile(scene, profile), FNL_OK);
+        assert_int_equal(fnl_scene_remove_light_profile(scene, profile), FNL_ERROR_INVALID);
+        assert_int_equal(fnl_scene_remove_camera(scene, 0), FNL_OK);
+        assert_int_equal(fnl_scene_remove_camera(scene, 0), FNL_ERROR_INVALID);
+        expect_counts(scene, counts);
+    }
+    if (memory.live_bytes != bytes) fail_msg("%lld bytes more", (long long)memory.live_bytes - bytes);
+    fnl_scene_destroy(&scene);
+    assert_int_equal(memory.live_bytes, 0);
+    assert_int_equal(memory.wrong_sizes, 0);
+}
+
+/* Indices skip what was removed. */
+static void test_removed_cameras_and_animations_are_skipped(void **state) {
+    UNUSED(state);
+    size_t size_a, size_b;
+    unsigned char *a, *b;
+    fnl_host host = fnl_host_default();
+    host.log = quiet_log;
+    fnl_scene *scene = open_first(&host, &a, &size_a, &b, &size_b);
+    fnl_load_params params = from_memory(b, size_b);
+    fnl_loaded loaded;
+    fnl_camera camera;
+    fnl_animation_info animation;
+    assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "b.glb", &params, &loaded), FNL_OK);
+    assert_int_equal(fnl_scene_remove_camera(scene, 0), FNL_OK);
+    assert_int_equal(fnl_scene_query_camera(scene, 0, &camera), FNL_OK);
+    expect_position(camera.position, 1, 2, 0);
+    assert_string_equal(name_of(scene, FNL_ENTITY_CAMERA, 0), "b eye");
+    assert_int_equal(fnl_scene_remove_animation(scene, 0), FNL_OK);
+    assert_int_equal(fnl_scene_query_animation(scene, 0, &animation), FNL_OK);
+    assert_string_equal(animation.name, "b walk");
+    assert_int_equal(fnl_scene_set_time(scene, 0, 2), FNL_OK);
+    expect_position(light_at(scene, 0).position, 1, 2, 0); /* of the first file: it stays where it was */
+    expect_position(light_at(scene, 1).position, 5, 0, 0);
+    assert_int_equal(fnl_scene_remove_animation(scene, 0), FNL_OK);
+    assert_int_equal(fnl_scene_set_time(scene, 0, 1), FNL_OK); /* as in a scene without animations */
+    assert_int_equal(fnl_scene_set_time(scene, 1, 1), FNL_ERROR_INVALID);
+    assert_int_equal(fnl_scene_remove_instance(scene, loaded.root), FNL_OK);
+    fnl_scene_destroy(&scene);
+    free(a);
+    free(b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_load_can_be_cancelled_at_every_step),
         cmocka_unit_test(test_a_file_becomes_part_of_a_scene),
         cmocka_unit_test(test_errors_leave_the_scene_as_it_was),
-        cmocka_unit_test(test_images_of_a_file_that_goes_are_freed),
+        cmocka_unit_test(test_files_go_with_their_last_user),
+        cmocka_unit_test(test_what_is_used_stays_whole),
+        cmocka_unit_test(test_rounds_of_loading_keep_memory_flat),
+        cmocka_unit_test(test_rounds_of_adding_keep_memory_flat),
+        cmocka_unit_test(test_removed_cameras_and_animations_are_skipped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

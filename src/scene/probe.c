@@ -42,12 +42,15 @@ uint32_t scene_add_probe(fnl_scene *scene, const fnl_probe_params *params) {
     probe.params.rotation = quat_normalize(params->rotation);
     place_from_vec3(params->centre, scene->origin, probe.place);
     scene_use_light_masks(scene, params->mask != 255);
-    uint32_t index = scene->probes.count;
-    if (scene->free_probes.count > 0)
-        scene->probes.data[index = scene->free_probes.data[--scene->free_probes.count]] = probe;
-    else if (index == SCENE_NONE || !array_push(&scene->host, &scene->probes, probe))
-        return SCENE_NONE;
+    const uint32_t index = scene_take_place(scene, SCENE_PROBES, &scene->probes);
+    if (index != SCENE_NONE) scene->probes.data[index] = probe;
     return index;
+}
+
+void scene_remove_probe(fnl_scene *scene, uint32_t index) {
+    scene->probes.data[index].removed = true;
+    scene_leave_hole(scene, SCENE_PROBES, index);
+    scene->probe_version++;
 }
 
 fnl_result fnl_scene_add_probe(fnl_scene *scene, const fnl_probe_params *params, fnl_probe_id *out) {
@@ -83,9 +86,7 @@ fnl_result fnl_scene_set_probe(fnl_scene *scene, fnl_probe_id id, const fnl_prob
 fnl_result fnl_scene_remove_probe(fnl_scene *scene, fnl_probe_id id) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_probe_id(CALL(&scene->host), scene, id));
-    if (!array_push(&scene->host, &scene->free_probes, id.index)) return FNL_ERROR_MEMORY;
-    scene->probes.data[id.index].removed = true;
-    scene->probe_version++;
+    scene_remove_probe(scene, id.index);
     return FNL_OK;
 }
 

@@ -26,7 +26,7 @@ static int make_folder(void **state) {
 
 static int remove_folder(void **state) {
     UNUSED(state);
-    static const char *const names[] = {"saved.glb", "a.gltf", "masks.gltf", "a.bin", "b.bin", "a.png", "a.hdr"};
+    static const char *const names[] = {"saved.glb", "a.gltf", "masks.gltf", "seen.gltf", "a.bin", "b.bin", "a.png", "a.hdr"};
     char path[96];
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
@@ -589,6 +589,56 @@ static void test_what_was_added_to_a_file(void **state) {
     fnl_scene_destroy(&again);
 }
 
+/* Of a file that came and went nothing is written, nor what it left room for; of the document's cameras and animations, those that are left. */
+static void test_what_was_removed(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = load_document(), *again;
+    fnl_loaded loaded[2];
+    uint32_t counts[FNL_ENTITY_COUNT];
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) counts[kind] = fnl_scene_count(scene, (fnl_entity)kind);
+    for (int i = 0; i < 2; i++) assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0}, in_folder("a.gltf"), NULL, &loaded[i]), FNL_OK);
+    const fnl_camera camera = fnl_camera_default();
+    assert_int_equal(fnl_scene_remove_instance(scene, loaded[0].root), FNL_OK);
+    assert_int_equal(fnl_scene_add_camera(scene, "added", &camera), FNL_OK); /* in a hole before those of the second file */
+    save(scene);
+    json_decref(validate(false));
+    again = load(saved);
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++)
+        if (kind != FNL_ENTITY_INSTANCE && kind != FNL_ENTITY_METADATA && fnl_scene_count(again, (fnl_entity)kind) != fnl_scene_count(scene, (fnl_entity)kind))
+            fail_msg("kind %d: %u, not %u", kind, fnl_scene_count(again, (fnl_entity)kind), fnl_scene_count(scene, (fnl_entity)kind));
+    fnl_scene_destroy(&again);
+    assert_int_equal(fnl_scene_remove_instance(scene, loaded[1].root), FNL_OK);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_CAMERA), counts[FNL_ENTITY_CAMERA] + 1);
+    assert_int_equal(fnl_scene_remove_camera(scene, counts[FNL_ENTITY_CAMERA]), FNL_OK);
+    assert_true(counts[FNL_ENTITY_ANIMATION] > 0);
+    assert_int_equal(fnl_scene_remove_animation(scene, 0), FNL_OK);
+    counts[FNL_ENTITY_ANIMATION]--;
+    save(scene);
+    json_decref(validate(false));
+    again = load(saved);
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++)
+        if (kind != FNL_ENTITY_METADATA && fnl_scene_count(again, (fnl_entity)kind) != counts[kind])
+            fail_msg("kind %d: %u, not %u", kind, fnl_scene_count(again, (fnl_entity)kind), counts[kind]);
+    fnl_scene_destroy(&scene);
+    fnl_scene_destroy(&again);
+
+    write_text("seen.gltf", "{\"asset\":{\"version\":\"2.0\"},\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}}],"
+                            "\"nodes\":[{\"camera\":0,\"name\":\"left\"},{\"camera\":0,\"name\":\"right\",\"translation\":[4,0,0]}],"
+                            "\"scenes\":[{\"nodes\":[0,1]}],\"scene\":0}");
+    scene = load(in_folder("seen.gltf"));
+    assert_int_equal(fnl_scene_remove_camera(scene, 0), FNL_OK);
+    save(scene);
+    json_decref(validate(false));
+    again = load(saved);
+    fnl_camera right;
+    assert_int_equal(fnl_scene_count(again, FNL_ENTITY_CAMERA), 1);
+    assert_int_equal(fnl_scene_count(again, FNL_ENTITY_INSTANCE), 2);
+    assert_int_equal(fnl_scene_query_camera(again, 0, &right), FNL_OK);
+    assert_true(right.position.x == 4);
+    fnl_scene_destroy(&scene);
+    fnl_scene_destroy(&again);
+}
+
 /* Masks of a file that was loaded into a scene: those of instances, and one that was taken back. */
 static void test_masks_of_what_was_added(void **state) {
     UNUSED(state);
@@ -727,7 +777,7 @@ static void test_places_far_away(void **state) {
         assert_int_equal(fnl_scene_add_light(scene, &light, &light_id), FNL_OK);
         assert_int_equal(fnl_scene_add_probe(scene, &probe, &probe_id), FNL_OK);
         assert_int_equal(fnl_scene_add_camera(scene, "own", &camera), FNL_OK);
-        assert_int_equal(fnl_scene_add_instance(scene, (fnl_mesh_id){0, FIXED_GENERATION}, &moved, &instance), FNL_OK);
+        assert_int_equal(fnl_scene_add_instance(scene, (fnl_mesh_id){0, FIRST_GENERATION}, &moved, &instance), FNL_OK);
         const fnl_instance_id root = {0, scene->nodes.data[0].generation};
         assert_int_equal(fnl_scene_set_instance_transform(scene, root, &moved), FNL_OK);
         assert_int_equal(fnl_scene_set_origin(scene, home), FNL_OK);
@@ -874,6 +924,7 @@ int main(void) {
         cmocka_unit_test(test_dangling_references_stay_so),
         cmocka_unit_test(test_changes_are_patched_in),
         cmocka_unit_test(test_what_was_added_to_a_file),
+        cmocka_unit_test(test_what_was_removed),
         cmocka_unit_test(test_masks_of_what_was_added),
         cmocka_unit_test(test_environments),
         cmocka_unit_test(test_probes),

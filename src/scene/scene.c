@@ -21,6 +21,8 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->cutoff_roughness = 1;
     scene->reach.structure_version = UINT64_MAX;
     scene->anisotropy = 8;
+    for (uint32_t i = 0; i < SCENE_POOLS; i++) scene->holes[i].end = RANGES_NONE; /* their gaps alone are used */
+    scene->profile_floats.end = 1;
     scene->stage = (struct scene_stage){.node = SCENE_NONE, .mesh = SCENE_NONE, .material = SCENE_NONE, .placed_version = UINT64_MAX};
     struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
                                     .min = SCENE_FILTER_LINEAR,
@@ -48,7 +50,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     }
     array_free(&host, &scene->resources);
     array_free(&host, &scene->sources);
-    array_free(&host, &scene->parts);
+    for (uint32_t i = 0; i < scene->images.count; i++) host_free(&host, scene->images.data[i].memory, scene->images.data[i].memory_size);
     array_free(&host, &scene->images);
     array_free(&host, &scene->samplers);
     array_free(&host, &scene->materials);
@@ -61,12 +63,15 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->animations);
     for (uint32_t i = 0; i < scene->lights.count; i++) light_hull_free(scene, &scene->lights.data[i]);
     array_free(&host, &scene->lights);
+    for (uint32_t i = 0; i < scene->profiles.count; i++) arena_finish(&scene->profiles.data[i].memory);
     array_free(&host, &scene->profiles);
+    ranges_finish(&host, &scene->profile_floats);
     array_free(&host, &scene->levels);
     array_free(&host, &scene->decals);
     scene_environment_finish(scene);
     array_free(&host, &scene->probes);
     array_free(&host, &scene->painted);
+    for (uint32_t i = 0; i < scene->cameras.count; i++) host_free(&host, scene->cameras.data[i].own_name, scene->cameras.data[i].own_name ? strlen(scene->cameras.data[i].own_name) + 1 : 0);
     array_free(&host, &scene->cameras);
     array_free(&host, &scene->variants);
     array_free(&host, &scene->packets);
@@ -76,13 +81,14 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->edited);
     array_free(&host, &scene->free_nodes);
     array_free(&host, &scene->free_lights);
-    array_free(&host, &scene->free_decals);
-    array_free(&host, &scene->free_probes);
     array_free(&host, &scene->light_slots);
     array_free(&host, &scene->free_light_slots);
     array_free(&host, &scene->unlimited);
     array_free(&host, &scene->suns);
     array_free(&host, &scene->changed_slots);
+    for (uint32_t i = 0; i < SCENE_POOLS; i++) ranges_finish(&host, &scene->holes[i]);
+    for (uint32_t i = 0; i < scene->parts.count; i++) arena_finish(&scene->parts.data[i].arena);
+    array_free(&host, &scene->parts);
     arena_finish(&scene->arena);
     host_free(&host, scene, sizeof *scene);
     *scene_address = NULL;
@@ -157,55 +163,89 @@ void scene_materials_changed(fnl_scene *scene) {
     scene_structure_changed(scene);
 }
 
+bool scene_image_create(const fnl_scene *scene, const char *kind, uint32_t width, uint32_t height, bool color, struct scene_image *out) {
+    const size_t pixels = (size_t)width * height * 4, name = strlen(scene->source) + strlen(kind) + 3;
+    uint8_t *memory = host_allocate(&scene->host, pixels + name);
+    if (!memory) return false;
+    snprintf((char *)memory + pixels, name, "%s: %s", scene->source, kind);
+    *out = (struct scene_image){.name = (const char *)memory + pixels,
+                                .file_kind = "generated",
+                                .width = width,
+                                .height = height,
+                                .pixels = memory,
+                                .memory = memory,
+                                .memory_size = pixels + name,
+                                .color = color};
+    return true;
+}
+
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image) {
-    if (!array_push(&scene->host, &scene->images, *image)) return SCENE_NONE;
+    const uint32_t index = scene_take_place(scene, SCENE_IMAGES, &scene->images);
+    if (index == SCENE_NONE) {
+        host_free(&scene->host, image->memory, image->memory_size);
+        return SCENE_NONE;
+    }
+    struct scene_image *place = &scene->images.data[index];
+    const uint32_t version = place->version, generation = place->generation;
+    *place = *image;
+    place->version = version + (generation > 0);
+    place->generation = generation + 1;
     scene_materials_changed(scene);
-    return scene->images.count - 1;
+    return index;
 }
 
 uint32_t scene_add_sampler(fnl_scene *scene, const struct scene_sampler *sampler) {
-    if (!array_push(&scene->host, &scene->samplers, *sampler)) return SCENE_NONE;
+    const uint32_t index = scene_take_place(scene, SCENE_SAMPLERS, &scene->samplers);
+    if (index == SCENE_NONE) return SCENE_NONE;
+    scene->samplers.data[index] = *sampler;
     scene_materials_changed(scene);
-    return scene->samplers.count - 1;
+    return index;
 }
 
 uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *material) {
-    if (!array_push(&scene->host, &scene->materials, *material)) return SCENE_NONE;
+    const uint32_t index = scene_take_place(scene, SCENE_MATERIALS, &scene->materials);
+    if (index == SCENE_NONE) return SCENE_NONE;
+    const uint32_t generation = scene->materials.data[index].generation;
+    scene->materials.data[index] = *material;
+    scene->materials.data[index].generation = generation + 1;
+    scene->materials.data[index].removed = false;
     scene_materials_changed(scene);
-    return scene->materials.count - 1;
+    return index;
 }
 
 uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count) {
-    struct scene_mesh mesh = {
-        .name = name, .first_primitive = scene->primitives.count, .primitive_count = count, .bounds = box_empty()};
+    struct scene_mesh mesh = {.name = name, .primitive_count = count, .bounds = box_empty()};
     if (!array_reserve(&scene->host, &scene->primitives, (uint64_t)scene->primitives.count + count)) return SCENE_NONE;
-    if (!array_reserve(&scene->host, &scene->meshes, (uint64_t)scene->meshes.count + 1)) return SCENE_NONE;
+    const uint32_t index = scene_take_place(scene, SCENE_MESHES, &scene->meshes);
+    if (index == SCENE_NONE) return SCENE_NONE;
+    mesh.first_primitive = scene_take_holes(scene, SCENE_PRIMITIVES, count);
+    const bool reused = mesh.first_primitive != SCENE_NONE;
+    if (!reused) {
+        mesh.first_primitive = scene->primitives.count;
+        for (uint32_t i = 0; i < count; i++) scene->primitives.data[scene->primitives.count++] = (struct scene_primitive){0};
+    }
     for (uint32_t i = 0; i < count; i++) {
-        struct scene_primitive *primitive = &scene->primitives.data[scene->primitives.count++];
+        struct scene_primitive *primitive = &scene->primitives.data[mesh.first_primitive + i];
+        const uint32_t version = primitive->version, shape_version = primitive->shape_version;
         *primitive = primitives[i];
+        primitive->version = version + reused;
+        primitive->shape_version = shape_version + reused;
         primitive->bounds = primitive_bounds(primitive);
         primitive->leans = primitive_leans(primitive);
         box_add_box(&mesh.bounds, &primitive->bounds);
         mesh.morph_target_count = MAX(mesh.morph_target_count, primitive->morph_target_count);
     }
-    scene->meshes.data[scene->meshes.count++] = mesh;
+    mesh.generation = scene->meshes.data[index].generation + 1;
+    scene->meshes.data[index] = mesh;
     scene_structure_changed(scene);
-    return scene->meshes.count - 1;
+    return index;
 }
 
-uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh) {
-    uint32_t index;
-    uint64_t moved_version = 0, edited_version = 0;
-    if (scene->free_nodes.count > 0) {
-        index = scene->free_nodes.data[--scene->free_nodes.count];
-        moved_version = scene->nodes.data[index].moved_version; /* it may still be in the lists, where it must not stand twice */
-        edited_version = scene->nodes.data[index].edited_version;
-    } else {
-        if (scene->nodes.count == SCENE_NONE ||
-            !array_reserve(&scene->host, &scene->nodes, (uint64_t)scene->nodes.count + 1))
-            return SCENE_NONE;
-        index = scene->nodes.count++;
-    }
+void scene_put_node(fnl_scene *scene, uint32_t index, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh) {
+    const bool reused = index < scene->nodes.count; /* then it may still be in the lists, where it must not stand twice */
+    const uint64_t moved_version = reused ? scene->nodes.data[index].moved_version : 0;
+    const uint64_t edited_version = reused ? scene->nodes.data[index].edited_version : 0;
+    scene->nodes.count = MAX(scene->nodes.count, index + 1);
     struct scene_node *node = &scene->nodes.data[index];
     *node = (struct scene_node){
         .name = name,
@@ -237,6 +277,19 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
     }
     scene->structure_version++;
     list_edited(scene, index);
+}
+
+uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh) {
+    uint32_t index;
+    if (scene->free_nodes.count > 0) {
+        index = scene->free_nodes.data[--scene->free_nodes.count];
+        scene->hole_counts[SCENE_NODES]--;
+    } else {
+        index = scene_take_holes(scene, SCENE_NODES, 1);
+        if (index == SCENE_NONE) index = scene->nodes.count;
+        if (index == SCENE_NONE || !array_reserve(&scene->host, &scene->nodes, (uint64_t)index + 1)) return SCENE_NONE;
+    }
+    scene_put_node(scene, index, name, parent, local, mesh);
     return index;
 }
 
@@ -418,7 +471,9 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
     for (uint32_t i = 0; i < scene->cameras.count && linked; i++) { /* cameras stay where they are */
         struct scene_camera *camera = &scene->cameras.data[i];
         if (camera->node == SCENE_NONE || !nodes[camera->node].removed) continue;
-        UNUSED(fnl_scene_query_camera(scene, i, &camera->camera));
+        fnl_camera pose;
+        scene_camera_pose(scene, camera, &pose);
+        camera->camera = pose;
         memcpy(camera->place, nodes[camera->node].world_exact.m + 9, sizeof camera->place);
         camera->node = SCENE_NONE;
     }
@@ -438,11 +493,11 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
         list_edited(scene, i);
         scene_free_weights(scene, &nodes[i]);
         nodes[i].mesh = SCENE_NONE;
-        if (nodes[i].linked)
-            scene->lost_nodes++; /* joints keep the pose that they had */
-        else
+        scene->hole_counts[SCENE_NODES]++;
+        if (!nodes[i].linked && !scene_is_reserved(scene, SCENE_NODES, i)) /* joints keep the pose that they had */
             scene->free_nodes.data[scene->free_nodes.count++] = i;
     }
+    decal_forget_removed(scene);
     scene->decal_version++;
     scene_drop_parts(scene);
     return FNL_OK;

@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/jobs.h"
 #include "base/maths.h"
+#include "base/ranges.h"
 #include "fanal/scene.h"
 #include "fanal/stage.h"
 #include "scene/ies.h"
@@ -24,8 +25,8 @@
 /** Step of the origins that Fanal chooses, meters: a power of two, so floats and doubles represent them exactly. */
 #define ORIGIN_STEP 16.0
 
-/** The generation of images, materials and meshes, which are never removed. */
-enum { FIXED_GENERATION = 1 };
+/** The generation of images, materials and meshes in a place where nothing was removed; each one that follows in it has one more. */
+enum { FIRST_GENERATION = 1 };
 
 /** A picture: encoded bytes that are decoded when they are first needed, or RGBA8 pixels. */
 struct scene_image {
@@ -34,11 +35,15 @@ struct scene_image {
     size_t encoded_size;
     const char *file_kind;  /* "png", "jpeg", "webp", "ktx2", "dds", or "generated" */
     uint32_t width, height; /* 0x0 for a missing or broken image, which renders as white */
-    uint8_t *pixels;        /* RGBA8, owned by the scene, or NULL */
+    uint8_t *pixels;        /* RGBA8, or NULL */
+    void *memory;           /* that the image owns: its pixels and name, or NULL */
+    size_t memory_size;
     bool color;             /* used for colour: mips are averaged in linear light */
     bool normals;           /* a file's material uses it as a normal map */
     bool async;             /* renderers decode it in the background (fnl_load_params.async) */
-    uint32_t version;       /* of its pixels: counts their changes */
+    uint32_t version;       /* of its pixels: counts their changes, also across images that were in its place */
+    uint32_t generation;
+    bool removed;
 };
 
 enum scene_filter { SCENE_FILTER_NEAREST, SCENE_FILTER_LINEAR };
@@ -105,6 +110,8 @@ struct scene_material {
     struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
     float tangent_frame[4]; /* rows of the 2x2 matrix by which tangents saw texture coordinates; all 0: as the mesh has them */
     struct scene_material_parts parts; /* as the file or an animation said last: calls change only what they make */
+    uint32_t generation;
+    bool removed;
     bool animated; /* within animation_apply: it has new values */
 };
 
@@ -160,6 +167,8 @@ struct scene_mesh {
     const float *morph_weights; /* default weights, one per target; NULL: zeros */
     uint32_t morph_target_count;
     struct box bounds;
+    uint32_t generation;
+    bool removed;
 };
 
 struct scene_node {
@@ -256,6 +265,7 @@ struct scene_animation {
     const struct scene_channel *channels;
     uint32_t channel_count;
     float duration; /* last key of all channels */
+    bool removed;
 };
 
 /* Convex bound of a light, in world space (light_hull.c). */
@@ -327,12 +337,15 @@ struct scene_camera {
     uint32_t node;     /* pose comes from the node; SCENE_NONE: `camera` holds it */
     fnl_camera camera; /* projection, and the pose of free cameras */
     double place[3];   /* camera.position, independent of the origin; unused with a node */
+    char *own_name;    /* `name` where a call gave it, or NULL */
+    bool removed;
 };
 
 /* A variant of materials (fnl_scene_select_variant). */
 struct scene_variant {
     const char *name, *extras;
     uint32_t first; /* of the variants of its file */
+    bool removed;
 };
 
 /* XMP (KHR_xmp_json_ld). */
@@ -353,6 +366,25 @@ struct scene_source {
     uint64_t size;
 };
 
+/** Arrays of a scene whose elements can be removed. What is removed leaves a hole, which indices of public calls skip. */
+enum scene_pool {
+    SCENE_IMAGES,
+    SCENE_SAMPLERS,
+    SCENE_MATERIALS,
+    SCENE_PRIMITIVES,
+    SCENE_MESHES,
+    SCENE_NODES,
+    SCENE_SKINS,
+    SCENE_ANIMATIONS,
+    SCENE_LIGHTS,
+    SCENE_CAMERAS,
+    SCENE_DECALS,
+    SCENE_PROBES,
+    SCENE_VARIANTS,
+    SCENE_PROFILES,
+    SCENE_POOLS
+};
+
 /** The file of fnl_scene_load as it is stored; what it refers to is in fnl_scene.sources. For fnl_scene_save. */
 struct scene_document {
     const unsigned char *bytes; /* NULL: the scene came from no file */
@@ -363,6 +395,7 @@ struct scene_document {
         uint64_t size;
     } *buffers;
     uint32_t buffer_count;
+    uint32_t counts[SCENE_POOLS]; /* elements that the file was read into. Saving tells what is the file's by its place, which nothing else takes */
 };
 
 /** What scene_set_stage() has added. Its mesh and material are holes in the scene's arrays. */
@@ -375,10 +408,16 @@ struct scene_stage {
     uint64_t bounds_version, light_version; /* of the scene, at which `bounds` and the fill's strength were found */
 };
 
-/** A file that was loaded into the scene (fnl_scene_load_into), until its root is removed: scene_part.c. */
+/**
+ * A file that was loaded into the scene (fnl_scene_load_into): scene_part.c. Once its root is removed it is closed, and nothing of it is left but what
+ * others may use: meshes, materials, images and profiles. It goes when nothing uses those.
+ */
 struct scene_part {
     uint32_t root, generation;
-    uint32_t first_image, image_count, first_material, material_count, first_file, file_count;
+    struct range blocks[SCENE_POOLS]; /* its elements; the root is the first of its nodes. Nothing else takes their places before it goes */
+    struct range files, resources, sources, messages, packets;
+    struct arena arena; /* what its elements point to */
+    bool closed;
 };
 
 struct fnl_scene {
@@ -440,8 +479,9 @@ struct fnl_scene {
     uint64_t moved_since;
 
     ARRAY(struct scene_levels) levels;
-    ARRAY(struct light_profile) profiles; /* what is in them is in the arena; none is ever removed */
-    uint32_t profile_floats;              /* on the device */
+    ARRAY(struct light_profile) profiles;
+    struct ranges profile_floats; /* on the device; 0 is none */
+    uint64_t profile_version;
     ARRAY(struct scene_light_slot) light_slots;
     ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
     uint32_t light_slot_end;          /* no light is in a place from here on */
@@ -452,9 +492,10 @@ struct fnl_scene {
     ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
     ARRAY(uint32_t) unlimited;        /* lights without a range, in any order */
 
-    ARRAY(uint32_t) free_nodes, free_lights, free_decals, free_probes; /* the holes */
+    uint32_t hole_counts[SCENE_POOLS];
+    struct ranges holes[SCENE_POOLS];        /* those that may be used again, in `gaps` */
+    ARRAY(uint32_t) free_nodes, free_lights; /* single ones, which may be many: they are not in `holes` */
     uint64_t nodes_placed; /* by scene_move_nodes since the scene was made, also those that stayed where they were; tests count its work */
-    uint32_t lost_nodes; /* removed, and not to be used again */
 };
 
 /* ---- building: used by the importer, the generators and the public calls ---- */
@@ -470,6 +511,16 @@ bool scene_material_transmissive(const struct scene_material *material);
 /** Of transmissive ones: whether a part lets through less than half, by a texture or as metal. */
 bool scene_material_dark(const struct scene_material *material);
 uint32_t scene_take_generation(fnl_scene *scene);
+/** Takes the lowest run of `count` holes that may be used again; SCENE_NONE: there is none. */
+uint32_t scene_take_holes(fnl_scene *scene, enum scene_pool pool, uint32_t count);
+/** Notes that an element has become a hole. */
+void scene_leave_hole(fnl_scene *scene, enum scene_pool pool, uint32_t index);
+/** Whether a hole is kept free: its place is that of an element of a file. */
+bool scene_is_reserved(const fnl_scene *scene, enum scene_pool pool, uint32_t index);
+/** The place of a new element: a hole, or zeros at the end of the array. SCENE_NONE without memory. */
+#define scene_take_place(scene, pool, array)                                                                                \
+    scene_take_element(scene, pool, (void **)&(array)->data, &(array)->count, &(array)->capacity, sizeof *(array)->data)
+uint32_t scene_take_element(fnl_scene *scene, enum scene_pool pool, void **data, uint32_t *count, uint32_t *capacity, size_t size);
 struct scene_texture scene_texture_none(void);
 /** The matrix of a texture: scaled, then turned counter-clockwise in a picture whose v points down, then moved. */
 void scene_turn_texture(struct scene_texture *texture, const struct scene_texture_turn *turn);
@@ -482,7 +533,12 @@ void scene_texture_turn_of(const struct scene_material *material, enum scene_tex
 const struct scene_texture *scene_tangent_texture(const struct scene_material *material);
 /** After a change of a material: its copies that baked decals are painted on follow. `before`: what it was. */
 fnl_result scene_repaint(fnl_scene *scene, uint32_t material, const struct scene_material *before);
-/** Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena. */
+/** An image with memory of its own for `width` x `height` pixels, and a name, "SOURCE: KIND"; false without memory. */
+bool scene_image_create(const fnl_scene *scene, const char *kind, uint32_t width, uint32_t height, bool color, struct scene_image *out);
+/**
+ * Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena, or in memory that the element owns:
+ * then it goes over to the scene, also after a failure.
+ */
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image);
 uint32_t scene_add_sampler(fnl_scene *scene, const struct scene_sampler *sampler);
 uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *material);
@@ -490,17 +546,21 @@ uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *mater
 uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count);
 /** A child of `parent` (SCENE_NONE: a root, whose matrix is relative to the origin) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
+/** The same in a hole, or at the end, where there is room. */
+void scene_put_node(fnl_scene *scene, uint32_t index, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
 /** Call after a change of the structure that concerns more than a few nodes. */
 void scene_structure_changed(fnl_scene *scene);
 /** After a change of materials, samplers, or an image, whose `version` grows besides. */
 void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
+/** Puts one into a hole, or where one was appended, for which scene_reserve_lights() made room. */
+void scene_put_light(fnl_scene *scene, uint32_t index, const fnl_light_params *params, uint32_t node);
 /** Floats of all profiles: shaders know a place by a float. */
 enum { SCENE_PROFILE_FLOATS_MAX = 1 << 24, SCENE_PROFILE_BYTES_MOST = 361 * 360 * 4 };
 /** Reads a light profile; `out` gets its id. */
 fnl_result scene_add_profile(fnl_scene *scene, const fnl_host *host, const char *name, const void *data, size_t size, fnl_light_profile_id *out);
-/** Appends one, with a place on the device of its own; there is room. */
-void scene_place_profile(fnl_scene *scene, struct light_profile *profile);
+/** Puts one there, with another generation and a place on the device of its own. */
+void scene_place_profile(fnl_scene *scene, uint32_t index, const struct light_profile *profile);
 /** A light's profile, or NULL. */
 const struct light_profile *scene_light_profile(const fnl_scene *scene, const fnl_light_params *light);
 /** Local lights of a scene: the device counts to the shape of each in bytes, with 32 bits. */
@@ -552,8 +612,17 @@ void scene_activate(fnl_scene *scene, uint32_t root);
 fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_loaded *out);
 /** Bytes that images may point into, as into a file, which the caller fills; NULL: memory ran out. */
 unsigned char *scene_keep_bytes(fnl_scene *scene, size_t size);
-/** After nodes were removed: frees the images of files whose root is gone, unless an instance's material, another material or a decal uses them. */
+/** After something was removed: frees what is left of files whose root is gone and that nothing uses. */
 void scene_drop_parts(fnl_scene *scene);
+/** Remove what nothing uses. */
+void scene_remove_mesh(fnl_scene *scene, uint32_t mesh);
+void scene_remove_material(fnl_scene *scene, uint32_t material);
+void scene_remove_image(fnl_scene *scene, uint32_t image);
+void scene_remove_profile(fnl_scene *scene, uint32_t profile);
+void scene_remove_camera(fnl_scene *scene, uint32_t camera);
+void scene_remove_animation(fnl_scene *scene, uint32_t animation);
+void scene_remove_decal(fnl_scene *scene, uint32_t decal);
+void scene_remove_probe(fnl_scene *scene, uint32_t probe);
 /** Hides a node with what is below it, or shows what is not hidden below it. */
 void scene_show_node(fnl_scene *scene, uint32_t node, bool visible);
 /** Removes a node, what is below it, and the lights there. */
@@ -632,15 +701,27 @@ fnl_result decal_check(const struct call *call, const fnl_decal_params *params);
 fnl_result camera_check(const struct call *call, const char *prefix, const fnl_camera *camera);
 /** The argument `transform`, or an element of `transforms`. */
 fnl_result scene_check_affine(const struct call *call, const fnl_mat4 *transform);
-/** How many there are, and where the index-th of them stands in its array. */
+/** How many there are, where the index-th of them stands in its array, and how many stand before a place there. */
 uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind);
 uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t index);
+uint32_t scene_entity_index(const fnl_scene *scene, fnl_entity kind, uint32_t slot);
+/** Arguments of public functions that name one. */
+fnl_result scene_check_image(const struct call *call, const fnl_scene *scene, const char *name, fnl_image_id id, bool or_none);
+fnl_result scene_check_material(const struct call *call, const fnl_scene *scene, fnl_material_id id, bool or_none);
+fnl_result scene_check_mesh(const struct call *call, const fnl_scene *scene, fnl_mesh_id id);
+/** Ids of elements, SCENE_NONE as none. */
+fnl_image_id scene_image_id(const fnl_scene *scene, uint32_t image);
+fnl_material_id scene_material_id(const fnl_scene *scene, uint32_t material);
+/** A camera as it stands now. */
+void scene_camera_pose(const fnl_scene *scene, const struct scene_camera *camera, fnl_camera *out);
 /** The argument `instance` of a public function. */
 fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id);
 /** From the unit cube to the world, or for mesh, redraw and baked decals to the space of their mesh. */
 mat4 decal_transform(const fnl_scene *scene, const struct scene_decal *decal);
 /** An index of a picture; SCENE_NONE: none. */
 static inline uint32_t decal_image(fnl_image_id id) { return id.generation ? id.index : SCENE_NONE; }
+/** After nodes were removed: what was painted for them goes. */
+void decal_forget_removed(fnl_scene *scene);
 /** Paints all baked decals of a node into copies of its textures, or shows it as it was when there are none left (decal_bake.c). */
 fnl_result decal_bake(fnl_scene *scene, uint32_t node);
 /** Whether the unit cube around the origin touches a triangle. */

@@ -11,7 +11,7 @@ fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out) {
     return scene_create(host, "scene", out);
 }
 
-/* ---- images and materials: never removed, so one generation marks them all ---- */
+/* ---- images and materials ---- */
 
 fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool color, fnl_image_id *out) {
     TRY(check_handle(__func__, "scene", scene));
@@ -25,18 +25,12 @@ fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool co
     TRY(check_count(call, "image.width", image->width, 1, IMAGE_SIDE_MAX));
     TRY(check_count(call, "image.height", image->height, 1, IMAGE_SIDE_MAX));
     TRY(check_pointer(call, "image.pixels", image->pixels));
-    struct scene_image copy = {
-        .name = arena_format(&scene->arena, "%s: image %u", scene->source, scene->images.count),
-        .file_kind = "generated",
-        .width = image->width,
-        .height = image->height,
-        .pixels = arena_copy(&scene->arena, image->pixels, (size_t)image->width * image->height * 4),
-        .color = color,
-    };
-    if (!copy.name || !copy.pixels) return FNL_ERROR_MEMORY;
-    uint32_t index = scene_add_image(scene, &copy);
+    struct scene_image copy;
+    if (!scene_image_create(scene, "image", image->width, image->height, color, &copy)) return FNL_ERROR_MEMORY;
+    memcpy(copy.pixels, image->pixels, (size_t)image->width * image->height * 4);
+    const uint32_t index = scene_add_image(scene, &copy);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
-    *out = (fnl_image_id){index, FIXED_GENERATION};
+    *out = scene_image_id(scene, index);
     return FNL_OK;
 }
 
@@ -78,12 +72,6 @@ struct scene_material scene_material_default(void) {
     return material_of(&params);
 }
 
-static fnl_result check_image(const struct call *call, const fnl_scene *scene, const char *name, fnl_image_id id) {
-    bool none = id.index == 0 && id.generation == 0;
-    return check_id(call, name, none || (id.generation == FIXED_GENERATION && id.index < scene->images.count), id.index,
-                    id.generation, "an image");
-}
-
 /* The images of a material, by their slots. */
 static const struct image_row {
     enum scene_texture_slot slot;
@@ -120,7 +108,7 @@ static fnl_result check_material(const struct call *call, const fnl_scene *scene
     TRY(check_floats(call, "specular_color", p->specular_color, 3, 0, infinite, ""));
     TRY(check_enum(call, "alpha_mode", (int)p->alpha_mode, FNL_ALPHA_BLEND + 1, "fnl_alpha_mode"));
     TRY(check_range(call, "alpha_cutoff", (double)p->alpha_cutoff, 0, infinite, ""));
-    for (size_t i = 0; i < COUNT_OF(image_rows); i++) TRY(check_image(call, scene, image_rows[i].name, image_of_row(p, &image_rows[i])));
+    for (size_t i = 0; i < COUNT_OF(image_rows); i++) TRY(scene_check_image(call, scene, image_rows[i].name, image_of_row(p, &image_rows[i]), true));
     return layers_check(call, p);
 }
 
@@ -145,7 +133,7 @@ fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *p
     for (size_t i = 0; i < COUNT_OF(image_rows); i++) change_image(&material.textures[image_rows[i].slot], image_of_row(p, &image_rows[i]));
     uint32_t index = scene_add_material(scene, &material);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
-    *out = (fnl_material_id){index, FIXED_GENERATION};
+    *out = scene_material_id(scene, index);
     return FNL_OK;
 }
 
@@ -162,6 +150,7 @@ fnl_result scene_repaint(fnl_scene *scene, uint32_t material, const struct scene
             struct scene_material fresh = scene->materials.data[material];
             for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) /* what was painted on is still the same */
                 if (fresh.textures[slot].image == before->textures[slot].image) fresh.textures[slot].image = copy->textures[slot].image;
+            fresh.generation = copy->generation;
             *copy = fresh;
             uses = true;
         }
@@ -173,14 +162,14 @@ fnl_result scene_repaint(fnl_scene *scene, uint32_t material, const struct scene
 fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fnl_material_params *p) {
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
-    TRY(check_id(call, "material", id.generation == FIXED_GENERATION && id.index < scene->materials.count, id.index,
-                 id.generation, "a material"));
+    TRY(scene_check_material(call, scene, id, false));
     TRY(check_pointer(call, "params", p));
     TRY(check_material(call, scene, p));
     const struct scene_material before = scene->materials.data[id.index];
     struct scene_material changed = material_of(p);
     changed.name = before.name;
     changed.extras = before.extras;
+    changed.generation = before.generation;
     memcpy(changed.textures, before.textures, sizeof changed.textures);
     changed.parts = before.parts;
     memcpy(changed.tangent_frame, before.tangent_frame, sizeof changed.tangent_frame);
@@ -188,11 +177,6 @@ fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fn
     scene->materials.data[id.index] = changed;
     scene_materials_changed(scene);
     return scene_repaint(scene, id.index, &before);
-}
-
-static fnl_image_id image_of(const struct scene_material *material, enum scene_texture_slot slot) {
-    uint32_t image = material->textures[slot].image;
-    return image == SCENE_NONE ? (fnl_image_id){0} : (fnl_image_id){image, FIXED_GENERATION};
 }
 
 fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out) {
@@ -216,7 +200,7 @@ fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_
                                  .casts_shadows = m->casts_shadows};
     layers_to_params(m, out);
     for (size_t i = 0; i < COUNT_OF(image_rows); i++)
-        *(fnl_image_id *)(void *)((char *)out + image_rows[i].offset) = image_of(m, image_rows[i].slot);
+        *(fnl_image_id *)(void *)((char *)out + image_rows[i].offset) = scene_image_id(scene, m->textures[image_rows[i].slot].image);
     return FNL_OK;
 }
 
@@ -236,8 +220,7 @@ fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_
     TRY(check_pointer(CALL(&scene->host), "out", out));
     *out = (fnl_instance_id){0};
     const struct call *call = CALL(&scene->host);
-    TRY(check_id(call, "mesh", mesh.generation == FIXED_GENERATION && mesh.index < scene->meshes.count, mesh.index,
-                 mesh.generation, "a mesh"));
+    TRY(scene_check_mesh(call, scene, mesh));
     TRY(scene_check_affine(call, transform));
     uint32_t index = scene_add_node(scene, "", SCENE_NONE, transform, mesh.index);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
@@ -299,21 +282,21 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
     struct box bounds = scene_bounds(scene);
     *out = (fnl_scene_info){
         .mesh_count = scene_entity_count(scene, FNL_ENTITY_MESH),
-        .primitive_count = scene->primitives.count - (scene->stage.mesh != SCENE_NONE), /* the floor has one */
+        .primitive_count = scene->primitives.count - scene->hole_counts[SCENE_PRIMITIVES] - (scene->stage.mesh != SCENE_NONE), /* the floor has one */
         .material_count = scene_entity_count(scene, FNL_ENTITY_MATERIAL),
-        .image_count = scene->images.count,
+        .image_count = scene_entity_count(scene, FNL_ENTITY_IMAGE),
         .node_count = scene_entity_count(scene, FNL_ENTITY_INSTANCE),
         .light_count = scene_entity_count(scene, FNL_ENTITY_LIGHT),
         .unlimited_light_count = scene->unlimited.count,
         .light_threshold = scene->unlimited.count ? scene_light_threshold(scene, &bounds) : 0,
-        .decal_count = scene->decals.count - scene->free_decals.count,
-        .probe_count = scene->probes.count - scene->free_probes.count,
-        .camera_count = scene->cameras.count,
-        .animation_count = scene->animations.count,
-        .skin_count = scene->skins.count,
+        .decal_count = scene_entity_count(scene, FNL_ENTITY_DECAL),
+        .probe_count = scene_entity_count(scene, FNL_ENTITY_PROBE),
+        .camera_count = scene_entity_count(scene, FNL_ENTITY_CAMERA),
+        .animation_count = scene_entity_count(scene, FNL_ENTITY_ANIMATION),
+        .skin_count = scene->skins.count - scene->hole_counts[SCENE_SKINS],
         .extension_count = scene->extensions.count,
         .message_count = scene->messages.count,
-        .variant_count = scene->variants.count,
+        .variant_count = scene_entity_count(scene, FNL_ENTITY_VARIANT),
         .has_ambient = scene_has_ambient(scene),
         .has_environment = scene->environment.panorama.width > 0 && !scene->environment.staged,
         .bounds_low = bounds.low,
@@ -341,8 +324,8 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
 fnl_result fnl_scene_query_image(const fnl_scene *scene, uint32_t index, fnl_image_info *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
-    TRY(check_index(CALL(&scene->host), "index", index, scene->images.count, "images"));
-    const struct scene_image *image = &scene->images.data[index];
+    TRY(check_index(CALL(&scene->host), "index", index, scene_entity_count(scene, FNL_ENTITY_IMAGE), "images"));
+    const struct scene_image *image = &scene->images.data[scene_entity_slot(scene, FNL_ENTITY_IMAGE, index)];
     *out = (fnl_image_info){image->name, image->file_kind, image->width, image->height};
     return FNL_OK;
 }
@@ -350,8 +333,8 @@ fnl_result fnl_scene_query_image(const fnl_scene *scene, uint32_t index, fnl_ima
 fnl_result fnl_scene_query_animation(const fnl_scene *scene, uint32_t index, fnl_animation_info *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
-    TRY(check_index(CALL(&scene->host), "index", index, scene->animations.count, "animations"));
-    const struct scene_animation *animation = &scene->animations.data[index];
+    TRY(check_index(CALL(&scene->host), "index", index, scene_entity_count(scene, FNL_ENTITY_ANIMATION), "animations"));
+    const struct scene_animation *animation = &scene->animations.data[scene_entity_slot(scene, FNL_ENTITY_ANIMATION, index)];
     *out = (fnl_animation_info){animation->name, (double)animation->duration, animation->channel_count};
     return FNL_OK;
 }

@@ -2,13 +2,9 @@
 /* The cameras of a scene, and the one that frames it. */
 #include "scene/scene.h"
 
-fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out) {
-    TRY(check_handle(__func__, "scene", scene));
-    TRY(check_pointer(CALL(&scene->host), "out", out));
-    TRY(check_index(CALL(&scene->host), "index", index, scene->cameras.count, "cameras"));
-    const struct scene_camera *camera = &scene->cameras.data[index];
+void scene_camera_pose(const fnl_scene *scene, const struct scene_camera *camera, fnl_camera *out) {
     *out = camera->camera;
-    if (camera->node == SCENE_NONE) return FNL_OK;
+    if (camera->node == SCENE_NONE) return;
     const float *m = scene->nodes.data[camera->node].world.m;
     vec3 up = vec3_normalize(vec3_make(m[4], m[5], m[6])), forward = vec3_normalize(vec3_make(-m[8], -m[9], -m[10]));
     out->position = vec3_make(m[12], m[13], m[14]);
@@ -17,6 +13,13 @@ fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_ca
     /* Far from the origin a target one metre away would round the direction. */
     out->target = vec3_add_scaled(out->position, forward, fmaxf(1, 0.1f * vec3_length(out->position)));
     out->up = up;
+}
+
+fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene_entity_count(scene, FNL_ENTITY_CAMERA), "cameras"));
+    scene_camera_pose(scene, &scene->cameras.data[scene_entity_slot(scene, FNL_ENTITY_CAMERA, index)], out);
     return FNL_OK;
 }
 
@@ -56,10 +59,16 @@ fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_ca
     TRY(check_pointer(CALL(&scene->host), "camera", camera));
     TRY(camera_check(CALL(&scene->host), "", camera));
     if (!(vec3_length(camera->up) > 0)) return misuse(CALL(&scene->host), "up is 0, 0, 0, must have a length");
-    struct scene_camera added = {
-        .name = arena_string(&scene->arena, name ? name : ""), .node = SCENE_NONE, .camera = *camera};
+    const size_t size = strlen(name ? name : "") + 1;
+    struct scene_camera added = {.own_name = host_allocate(&scene->host, size), .node = SCENE_NONE, .camera = *camera};
+    const uint32_t index = added.own_name ? scene_take_place(scene, SCENE_CAMERAS, &scene->cameras) : SCENE_NONE;
+    if (index == SCENE_NONE) {
+        host_free(&scene->host, added.own_name, size);
+        return FNL_ERROR_MEMORY;
+    }
+    added.name = memcpy(added.own_name, name ? name : "", size);
     place_from_vec3(camera->position, scene->origin, added.place);
-    if (!added.name || !array_push(&scene->host, &scene->cameras, added)) return FNL_ERROR_MEMORY;
+    scene->cameras.data[index] = added;
     return FNL_OK;
 }
 

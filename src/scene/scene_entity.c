@@ -2,13 +2,23 @@
 /* The public calls that go through what a scene has, by index and name, and those that change its instances. */
 #include "scene/scene.h"
 
-/* What is removed leaves a hole, which indices skip. */
+/* What is removed leaves a hole, which indices skip; so is what the stage adds. */
 static bool is_hole(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
-    return (kind == FNL_ENTITY_INSTANCE && scene->nodes.data[slot].removed) ||
-           (kind == FNL_ENTITY_LIGHT && scene->lights.data[slot].removed) ||
-           (kind == FNL_ENTITY_DECAL && scene->decals.data[slot].removed) ||
-           (kind == FNL_ENTITY_PROBE && scene->probes.data[slot].removed) || (kind == FNL_ENTITY_MESH && slot == scene->stage.mesh) ||
-           (kind == FNL_ENTITY_MATERIAL && slot == scene->stage.material);
+    switch (kind) {
+    case FNL_ENTITY_INSTANCE: return scene->nodes.data[slot].removed;
+    case FNL_ENTITY_LIGHT: return scene->lights.data[slot].removed;
+    case FNL_ENTITY_DECAL: return scene->decals.data[slot].removed;
+    case FNL_ENTITY_MESH: return scene->meshes.data[slot].removed || slot == scene->stage.mesh;
+    case FNL_ENTITY_MATERIAL: return scene->materials.data[slot].removed || slot == scene->stage.material;
+    case FNL_ENTITY_IMAGE: return scene->images.data[slot].removed;
+    case FNL_ENTITY_CAMERA: return scene->cameras.data[slot].removed;
+    case FNL_ENTITY_ANIMATION: return scene->animations.data[slot].removed;
+    case FNL_ENTITY_PROBE: return scene->probes.data[slot].removed;
+    case FNL_ENTITY_VARIANT: return scene->variants.data[slot].removed;
+    case FNL_ENTITY_METADATA:
+    case FNL_ENTITY_COUNT: break;
+    }
+    return false;
 }
 
 /* With holes. */
@@ -23,16 +33,20 @@ static uint32_t slot_count(const fnl_scene *scene, fnl_entity kind) {
     return counts[kind];
 }
 
-uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind) {
-    uint32_t holes = kind == FNL_ENTITY_INSTANCE ? scene->free_nodes.count + scene->lost_nodes
-                     : kind == FNL_ENTITY_LIGHT  ? scene->free_lights.count + (scene->environment.staged ? scene->environment.source_count : 0)
-                     : kind == FNL_ENTITY_DECAL  ? scene->free_decals.count
-                     : kind == FNL_ENTITY_PROBE  ? scene->free_probes.count
-                     : kind == FNL_ENTITY_MESH     ? scene->stage.mesh != SCENE_NONE
-                     : kind == FNL_ENTITY_MATERIAL ? scene->stage.material != SCENE_NONE
-                                                   : 0;
-    return slot_count(scene, kind) - holes;
+static uint32_t hole_count(const fnl_scene *scene, fnl_entity kind) {
+    static const enum scene_pool pools[FNL_ENTITY_COUNT] = {
+        [FNL_ENTITY_INSTANCE] = SCENE_NODES, [FNL_ENTITY_LIGHT] = SCENE_LIGHTS, [FNL_ENTITY_DECAL] = SCENE_DECALS,
+        [FNL_ENTITY_MESH] = SCENE_MESHES, [FNL_ENTITY_MATERIAL] = SCENE_MATERIALS, [FNL_ENTITY_IMAGE] = SCENE_IMAGES,
+        [FNL_ENTITY_CAMERA] = SCENE_CAMERAS, [FNL_ENTITY_ANIMATION] = SCENE_ANIMATIONS, [FNL_ENTITY_PROBE] = SCENE_PROBES,
+        [FNL_ENTITY_VARIANT] = SCENE_VARIANTS};
+    const uint32_t staged = kind == FNL_ENTITY_LIGHT      ? (scene->environment.staged ? scene->environment.source_count : 0)
+                            : kind == FNL_ENTITY_MESH     ? scene->stage.mesh != SCENE_NONE
+                            : kind == FNL_ENTITY_MATERIAL ? scene->stage.material != SCENE_NONE
+                                                          : 0;
+    return kind == FNL_ENTITY_METADATA ? 0 : scene->hole_counts[pools[kind]] + staged;
 }
+
+uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind) { return slot_count(scene, kind) - hole_count(scene, kind); }
 
 /* With few holes: a slot is its index and the holes before it, which the search comes to from below. */
 static uint32_t slot_among(const uint32_t *holes, uint32_t count, uint32_t index) {
@@ -47,15 +61,24 @@ static uint32_t slot_among(const uint32_t *holes, uint32_t count, uint32_t index
 }
 
 uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
-    const uint32_t slots = slot_count(scene, kind), holes = slots - scene_entity_count(scene, kind);
+    const uint32_t slots = slot_count(scene, kind), holes = hole_count(scene, kind);
     if (holes == 0) return index;
-    if (kind == FNL_ENTITY_MESH) return index + (index >= scene->stage.mesh);
-    if (kind == FNL_ENTITY_MATERIAL) return index + (index >= scene->stage.material);
+    if (holes == 1 && kind == FNL_ENTITY_MESH && scene->stage.mesh != SCENE_NONE) return index + (index >= scene->stage.mesh);
+    if (holes == 1 && kind == FNL_ENTITY_MATERIAL && scene->stage.material != SCENE_NONE) return index + (index >= scene->stage.material);
     if (kind == FNL_ENTITY_LIGHT && holes < slots / 8 && holes == scene->free_lights.count) return slot_among(scene->free_lights.data, holes, index);
-    if (kind == FNL_ENTITY_DECAL && holes < slots / 8) return slot_among(scene->free_decals.data, holes, index);
     uint32_t slot = 0;
     for (uint32_t left = index; left > 0 || is_hole(scene, kind, slot); slot++) left -= !is_hole(scene, kind, slot);
     return slot;
+}
+
+uint32_t scene_entity_index(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
+    const uint32_t holes = hole_count(scene, kind);
+    uint32_t before = 0;
+    if (kind == FNL_ENTITY_LIGHT && holes == scene->free_lights.count)
+        for (uint32_t i = 0; i < holes; i++) before += scene->free_lights.data[i] < slot;
+    else
+        for (uint32_t i = 0; i < slot && holes; i++) before += is_hole(scene, kind, i);
+    return slot - before;
 }
 
 static const char *const plurals[] = {"instances", "lights", "decals", "meshes", "materials", "images", "cameras", "animations", "probes",
@@ -81,16 +104,16 @@ static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_
     case FNL_ENTITY_MESH:
         info.name = scene->meshes.data[slot].name;
         info.extras = scene->meshes.data[slot].extras;
-        info.id.mesh = (fnl_mesh_id){slot, FIXED_GENERATION};
+        info.id.mesh = (fnl_mesh_id){slot, scene->meshes.data[slot].generation};
         break;
     case FNL_ENTITY_MATERIAL:
         info.name = scene->materials.data[slot].name;
         info.extras = scene->materials.data[slot].extras;
-        info.id.material = (fnl_material_id){slot, FIXED_GENERATION};
+        info.id.material = scene_material_id(scene, slot);
         break;
     case FNL_ENTITY_IMAGE:
         info.name = scene->images.data[slot].name;
-        info.id.image = (fnl_image_id){slot, FIXED_GENERATION};
+        info.id.image = scene_image_id(scene, slot);
         break;
     case FNL_ENTITY_CAMERA:
         info.name = scene->cameras.data[slot].name;
@@ -158,6 +181,34 @@ fnl_result fnl_scene_find(const fnl_scene *scene, fnl_entity kind, const char *n
                   length ? ": " : "", names);
 }
 
+/* ---- ids ---- */
+
+fnl_image_id scene_image_id(const fnl_scene *scene, uint32_t image) {
+    return image == SCENE_NONE ? (fnl_image_id){0} : (fnl_image_id){image, scene->images.data[image].generation};
+}
+
+fnl_material_id scene_material_id(const fnl_scene *scene, uint32_t material) {
+    return material == SCENE_NONE ? (fnl_material_id){0} : (fnl_material_id){material, scene->materials.data[material].generation};
+}
+
+fnl_result scene_check_image(const struct call *call, const fnl_scene *scene, const char *name, fnl_image_id id, bool or_none) {
+    const struct scene_image *image = id.index < scene->images.count ? &scene->images.data[id.index] : NULL;
+    const bool known = image && id.generation && image->generation == id.generation && !image->removed;
+    return check_id(call, name, known || (or_none && id.index == 0 && id.generation == 0), id.index, id.generation, "an image");
+}
+
+fnl_result scene_check_material(const struct call *call, const fnl_scene *scene, fnl_material_id id, bool or_none) {
+    const struct scene_material *material = id.index < scene->materials.count ? &scene->materials.data[id.index] : NULL;
+    const bool known = material && id.generation && material->generation == id.generation && !material->removed;
+    return check_id(call, "material", known || (or_none && id.index == 0 && id.generation == 0), id.index, id.generation, "a material");
+}
+
+fnl_result scene_check_mesh(const struct call *call, const fnl_scene *scene, fnl_mesh_id id) {
+    const struct scene_mesh *mesh = id.index < scene->meshes.count ? &scene->meshes.data[id.index] : NULL;
+    const bool known = mesh && id.generation && mesh->generation == id.generation && !mesh->removed;
+    return check_id(call, "mesh", known, id.index, id.generation, "a mesh");
+}
+
 /* ---- instances ---- */
 
 fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id) {
@@ -179,7 +230,7 @@ fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_
     if (node->skin != SCENE_NONE) out->joint_count = scene->skins.data[node->skin].joint_count;
     if (node->mesh == SCENE_NONE) return FNL_OK;
     const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
-    out->mesh = (fnl_mesh_id){node->mesh, FIXED_GENERATION};
+    out->mesh = (fnl_mesh_id){node->mesh, mesh->generation};
     out->morph_target_count = mesh->morph_target_count;
     out->morph_weights = node->morph_weights ? node->morph_weights : mesh->morph_weights;
     return FNL_OK;

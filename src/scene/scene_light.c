@@ -149,21 +149,31 @@ void scene_lights_edited(fnl_scene *scene, const fnl_light_id *lights, uint32_t 
     for (uint32_t i = 0; i < count; i++) place_light(scene, lights[i].index);
 }
 
-uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
-    struct scene_light light = {
-        .params = *params, .node = node, .slot = SCENE_NONE, .unlimited_at = SCENE_NONE, .reach = 1e18f, .generation = scene_take_generation(scene), .shadow_request = scene->shadow_requests++};
+void scene_put_light(fnl_scene *scene, uint32_t index, const fnl_light_params *params, uint32_t node) {
+    struct scene_light light = {.params = *params,
+                                .node = node,
+                                .slot = SCENE_NONE,
+                                .unlimited_at = SCENE_NONE,
+                                .reach = 1e18f,
+                                .generation = scene_take_generation(scene),
+                                .shadow_request = scene->shadow_requests++};
     if (node != SCENE_NONE) pose_light(scene, &light);
     place_from_vec3(light.params.position, scene->origin, light.place);
+    scene->lights.data[index] = light;
+    scene_light_changed(scene, index);
+}
+
+uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
     uint32_t index;
     if (scene_reserve_lights(scene, 1) != FNL_OK) return SCENE_NONE;
     if (scene->free_lights.count > 0) {
         index = scene->free_lights.data[--scene->free_lights.count];
-        scene->lights.data[index] = light;
+        scene->hole_counts[SCENE_LIGHTS]--;
     } else {
-        index = scene->lights.count;
-        scene->lights.data[scene->lights.count++] = light;
+        index = scene_take_holes(scene, SCENE_LIGHTS, 1);
+        if (index == SCENE_NONE) index = scene->lights.count++;
     }
-    scene_light_changed(scene, index);
+    scene_put_light(scene, index, params, node);
     return index;
 }
 
@@ -171,7 +181,8 @@ void scene_remove_light(fnl_scene *scene, uint32_t index) {
     light_hull_free(scene, &scene->lights.data[index]);
     scene->lights.data[index].removed = true;
     scene->lights.data[index].staged = false;
-    scene->free_lights.data[scene->free_lights.count++] = index;
+    scene->hole_counts[SCENE_LIGHTS]++;
+    if (!scene_is_reserved(scene, SCENE_LIGHTS, index)) scene->free_lights.data[scene->free_lights.count++] = index;
     scene_light_changed(scene, index);
 }
 
@@ -200,27 +211,33 @@ void scene_show_lights(fnl_scene *scene, uint32_t root) {
 /* ---- profiles ---- */
 
 fnl_result scene_add_profile(fnl_scene *scene, const fnl_host *host, const char *name, const void *data, size_t size, fnl_light_profile_id *out) {
-    struct light_profile profile;
+    struct light_profile profile = {0};
+    struct arena memory;
     const bool room = array_reserve(&scene->host, &scene->profiles, (uint64_t)scene->profiles.count + 1);
-    const fnl_result result = room ? ies_read(host, &scene->arena, name, data, size, &profile) : FNL_ERROR_MEMORY;
+    arena_init(&memory, &scene->host, 1024);
+    fnl_result result = room ? ies_read(host, &memory, name, data, size, &profile) : FNL_ERROR_MEMORY;
     if (result == FNL_ERROR_MEMORY) log_error(host, "%s: memory ran out", name);
-    if (result != FNL_OK) return result;
-    if ((uint64_t)scene->profile_floats + LIGHT_PROFILE_HEAD + (profile.rows + 1ull) * profile.columns >= SCENE_PROFILE_FLOATS_MAX) {
+    if (result == FNL_OK && (uint64_t)scene->profile_floats.end + light_profile_floats(&profile) >= SCENE_PROFILE_FLOATS_MAX) {
         log_error(host, "%s: the scene has no room for more light profiles", name);
-        return FNL_ERROR_UNSUPPORTED;
+        result = FNL_ERROR_UNSUPPORTED;
     }
-    profile.generation = scene_take_generation(scene);
-    scene_place_profile(scene, &profile);
-    *out = (fnl_light_profile_id){scene->profiles.count - 1, profile.generation};
+    if (result != FNL_OK) {
+        arena_finish(&memory);
+        return result;
+    }
+    profile.memory = memory;
+    const uint32_t index = scene_take_place(scene, SCENE_PROFILES, &scene->profiles); /* there is room */
+    scene_place_profile(scene, index, &profile);
+    *out = (fnl_light_profile_id){index, scene->profiles.data[index].generation};
     return FNL_OK;
 }
 
 /* Shaders find a profile by a float; 0 is none. */
-void scene_place_profile(fnl_scene *scene, struct light_profile *profile) {
-    if (scene->profile_floats == 0) scene->profile_floats = 1;
-    profile->offset = scene->profile_floats;
-    scene->profile_floats += LIGHT_PROFILE_HEAD + (profile->rows + 1) * profile->columns;
-    scene->profiles.data[scene->profiles.count++] = *profile;
+void scene_place_profile(fnl_scene *scene, uint32_t index, const struct light_profile *profile) {
+    scene->profiles.data[index] = *profile;
+    scene->profiles.data[index].generation = scene_take_generation(scene);
+    scene->profiles.data[index].offset = ranges_take(&scene->profile_floats, light_profile_floats(profile));
+    scene->profile_version++;
 }
 
 const struct light_profile *scene_light_profile(const fnl_scene *scene, const fnl_light_params *light) {

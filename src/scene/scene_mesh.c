@@ -35,10 +35,7 @@ static fnl_result check_mesh(const struct call *call, const fnl_scene *scene, co
     TRY(check_vertices(call, "tangents", p->tangents, count * 4));
     TRY(check_vertices(call, "uv", p->uv, count * 2));
     TRY(check_vertices(call, "colors", p->colors, count * 4));
-    bool none = p->material.index == 0 && p->material.generation == 0;
-    return check_id(call, "material",
-                    none || (p->material.generation == FIXED_GENERATION && p->material.index < scene->materials.count),
-                    p->material.index, p->material.generation, "a material");
+    return scene_check_material(call, scene, p->material, true);
 }
 
 /* What a file gave a mesh and fnl_mesh_params cannot express is stored per vertex: then vertices keep their number and order. */
@@ -135,10 +132,16 @@ fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, f
     TRY(check_pointer(call, "params", params));
     TRY(check_mesh(call, scene, params, 3));
     struct scene_primitive primitive;
-    TRY(make_primitive(scene, &scene->arena, params, SCENE_TOPOLOGY_TRIANGLES, &primitive));
-    uint32_t index = scene_add_mesh(scene, "", &primitive, 1);
-    if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
-    *out = (fnl_mesh_id){index, FIXED_GENERATION};
+    struct arena memory;
+    arena_init(&memory, &scene->host, 4096);
+    const fnl_result result = make_primitive(scene, &memory, params, SCENE_TOPOLOGY_TRIANGLES, &primitive);
+    primitive.memory = memory;
+    const uint32_t index = result == FNL_OK ? scene_add_mesh(scene, "", &primitive, 1) : SCENE_NONE;
+    if (index == SCENE_NONE) {
+        arena_finish(&memory);
+        return result == FNL_OK ? FNL_ERROR_MEMORY : result;
+    }
+    *out = (fnl_mesh_id){index, scene->meshes.data[index].generation};
     return FNL_OK;
 }
 
@@ -154,9 +157,12 @@ static fnl_result update_painted(fnl_scene *scene, uint32_t mesh, uint32_t primi
         own->version = source->version;
         own->shape_version = source->shape_version;
         update_bounds(scene, painted->own_mesh, own);
-        if (other_material)
-            scene->materials.data[own->material] =
-                source->material == SCENE_NONE ? scene_material_default() : scene->materials.data[source->material];
+        if (other_material) {
+            struct scene_material *copy = &scene->materials.data[own->material];
+            const uint32_t generation = copy->generation;
+            *copy = source->material == SCENE_NONE ? scene_material_default() : scene->materials.data[source->material];
+            copy->generation = generation;
+        }
         if (!scene->nodes.data[painted->node].removed) TRY(decal_bake(scene, painted->node));
     }
     return FNL_OK;
@@ -165,8 +171,7 @@ static fnl_result update_painted(fnl_scene *scene, uint32_t mesh, uint32_t primi
 fnl_result fnl_scene_set_mesh(fnl_scene *scene, fnl_mesh_id id, uint32_t primitive, const fnl_mesh_params *params) {
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
-    TRY(check_id(call, "mesh", id.generation == FIXED_GENERATION && id.index < scene->meshes.count, id.index, id.generation,
-                 "a mesh"));
+    TRY(scene_check_mesh(call, scene, id));
     TRY(check_pointer(call, "params", params));
     const struct scene_mesh *mesh = &scene->meshes.data[id.index];
     TRY(check_index(call, "primitive", primitive, mesh->primitive_count, "primitives"));
@@ -215,7 +220,8 @@ static uint32_t material_in(const struct scene_primitive *p, uint32_t variant) {
 fnl_result fnl_scene_select_variant(fnl_scene *scene, uint32_t variant) {
     TRY(check_handle(__func__, "scene", scene));
     const bool all = variant == FNL_NO_VARIANT;
-    if (!all) TRY(check_index(CALL(&scene->host), "variant", variant, scene->variants.count, "variants"));
+    if (!all) TRY(check_index(CALL(&scene->host), "variant", variant, scene_entity_count(scene, FNL_ENTITY_VARIANT), "variants"));
+    if (!all) variant = scene_entity_slot(scene, FNL_ENTITY_VARIANT, variant);
     fnl_result result = FNL_OK;
     bool changed = false;
     for (uint32_t m = 0; m < scene->meshes.count; m++)
@@ -256,7 +262,6 @@ fnl_result fnl_scene_query_mesh(const fnl_scene *scene, uint32_t index, uint32_t
                    .uv = p->uv[0] ? &p->uv[0]->x : NULL,
                    .colors = p->colors ? &p->colors->x : NULL,
                    .indices = p->indices,
-                   .material = p->material == SCENE_NONE ? (fnl_material_id){0}
-                                                         : (fnl_material_id){p->material, FIXED_GENERATION}}};
+                   .material = scene_material_id(scene, p->material)}};
     return FNL_OK;
 }

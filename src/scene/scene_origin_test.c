@@ -155,7 +155,7 @@ static struct world make_world(void) {
     decal.transform = mat4_translation(vec3_make(1.1f, 0.2f, 0.3f));
     probe.centre = vec3_make(-0.7f, 0.1f, 0.9f);
     camera.position = vec3_make(3.3f, 1.1f, 0.7f);
-    assert_int_equal(fnl_scene_add_instance(s, (fnl_mesh_id){0, FIXED_GENERATION}, &place, &w.root), FNL_OK);
+    assert_int_equal(fnl_scene_add_instance(s, (fnl_mesh_id){0, FIRST_GENERATION}, &place, &w.root), FNL_OK);
     assert_int_equal(fnl_scene_add_light(s, &light, &w.light), FNL_OK);
     assert_int_equal(fnl_scene_set_light_hull(s, w.light, (const fnl_vec3 *)(const void *)hull, 4), FNL_OK);
     assert_int_equal(fnl_scene_add_decal(s, &decal, &w.decal), FNL_OK);

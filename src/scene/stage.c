@@ -112,7 +112,7 @@ static fnl_result place_floor(fnl_scene *scene, const struct box *bounds) {
         if (stage->node == SCENE_NONE) return FNL_ERROR_MEMORY;
         struct scene_node *node = &scene->nodes.data[stage->node];
         node->staged = node->removed = true;
-        scene->lost_nodes++;
+        scene->hole_counts[SCENE_NODES]++;
     } else {
         const fnl_instance_id id = {stage->node, scene->nodes.data[stage->node].generation};
         scene_move_nodes(scene, &id, &place, 1);

@@ -19,7 +19,7 @@ static struct gpu_attributes pack_attributes(const struct scene_primitive *p, ui
         .color = {pack_unorm16(c.x) | pack_unorm16(c.y) << 16, pack_unorm16(c.z) | pack_unorm16(c.w) << 16}};
 }
 
-/* ---- what the device keeps of the scene's primitives: sent when they come and when they change; meshes are never removed ---- */
+/* ---- what the device keeps of the scene's primitives: sent when they come and when they change ---- */
 
 /* Blended surfaces stay in the order that they came in. */
 static bool is_clustered(const struct device_scene *d, const struct scene_primitive *p) {
@@ -27,44 +27,37 @@ static bool is_clustered(const struct device_scene *d, const struct scene_primit
            (p->material == SCENE_NONE || d->scene->materials.data[p->material].alpha_mode != FNL_ALPHA_BLEND);
 }
 
-/* Allocates room of the present size for vertices and indices, and frees room of another size. */
-static fnl_result place_arrays(struct device_scene *d, const struct scene_primitive *p, struct device_primitive *place) {
-    if (place->vertex_count != p->vertex_count) {
-        if (place->vertex_count) ranges_give(&d->host, &d->vertices_taken, place->first_vertex, place->vertex_count);
-        place->first_vertex = p->vertex_count ? ranges_take(&d->vertices_taken, p->vertex_count) : 0;
-        place->vertex_count = p->vertex_count;
-    }
-    if (place->index_count != p->index_count) {
-        if (place->index_count) ranges_give(&d->host, &d->indices_taken, place->first_index, place->index_count);
-        place->first_index = p->index_count ? ranges_take(&d->indices_taken, p->index_count) : 0;
-        place->index_count = p->index_count;
-    }
-    bool fits = place->first_vertex != RANGES_NONE && place->first_index != RANGES_NONE && d->vertices_taken.end <= INT32_MAX;
-    return fits ? FNL_OK : device_too_many_vertices(d);
+/* Takes room of the present size, and gives back room of another one; false where there is none. */
+static bool place_run(struct device_scene *d, struct ranges *taken, uint32_t *first, uint32_t *count, uint64_t wanted) {
+    if (*count == wanted) return true;
+    ranges_give(&d->host, taken, *first, *count);
+    *count = (uint32_t)wanted;
+    *first = wanted >= RANGES_NONE ? RANGES_NONE : wanted ? ranges_take(taken, (uint32_t)wanted) : 0;
+    if (*first == RANGES_NONE) *count = 0;
+    return *first != RANGES_NONE;
 }
 
-/* Takes places for the primitives that have come, and others for those whose counts have changed. */
+static bool place_primitive(struct device_scene *d, const struct scene_primitive *p, struct device_primitive *place) {
+    return place_run(d, &d->vertices_taken, &place->first_vertex, &place->vertex_count, p->vertex_count) &&
+           place_run(d, &d->indices_taken, &place->first_index, &place->index_count, p->index_count) &&
+           place_run(d, &d->influences_taken, &place->first_influence, &place->influence_count, (uint64_t)p->vertex_count * p->joint_count) &&
+           place_run(d, &d->morphs_taken, &place->first_morph, &place->morph_count, (uint64_t)p->vertex_count * p->morph_target_count * 9) &&
+           d->vertices_taken.end <= INT32_MAX;
+}
+
+/* Takes places for the primitives that have come, and others for those whose counts have changed; what was removed has none. */
 static fnl_result place_primitives(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
-    uint64_t influences = d->influence_count, morphs = d->morph_count;
     if (!array_reserve(&d->host, &d->primitive_places, scene->primitives.count)) return FNL_ERROR_MEMORY;
-    for (uint32_t i = 0; i < d->primitive_places.count; i++)
-        TRY(place_arrays(d, &scene->primitives.data[i], &d->primitive_places.data[i]));
-    for (uint32_t i = d->primitive_places.count; i < scene->primitives.count; i++) {
+    for (uint32_t i = 0; i < scene->primitives.count; i++) {
         const struct scene_primitive *p = &scene->primitives.data[i];
-        struct device_primitive place = {.version = p->version,
-                                         .shape_version = p->shape_version,
-                                         .first_influence = (uint32_t)influences,
-                                         .first_morph = (uint32_t)morphs};
-        TRY(place_arrays(d, p, &place));
-        influences += (uint64_t)p->vertex_count * p->joint_count;
-        morphs += (uint64_t)p->vertex_count * p->morph_target_count * 9;
-        if (influences > UINT32_MAX || morphs > UINT32_MAX) return device_too_many_vertices(d);
-        d->primitive_places.data[d->primitive_places.count++] = place;
+        if (i == d->primitive_places.count)
+            d->primitive_places.data[d->primitive_places.count++] = (struct device_primitive){.version = p->version, .shape_version = p->shape_version};
+        if (!place_primitive(d, p, &d->primitive_places.data[i])) return device_too_many_vertices(d);
     }
     d->index_count = d->indices_taken.end;
-    d->influence_count = (uint32_t)influences;
-    d->morph_count = (uint32_t)morphs;
+    d->influence_count = d->influences_taken.end;
+    d->morph_count = d->morphs_taken.end;
     return FNL_OK;
 }
 
@@ -326,7 +319,10 @@ fnl_result device_geometry_upload(struct device_scene *d) {
         const struct scene_primitive *p = &scene->primitives.data[i];
         struct device_primitive *place = &d->primitive_places.data[i];
         if (place->version == p->version) continue;
-        if (place->shape_version != p->shape_version) TRY(upload_positions(d, p, place->first_vertex));
+        if (place->shape_version != p->shape_version) {
+            TRY(upload_positions(d, p, place->first_vertex));
+            TRY(upload_deformation(d, p, place)); /* another primitive may have come in its place */
+        }
         TRY(upload_attributes(d, p, place->first_vertex));
         place->version = p->version;
     }

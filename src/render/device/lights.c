@@ -160,8 +160,8 @@ fnl_result device_lights_gather(struct device_scene *d) {
 /* All profiles one after the other: what was sent stays where it is. */
 static fnl_result send_profiles(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
-    const uint32_t count = scene->profile_floats;
-    if (count == d->profile_floats) return FNL_OK;
+    const uint32_t count = scene->profile_floats.end;
+    if (scene->profile_version == d->profile_version) return FNL_OK;
     float *all = host_allocate_zero(&d->host, count * sizeof *all);
     for (uint32_t i = 0; all && i < scene->profiles.count; i++) {
         const struct light_profile *p = &scene->profiles.data[i];
@@ -172,7 +172,7 @@ static fnl_result send_profiles(struct device_scene *d) {
     }
     fnl_result result = all ? device_array_set(d, GPU_USE_LIGHTS, "light profiles", &d->profiles, all, count, sizeof *all) : FNL_ERROR_MEMORY;
     host_free(&d->host, all, count * sizeof *all);
-    if (result == FNL_OK) d->profile_floats = count;
+    if (result == FNL_OK) d->profile_version = scene->profile_version;
     return result;
 }
 

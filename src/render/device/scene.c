@@ -70,7 +70,7 @@ static void free_structure(struct device_scene *d) {
         gpu_buffer_destroy(d->device, &arrays[i]->buffer);
         array_free(&d->host, &arrays[i]->sent);
     }
-    struct ranges *ranges[] = {&d->vertices_taken, &d->indices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken};
+    struct ranges *ranges[] = {&d->vertices_taken, &d->indices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken, &d->influences_taken, &d->morphs_taken};
     for (uint32_t i = 0; i < COUNT_OF(ranges); i++) ranges_finish(&d->host, ranges[i]);
     device_users_lose(d);
     device_users_trim(d);

@@ -31,7 +31,7 @@ struct device_array {
 /** Where what belongs to a primitive of the scene lies in the pools. */
 struct device_primitive {
     uint32_t version, shape_version; /* of the scene's primitive, when it was sent */
-    uint32_t first_vertex, vertex_count, first_index, index_count, first_influence, first_morph;
+    uint32_t first_vertex, vertex_count, first_index, index_count, first_influence, influence_count, first_morph, morph_count;
     uint32_t first_cluster, cluster_count, first_word, word_count;
     bool clustered;
 };
@@ -172,7 +172,7 @@ struct device_scene {
     struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles, which culling fills in each frame */
     struct gpu_buffer influences, morphs, clusters, cluster_words, instances;
     struct device_array primitives, materials, layers, material_entries, items, groups, table, deforms, profiles, lobes;
-    struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken;
+    struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken, influences_taken, morphs_taken;
     ARRAY(struct device_primitive) primitive_places;
     ARRAY(struct device_node) nodes;
     ARRAY(struct device_image) images; /* one per scene image */
@@ -234,7 +234,7 @@ struct device_scene {
     uint32_t lit_count, shaped_count;   /* of light_data; those of other shapes than sphere and cone, and with hulls */
     uint32_t profiled_count;            /* lights in places that have a profile */
     uint32_t area_count;                /* area lights in places */
-    uint32_t profile_floats;            /* of `profiles`, as sent */
+    uint64_t profile_version;           /* of the scene's, as sent */
     uint64_t light_bytes_sent;          /* with the last frame, of whichever user */
     ARRAY(float) bound_radii;       /* of light_bounds before they were faded; empty: they are not */
 };

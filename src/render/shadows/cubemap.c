@@ -142,7 +142,7 @@ static fnl_result prepare(fnl_renderer *r, const fnl_frame *frame) {
         TRY(take_probe(r, count++, &probe->params, compressed));
     }
     fnl_probe_params fitted;
-    if (scene->probes.count == scene->free_probes.count && fit_probe(r, &fitted)) TRY(take_probe(r, count++, &fitted, compressed));
+    if (scene_entity_count(scene, FNL_ENTITY_PROBE) == 0 && fit_probe(r, &fitted)) TRY(take_probe(r, count++, &fitted, compressed));
     while (p->list.count > count) gpu_image_destroy(r->device, &p->list.data[--p->list.count].image);
     return gpu_upload_submit(r->device);
 }
