@@ -679,6 +679,11 @@ static void test_other_arguments(void **state) {
     SAYS("fnl_eye_query_cells", "eye: edges are 1 .. 1 and -1 .. 1, must ascend and lie within 10000",
          fnl_eye_query_cells(NULL, &(fnl_eye){{{0, 0, 0}, {0, 0, 0, 1}}, 1, 1, -1, 1}, 9, 9, 1, 1, cells));
     SAYS("fnl_eye_join_cells", "cell_count is 0, must be 1 .. 64", fnl_eye_join_cells(NULL, &eye, cells, 0, &picture, &joined));
+    SAYS("fnl_eye_join_cells", "cells[0].eye: edges must ascend",
+         fnl_eye_join_cells(NULL, &eye, &(fnl_eye_cell){.eye = {.pose.rotation.w = 1, .left = 1, .right = 1, .down = -1, .up = 1}}, 1, &picture, &joined));
+    SAYS("fnl_eye_join_cells", "cells[0].eye.pose.rotation is 0, 0, 0, 0, must be a unit quaternion",
+         fnl_eye_join_cells(NULL, &eye, &(fnl_eye_cell){.eye = {.left = -1, .right = 1, .down = -1, .up = 1}}, 1, &picture, &joined));
+    SAYS("fnl_scene_remove_mesh", "mesh (index 0) is still used by 1 instance", fnl_scene_remove_mesh(w.scene, w.mesh));
     SAYS("fnl_hidden_area_round", "segments is 2, must be 3 .. 1024", fnl_hidden_area_round(NULL, &eye, corners[0], 1, 2, corners, &hidden_area));
     SAYS("fnl_hidden_area_round", "radius is 0, must be above 0 and at most 10000", fnl_hidden_area_round(NULL, &eye, corners[0], 0, 3, corners, &hidden_area));
     SAYS("fnl_exr_save", "width is 0, must be 1 .. 32768", fnl_exr_save(NULL, "x.exr", 0, 1, &channel, 1));

@@ -33,7 +33,7 @@ static inline fnl_camera fnl_camera_default(void) {
 /** Queries a camera by index, in the order of the file. Its pose follows its node. */
 FNL_API fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out);
 FNL_API fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera);
-/** Removes a camera; the indices of those after it decrease by 1. */
+/** Removes a camera; later cameras move down by one index. */
 FNL_API fnl_result fnl_scene_remove_camera(fnl_scene *scene, uint32_t index);
 /**
  * A camera that frames the scene in a picture of the given aspect (width / height), from the front right and slightly

@@ -67,10 +67,10 @@ FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance
  * Removes an instance with everything below it, including lights. Cameras below it stay where they are, as do joints of the
  * skins of other nodes; decals below it are no longer shown. All other ids stay valid.
  *
- * Removing a file's root (fnl_loaded.root) unloads the file: its animations, cameras, probes and decals, its meshes, materials, images and light
- * profiles, and all its memory. If other instances show its meshes, or other materials, decals or lights use its images or profiles, its meshes,
- * materials, used images and profiles stay until those are removed. While renderers decode images in the background (fnl_load_params.async),
- * memory is freed by the next removal after that.
+ * Removing a file's root (fnl_loaded.root) unloads the file: its meshes, materials, images, light profiles, animations, cameras, probes and decals
+ * are removed, and their memory is freed. If an instance, material, decal or light outside the file uses one of its meshes, materials, images or
+ * profiles, those four kinds stay until the last such user is removed; unused images are freed at once. While a renderer decodes images in the
+ * background (fnl_load_params.async), the memory is freed by a later removal.
  */
 FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);
 

@@ -125,7 +125,7 @@ FNL_API fnl_result fnl_scene_refresh_shadows(fnl_scene *scene, const fnl_light_i
 FNL_API fnl_result fnl_scene_add_light_profile(fnl_scene *scene, const char *name, const void *data, size_t size, fnl_light_profile_id *out,
                                                float *candela);
 FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
-/** Removes a light profile and frees its memory. FNL_ERROR_INVALID if a light has it. */
+/** Removes a light profile. FNL_ERROR_INVALID if a light uses it. */
 FNL_API fnl_result fnl_scene_remove_light_profile(fnl_scene *scene, fnl_light_profile_id profile);
 
 /**

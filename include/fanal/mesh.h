@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Images, materials and meshes of a scene. Remove them in the order of their use: instances, then meshes, materials, and images; what a file
- * brought goes with its root (fnl_scene_remove_instance). Renderers keep on the device only images that a material uses. Calls on one
- * scene are not thread-safe.
+ * Images, materials and meshes of a scene. To remove them, remove their users first: instances, then meshes, materials and images. Removing
+ * the root of a file removes everything that came with it (fnl_scene_remove_instance). Memory of the file that a scene was created from is freed
+ * with the scene. Renderers keep on the device only images that a material uses. Calls on one scene are not thread-safe.
  */
 #ifndef FANAL_MESH_H
 #define FANAL_MESH_H
@@ -20,7 +20,7 @@ extern "C" {
 
 /** Adds a copy of an RGBA8 picture. `color`: its RGB is sRGB-encoded (base colour, emission), else linear data. */
 FNL_API fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool color, fnl_image_id *out);
-/** Removes an image and frees its memory. FNL_ERROR_INVALID if a material or a decal uses it. */
+/** Removes an image. FNL_ERROR_INVALID if a material or a decal uses it. */
 FNL_API fnl_result fnl_scene_remove_image(fnl_scene *scene, fnl_image_id image);
 
 /* ---- materials ---- */
@@ -138,7 +138,7 @@ FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_p
  * are. Renderers upload the material, and an image that none used before, but go through all instances to sort them again.
  */
 FNL_API fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id material, const fnl_material_params *params);
-/** Removes a material. Its images stay. FNL_ERROR_INVALID if a mesh uses it, also in a variant. */
+/** Removes a material, but not its images. FNL_ERROR_INVALID if a mesh uses it, including in a variant. */
 FNL_API fnl_result fnl_scene_remove_material(fnl_scene *scene, fnl_material_id material);
 
 /** A number of a material's layers, for user interfaces that show all of them. Strings live as long as the program. */
@@ -203,7 +203,7 @@ FNL_API fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *p
  * (FNL_ERROR_INVALID). An error changes nothing.
  */
 FNL_API fnl_result fnl_scene_set_mesh(fnl_scene *scene, fnl_mesh_id mesh, uint32_t primitive, const fnl_mesh_params *params);
-/** Removes a mesh and frees its memory. Its materials stay. FNL_ERROR_INVALID if an instance shows it. */
+/** Removes a mesh, but not its materials. FNL_ERROR_INVALID if an instance shows it. */
 FNL_API fnl_result fnl_scene_remove_mesh(fnl_scene *scene, fnl_mesh_id mesh);
 
 /* ---- variants of materials ---- */

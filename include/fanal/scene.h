@@ -226,7 +226,7 @@ typedef struct fnl_animation_time {
  * animation may stand there more than once, as at two times. An error of an argument changes nothing.
  */
 FNL_API fnl_result fnl_scene_set_times(fnl_scene *scene, const fnl_animation_time *times, uint32_t count);
-/** Removes an animation; the indices of those after it decrease by 1. What it has set stays as it is. */
+/** Removes an animation; later animations move down by one index. Values that it has set stay. */
 FNL_API fnl_result fnl_scene_remove_animation(fnl_scene *scene, uint32_t index);
 
 #ifdef __cplusplus

@@ -348,7 +348,7 @@ static uint32_t copy_mesh(fnl_scene *scene, uint32_t source) {
     return index;
 }
 
-/* The pictures that were painted on: those that are not the original's. */
+/* Removes the painted images: those that differ from the original material's. */
 static void remove_pictures(fnl_scene *scene, uint32_t own, uint32_t original) {
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
         const uint32_t image = scene->materials.data[own].textures[slot].image;

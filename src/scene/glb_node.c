@@ -310,7 +310,7 @@ static bool write_channel(struct glb *g, const struct scene_channel *c, json_t *
     return true;
 }
 
-/* From the last to the first: nothing refers to them by their numbers. */
+/* Removes animations of the document, last first; nothing refers to them by index. */
 static void drop_animations(struct glb *g) {
     json_t *array = json_object_get(g->root, "animations");
     for (uint32_t i = g->file ? g->file->animations.count : 0; i > 0; i--)

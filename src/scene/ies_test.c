@@ -276,11 +276,24 @@ static void test_lights_of_files_MA_11(void **state) {
     struct loaded l = load(HEAD("2 1") "0 180\n0\n100 50\n");
     into = l.scene;
     fnl_loaded part;
+    const uint32_t floats = into->profile_floats.end, messages = into->messages.count, lights = fnl_scene_count(into, FNL_ENTITY_LIGHT);
     assert_int_equal(scene_merge(into, SCENE_NONE, scene, &part), FNL_OK);
     fnl_scene_destroy(&scene);
     assert_int_equal(into->profiles.count, 3);
     light = &into->lights.data[0].params;
     assert_true(scene_light_profile(into, light)->candela == 80 && scene_light_profile(into, light)->offset > into->profiles.data[0].offset);
+    /* A light outside of the file keeps its profile, until it goes too. */
+    fnl_light_params other = *light;
+    fnl_light_id id;
+    assert_int_equal(fnl_scene_add_light(into, &other, &id), FNL_OK);
+    assert_int_equal(fnl_scene_remove_instance(into, part.root), FNL_OK);
+    assert_int_equal(fnl_scene_count(into, FNL_ENTITY_LIGHT), lights + 1);
+    assert_true(scene_light_profile(into, &other)->candela == 80 && into->profile_floats.end > floats);
+    assert_int_equal(fnl_scene_remove_light(into, id), FNL_OK);
+    assert_true(into->profile_floats.end == floats && into->hole_counts[SCENE_PROFILES] == 2);
+    assert_int_equal(fnl_scene_remove_light_profile(into, other.profile), FNL_ERROR_INVALID);
+    assert_int_equal(into->messages.count, messages);
+    assert_int_equal(into->parts.count, 0);
     fnl_scene_destroy(&into);
 }
 

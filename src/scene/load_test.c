@@ -361,6 +361,12 @@ static void expect_counts(const fnl_scene *scene, const uint32_t counts[FNL_ENTI
             fail_msg("kind %d: %u, not %u", kind, fnl_scene_count(scene, (fnl_entity)kind), counts[kind]);
 }
 
+static uint32_t primitives_of(const fnl_scene *scene) {
+    fnl_scene_info info;
+    assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+    return info.primitive_count;
+}
+
 static void count_all(const fnl_scene *scene, uint32_t counts[FNL_ENTITY_COUNT]) {
     for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) counts[kind] = fnl_scene_count(scene, (fnl_entity)kind);
 }
@@ -465,6 +471,7 @@ static void test_rounds_of_loading_keep_memory_flat(void **state) {
     long long bytes = 0;
     uint64_t random = 1;
     count_all(scene, counts);
+    const uint32_t primitives = primitives_of(scene);
     for (uint32_t round = 0; round < ROUNDS; round++) {
         random = random * 6364136223846793005u + 1442695040888963407u;
         const uint32_t i = (uint32_t)(random >> 33) % FILES;
@@ -479,6 +486,7 @@ static void test_rounds_of_loading_keep_memory_flat(void **state) {
             const struct scene_node *root = &scene->nodes.data[loaded[k].root.index];
             assert_true(!root->removed && root->generation == loaded[k].root.generation && root->first_child != SCENE_NONE);
         }
+        assert_int_equal(primitives_of(scene), primitives + there[0] + there[1] + there[2]);
         if (there[0] || there[1] || there[2]) continue;
         expect_counts(scene, counts);
         if (round < 1000) {
@@ -561,6 +569,27 @@ static void test_rounds_of_adding_keep_memory_flat(void **state) {
         expect_counts(scene, counts);
     }
     if (memory.live_bytes != bytes) fail_msg("%lld bytes more", (long long)memory.live_bytes - bytes);
+
+    /* An id counts the reuses of its own index. What is there at the end goes with the scene. */
+    fnl_image pixel = {1, 1, FNL_PIXEL_FORMAT_RGBA8, (uint8_t[4]){1, 2, 3, 4}};
+    const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const fnl_mesh_params shape = {.vertex_count = 3, .positions = positions};
+    const fnl_camera camera = fnl_camera_default();
+    fnl_image_id image;
+    fnl_light_profile_id profile;
+    for (uint32_t i = 0; i < 2; i++) {
+        fnl_mesh_id mesh;
+        fnl_material_id material;
+        assert_int_equal(fnl_scene_add_mesh(scene, &shape, &mesh), FNL_OK);
+        assert_int_equal(fnl_scene_add_material(scene, NULL, &material), FNL_OK);
+        assert_int_equal(fnl_scene_add_image(scene, &pixel, true, &image), FNL_OK);
+        assert_int_equal(fnl_scene_add_camera(scene, "eye", &camera), FNL_OK);
+        assert_int_equal(fnl_scene_add_light_profile(scene, "p.ies", profile_text, sizeof profile_text - 1, &profile, NULL), FNL_OK);
+        const uint32_t generation = i ? FIRST_GENERATION : FIRST_GENERATION + 10000;
+        assert_true(mesh.index == i && mesh.generation == generation);
+        assert_true(material.index == i && material.generation == generation);
+        assert_true(image.index == i && image.generation == generation);
+    }
     fnl_scene_destroy(&scene);
     assert_int_equal(memory.live_bytes, 0);
     assert_int_equal(memory.wrong_sizes, 0);

@@ -25,7 +25,7 @@
 /** Step of the origins that Fanal chooses, meters: a power of two, so floats and doubles represent them exactly. */
 #define ORIGIN_STEP 16.0
 
-/** The generation of images, materials and meshes in a place where nothing was removed; each one that follows in it has one more. */
+/** Generation of the first image, material, or mesh at an index. Each reuse of the index increments it. */
 enum { FIRST_GENERATION = 1 };
 
 /** A picture: encoded bytes that are decoded when they are first needed, or RGBA8 pixels. */
@@ -41,7 +41,7 @@ struct scene_image {
     bool color;             /* used for colour: mips are averaged in linear light */
     bool normals;           /* a file's material uses it as a normal map */
     bool async;             /* renderers decode it in the background (fnl_load_params.async) */
-    uint32_t version;       /* of its pixels: counts their changes, also across images that were in its place */
+    uint32_t version;       /* incremented with each change of the pixels; continues when another image takes the index */
     uint32_t generation;
     bool removed;
 };
@@ -366,7 +366,7 @@ struct scene_source {
     uint64_t size;
 };
 
-/** Arrays of a scene whose elements can be removed. What is removed leaves a hole, which indices of public calls skip. */
+/** Arrays of a scene whose elements can be removed. A removed element leaves a hole; the indices of public calls skip holes. */
 enum scene_pool {
     SCENE_IMAGES,
     SCENE_SAMPLERS,
@@ -395,7 +395,7 @@ struct scene_document {
         uint64_t size;
     } *buffers;
     uint32_t buffer_count;
-    uint32_t counts[SCENE_POOLS]; /* elements that the file was read into. Saving tells what is the file's by its place, which nothing else takes */
+    uint32_t counts[SCENE_POOLS]; /* elements of the file: the first of each array. Their indices are never reused, because saving relies on them */
 };
 
 /** What scene_set_stage() has added. Its mesh and material are holes in the scene's arrays. */
@@ -409,14 +409,14 @@ struct scene_stage {
 };
 
 /**
- * A file that was loaded into the scene (fnl_scene_load_into): scene_part.c. Once its root is removed it is closed, and nothing of it is left but what
- * others may use: meshes, materials, images and profiles. It goes when nothing uses those.
+ * A file that was loaded into the scene with fnl_scene_load_into (scene_part.c). Removing its root closes it: everything that only the file
+ * uses is removed. Its meshes, materials, images and profiles stay until nothing outside the file uses any of them.
  */
 struct scene_part {
     uint32_t root, generation;
-    struct range blocks[SCENE_POOLS]; /* its elements; the root is the first of its nodes. Nothing else takes their places before it goes */
+    struct range blocks[SCENE_POOLS]; /* its elements, the root first among the nodes; indices are not reused before the file is gone */
     struct range files, resources, sources, messages, packets;
-    struct arena arena; /* what its elements point to */
+    struct arena arena; /* data of its elements */
     bool closed;
 };
 
@@ -493,8 +493,8 @@ struct fnl_scene {
     ARRAY(uint32_t) unlimited;        /* lights without a range, in any order */
 
     uint32_t hole_counts[SCENE_POOLS];
-    struct ranges holes[SCENE_POOLS];        /* those that may be used again, in `gaps` */
-    ARRAY(uint32_t) free_nodes, free_lights; /* single ones, which may be many: they are not in `holes` */
+    struct ranges holes[SCENE_POOLS];        /* reusable holes; only `gaps` is used */
+    ARRAY(uint32_t) free_nodes, free_lights; /* more reusable holes, in constant time: there may be many */
     uint64_t nodes_placed; /* by scene_move_nodes since the scene was made, also those that stayed where they were; tests count its work */
 };
 
@@ -511,13 +511,13 @@ bool scene_material_transmissive(const struct scene_material *material);
 /** Of transmissive ones: whether a part lets through less than half, by a texture or as metal. */
 bool scene_material_dark(const struct scene_material *material);
 uint32_t scene_take_generation(fnl_scene *scene);
-/** Takes the lowest run of `count` holes that may be used again; SCENE_NONE: there is none. */
+/** Takes the lowest run of `count` reusable holes; SCENE_NONE if there is none. */
 uint32_t scene_take_holes(fnl_scene *scene, enum scene_pool pool, uint32_t count);
-/** Notes that an element has become a hole. */
+/** Records that an element was removed. */
 void scene_leave_hole(fnl_scene *scene, enum scene_pool pool, uint32_t index);
-/** Whether a hole is kept free: its place is that of an element of a file. */
+/** Whether the index belongs to a file, and must not be reused before the file is gone. */
 bool scene_is_reserved(const fnl_scene *scene, enum scene_pool pool, uint32_t index);
-/** The place of a new element: a hole, or zeros at the end of the array. SCENE_NONE without memory. */
+/** The index of a new element: a hole, or the end of the array, which is zeroed. SCENE_NONE if memory ran out. */
 #define scene_take_place(scene, pool, array)                                                                                \
     scene_take_element(scene, pool, (void **)&(array)->data, &(array)->count, &(array)->capacity, sizeof *(array)->data)
 uint32_t scene_take_element(fnl_scene *scene, enum scene_pool pool, void **data, uint32_t *count, uint32_t *capacity, size_t size);
@@ -533,11 +533,11 @@ void scene_texture_turn_of(const struct scene_material *material, enum scene_tex
 const struct scene_texture *scene_tangent_texture(const struct scene_material *material);
 /** After a change of a material: its copies that baked decals are painted on follow. `before`: what it was. */
 fnl_result scene_repaint(fnl_scene *scene, uint32_t material, const struct scene_material *before);
-/** An image with memory of its own for `width` x `height` pixels, and a name, "SOURCE: KIND"; false without memory. */
+/** Creates an image that owns `width` x `height` pixels and its name, "SOURCE: KIND". False if memory ran out. */
 bool scene_image_create(const fnl_scene *scene, const char *kind, uint32_t width, uint32_t height, bool color, struct scene_image *out);
 /**
- * Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena, or in memory that the element owns:
- * then it goes over to the scene, also after a failure.
+ * Each returns the new index, or SCENE_NONE if memory ran out (logged). Data pointed to must live in scene->arena, or be owned by the element. An image's
+ * memory passes to the scene even if the call fails; a mesh's stays with the caller then.
  */
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image);
 uint32_t scene_add_sampler(fnl_scene *scene, const struct scene_sampler *sampler);
@@ -546,20 +546,20 @@ uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *mater
 uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count);
 /** A child of `parent` (SCENE_NONE: a root, whose matrix is relative to the origin) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
-/** The same in a hole, or at the end, where there is room. */
+/** The same at a given index: a hole, or the end of the array, which has room. */
 void scene_put_node(fnl_scene *scene, uint32_t index, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
 /** Call after a change of the structure that concerns more than a few nodes. */
 void scene_structure_changed(fnl_scene *scene);
 /** After a change of materials, samplers, or an image, whose `version` grows besides. */
 void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
-/** Puts one into a hole, or where one was appended, for which scene_reserve_lights() made room. */
+/** Stores a light at an index: a hole, or one that scene_reserve_lights() made room for. */
 void scene_put_light(fnl_scene *scene, uint32_t index, const fnl_light_params *params, uint32_t node);
 /** Floats of all profiles: shaders know a place by a float. */
 enum { SCENE_PROFILE_FLOATS_MAX = 1 << 24, SCENE_PROFILE_BYTES_MOST = 361 * 360 * 4 };
 /** Reads a light profile; `out` gets its id. */
 fnl_result scene_add_profile(fnl_scene *scene, const fnl_host *host, const char *name, const void *data, size_t size, fnl_light_profile_id *out);
-/** Puts one there, with another generation and a place on the device of its own. */
+/** Stores a profile at an index; assigns its generation and its place on the device. */
 void scene_place_profile(fnl_scene *scene, uint32_t index, const struct light_profile *profile);
 /** A light's profile, or NULL. */
 const struct light_profile *scene_light_profile(const fnl_scene *scene, const fnl_light_params *light);
@@ -612,9 +612,9 @@ void scene_activate(fnl_scene *scene, uint32_t root);
 fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_loaded *out);
 /** Bytes that images may point into, as into a file, which the caller fills; NULL: memory ran out. */
 unsigned char *scene_keep_bytes(fnl_scene *scene, size_t size);
-/** After something was removed: frees what is left of files whose root is gone and that nothing uses. */
+/** Call after a removal. Frees closed files that nothing uses any more. */
 void scene_drop_parts(fnl_scene *scene);
-/** Remove what nothing uses. */
+/** Each removes an element that nothing uses. */
 void scene_remove_mesh(fnl_scene *scene, uint32_t mesh);
 void scene_remove_material(fnl_scene *scene, uint32_t material);
 void scene_remove_image(fnl_scene *scene, uint32_t image);
@@ -701,18 +701,18 @@ fnl_result decal_check(const struct call *call, const fnl_decal_params *params);
 fnl_result camera_check(const struct call *call, const char *prefix, const fnl_camera *camera);
 /** The argument `transform`, or an element of `transforms`. */
 fnl_result scene_check_affine(const struct call *call, const fnl_mat4 *transform);
-/** How many there are, where the index-th of them stands in its array, and how many stand before a place there. */
+/** Number of entities of a kind; the array element of a public index; and the public index of an array element. */
 uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind);
 uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t index);
 uint32_t scene_entity_index(const fnl_scene *scene, fnl_entity kind, uint32_t slot);
-/** Arguments of public functions that name one. */
+/** Check an id that was passed to a public function; `or_none`: all-zero is allowed. */
 fnl_result scene_check_image(const struct call *call, const fnl_scene *scene, const char *name, fnl_image_id id, bool or_none);
 fnl_result scene_check_material(const struct call *call, const fnl_scene *scene, fnl_material_id id, bool or_none);
 fnl_result scene_check_mesh(const struct call *call, const fnl_scene *scene, fnl_mesh_id id);
-/** Ids of elements, SCENE_NONE as none. */
+/** The id of an element; all-zero for SCENE_NONE. */
 fnl_image_id scene_image_id(const fnl_scene *scene, uint32_t image);
 fnl_material_id scene_material_id(const fnl_scene *scene, uint32_t material);
-/** A camera as it stands now. */
+/** A camera in its current pose. */
 void scene_camera_pose(const fnl_scene *scene, const struct scene_camera *camera, fnl_camera *out);
 /** The argument `instance` of a public function. */
 fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id);
@@ -720,7 +720,7 @@ fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene,
 mat4 decal_transform(const fnl_scene *scene, const struct scene_decal *decal);
 /** An index of a picture; SCENE_NONE: none. */
 static inline uint32_t decal_image(fnl_image_id id) { return id.generation ? id.index : SCENE_NONE; }
-/** After nodes were removed: what was painted for them goes. */
+/** Call after nodes were removed. Removes the meshes, materials and images that were painted for them. */
 void decal_forget_removed(fnl_scene *scene);
 /** Paints all baked decals of a node into copies of its textures, or shows it as it was when there are none left (decal_bake.c). */
 fnl_result decal_bake(fnl_scene *scene, uint32_t node);

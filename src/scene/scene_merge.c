@@ -27,7 +27,7 @@ static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
         into->name.count += from->name.count;                                                                               \
     } while (0)
 
-/* A run of holes, or the end of the array, for which there is room and whose count the caller raises. */
+/* A run of holes, or the end of the array, where there is room; the caller raises the array's count. */
 static struct range take_block(fnl_scene *into, enum scene_pool pool, uint32_t count, uint32_t end) {
     const uint32_t first = scene_take_holes(into, pool, count);
     return (struct range){first == SCENE_NONE ? end : first, count};
@@ -40,7 +40,7 @@ static struct range take_block(fnl_scene *into, enum scene_pool pool, uint32_t c
         into->name.count = MAX(into->name.count, (block).first + (block).count);                                            \
     } while (0)
 
-/* Before PUT: what was there, with zeros beyond the end. */
+/* The element at an index before PUT; zeros beyond the end. */
 #define WAS(name, i) ((i) < into->name.count ? into->name.data[i] : (__typeof__(*into->name.data)){0})
 
 static void put_images(fnl_scene *into, fnl_scene *from, const struct range *block) {
@@ -231,7 +231,7 @@ static void put_probes(fnl_scene *into, const fnl_scene *from, const struct rang
     }
 }
 
-/* Extensions stay known after their file has gone. */
+/* Extensions stay listed after their file is unloaded. */
 static void append_words(fnl_scene *into, const fnl_scene *from) {
     APPEND(messages);
     APPEND(packets);
@@ -307,7 +307,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     arena_init(memory, &into->host, (size_t)64 << 10);
     arena_adopt(memory, &from->arena);
 
-    /* They are the scene's now. */
+    /* `into` owns their memory now. */
     from->files.count = from->resources.count = from->nodes.count = from->primitives.count = from->images.count = from->cameras.count = 0;
     from->profiles.count = 0;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Files that were loaded into a scene: how they go, once their roots are removed. */
+/* Unloading files that were loaded into a scene, after their roots were removed. */
 #include "scene/scene.h"
 
 unsigned char *scene_keep_bytes(fnl_scene *scene, size_t size) {
@@ -12,7 +12,7 @@ unsigned char *scene_keep_bytes(fnl_scene *scene, size_t size) {
 
 static bool is_in(const struct range *block, uint32_t index) { return index - block->first < block->count; }
 
-/* ---- what is used from outside ---- */
+/* ---- users outside the file ---- */
 
 static bool primitive_uses(const struct scene_primitive *p, const struct range *materials) {
     for (uint32_t i = 0; i < p->mapping_count; i++)
@@ -27,7 +27,7 @@ static bool decal_uses(const fnl_decal_params *p, const struct range *images) {
     return false;
 }
 
-/* All instances and lights of the part are gone. */
+/* Called when all instances and lights of the part are gone. */
 static bool is_used(const fnl_scene *scene, const struct scene_part *part) {
     const struct range *meshes = &part->blocks[SCENE_MESHES], *materials = &part->blocks[SCENE_MATERIALS], *images = &part->blocks[SCENE_IMAGES];
     for (uint32_t i = 0; i < scene->nodes.count; i++)
@@ -48,7 +48,7 @@ static bool is_used(const fnl_scene *scene, const struct scene_part *part) {
     return false;
 }
 
-/* ---- closing: what only the file itself can use ---- */
+/* ---- closing: removes what only the file itself uses ---- */
 
 #define EACH(part, pool, i) (uint32_t i = (part)->blocks[pool].first; i < (part)->blocks[pool].first + (part)->blocks[pool].count; i++)
 
@@ -76,7 +76,7 @@ static void close_part(fnl_scene *scene, struct scene_part *part) {
 
 /* ---- freeing ---- */
 
-/* Takes a run out of an array whose elements nothing knows by their index but the parts. */
+/* Removes a run from an array and closes the gap. Only parts refer to these arrays by index. */
 #define CUT(array, member)                                                                                                  \
     do {                                                                                                                    \
         const struct range cut = part.member;                                                                               \
@@ -100,7 +100,7 @@ static void free_files(fnl_scene *scene, struct scene_part part) {
     CUT(packets, packets);
 }
 
-/* Nothing points into its arena any more. */
+/* Nothing outside the part uses it. */
 static void free_part(fnl_scene *scene, uint32_t index) {
     struct scene_part part = scene->parts.data[index];
     for EACH(&part, SCENE_MESHES, i)
@@ -131,7 +131,7 @@ static void free_part(fnl_scene *scene, uint32_t index) {
     arena_finish(&part.arena);
 }
 
-/* Of a closed part that is still used: images without a user. */
+/* Removes the images of a closed part that nothing uses, while the part itself is still in use. */
 static void free_images(fnl_scene *scene, const struct scene_part *part) {
     bool *used = host_allocate_zero(&scene->host, MAX(scene->images.count, 1u)), *shown = host_allocate_zero(&scene->host, MAX(scene->meshes.count, 1u)),
          *worn = host_allocate_zero(&scene->host, MAX(scene->materials.count, 1u));
@@ -170,7 +170,7 @@ void scene_drop_parts(fnl_scene *scene) {
         const struct scene_node *root = &scene->nodes.data[part->root];
         if (!root->removed && root->generation == part->generation) continue;
         if (!part->closed) close_part(scene, part);
-        if (is_used(scene, part) || atomic_load(&scene->readers) > 0) /* what is being decoded in the background is read until then */
+        if (is_used(scene, part) || atomic_load(&scene->readers) > 0) /* images are still being decoded in the background */
             free_images(scene, part);
         else
             free_part(scene, i - 1);

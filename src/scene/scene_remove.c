@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is removed from a scene, and the holes that it leaves in the arrays. */
+/* Removing elements of a scene. Each leaves a hole in its array, which a later element may reuse. */
 #include "scene/scene.h"
 
 /* ---- holes ---- */
@@ -92,12 +92,12 @@ void scene_remove_animation(fnl_scene *scene, uint32_t index) {
     scene_leave_hole(scene, SCENE_ANIMATIONS, index);
 }
 
-/* ---- what uses them ---- */
+/* ---- users ---- */
 
 static uint32_t instances_of(const fnl_scene *scene, uint32_t mesh) {
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->nodes.count; i++) count += !scene->nodes.data[i].removed && scene->nodes.data[i].mesh == mesh;
-    for (uint32_t i = 0; i < scene->painted.count; i++) { /* the mesh that is painted on, and the copy that shows it */
+    for (uint32_t i = 0; i < scene->painted.count; i++) { /* baked decals: the original mesh and its painted copy */
         const struct scene_painted *painted = &scene->painted.data[i];
         const uint32_t shown = scene->nodes.data[painted->node].mesh;
         count += (painted->mesh == mesh || painted->own_mesh == mesh) && shown != mesh;
@@ -149,8 +149,8 @@ static uint32_t lights_of(const fnl_scene *scene, uint32_t profile) {
     return count;
 }
 
-static fnl_result check_unused(const struct call *call, const char *what, uint32_t index, uint32_t count, const char *users) {
-    return count ? misuse(call, "%s (index %u) is used by %u %s, remove them or give them another one first", what, index, count, users) : FNL_OK;
+static fnl_result check_unused(const struct call *call, const char *what, uint32_t index, uint32_t count, const char *one, const char *many) {
+    return count ? misuse(call, "%s (index %u) is still used by %u %s", what, index, count, count == 1 ? one : many) : FNL_OK;
 }
 
 /* ---- calls ---- */
@@ -159,7 +159,7 @@ fnl_result fnl_scene_remove_mesh(fnl_scene *scene, fnl_mesh_id mesh) {
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
     TRY(scene_check_mesh(call, scene, mesh));
-    TRY(check_unused(call, "mesh", mesh.index, instances_of(scene, mesh.index), "instances"));
+    TRY(check_unused(call, "mesh", mesh.index, instances_of(scene, mesh.index), "instance", "instances"));
     scene_remove_mesh(scene, mesh.index);
     scene_drop_parts(scene);
     return FNL_OK;
@@ -169,7 +169,7 @@ fnl_result fnl_scene_remove_material(fnl_scene *scene, fnl_material_id material)
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
     TRY(scene_check_material(call, scene, material, false));
-    TRY(check_unused(call, "material", material.index, meshes_of(scene, material.index), "meshes"));
+    TRY(check_unused(call, "material", material.index, meshes_of(scene, material.index), "mesh", "meshes"));
     scene_remove_material(scene, material.index);
     scene_drop_parts(scene);
     return FNL_OK;
@@ -179,7 +179,7 @@ fnl_result fnl_scene_remove_image(fnl_scene *scene, fnl_image_id image) {
     TRY(check_handle(__func__, "scene", scene));
     const struct call *call = CALL(&scene->host);
     TRY(scene_check_image(call, scene, "image", image, false));
-    TRY(check_unused(call, "image", image.index, users_of_image(scene, image.index), "materials and decals"));
+    TRY(check_unused(call, "image", image.index, users_of_image(scene, image.index), "material or decal", "materials and decals"));
     scene_remove_image(scene, image.index);
     scene_drop_parts(scene);
     return FNL_OK;
@@ -190,7 +190,7 @@ fnl_result fnl_scene_remove_light_profile(fnl_scene *scene, fnl_light_profile_id
     const struct call *call = CALL(&scene->host);
     const bool known = profile.generation && profile.index < scene->profiles.count && scene->profiles.data[profile.index].generation == profile.generation;
     TRY(check_id(call, "profile", known, profile.index, profile.generation, "a light profile"));
-    TRY(check_unused(call, "profile", profile.index, lights_of(scene, profile.index), "lights"));
+    TRY(check_unused(call, "profile", profile.index, lights_of(scene, profile.index), "light", "lights"));
     scene_remove_profile(scene, profile.index);
     scene_drop_parts(scene);
     return FNL_OK;

@@ -27,7 +27,7 @@ static bool is_clustered(const struct device_scene *d, const struct scene_primit
            (p->material == SCENE_NONE || d->scene->materials.data[p->material].alpha_mode != FNL_ALPHA_BLEND);
 }
 
-/* Takes room of the present size, and gives back room of another one; false where there is none. */
+/* Resizes a run in a pool; false if the pool is full. */
 static bool place_run(struct device_scene *d, struct ranges *taken, uint32_t *first, uint32_t *count, uint64_t wanted) {
     if (*count == wanted) return true;
     ranges_give(&d->host, taken, *first, *count);
@@ -45,7 +45,7 @@ static bool place_primitive(struct device_scene *d, const struct scene_primitive
            d->vertices_taken.end <= INT32_MAX;
 }
 
-/* Takes places for the primitives that have come, and others for those whose counts have changed; what was removed has none. */
+/* Allocates room for new primitives and for those whose sizes changed. Removed primitives have size 0. */
 static fnl_result place_primitives(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
     if (!array_reserve(&d->host, &d->primitive_places, scene->primitives.count)) return FNL_ERROR_MEMORY;
@@ -321,7 +321,7 @@ fnl_result device_geometry_upload(struct device_scene *d) {
         if (place->version == p->version) continue;
         if (place->shape_version != p->shape_version) {
             TRY(upload_positions(d, p, place->first_vertex));
-            TRY(upload_deformation(d, p, place)); /* another primitive may have come in its place */
+            TRY(upload_deformation(d, p, place)); /* another primitive may have taken the index */
         }
         TRY(upload_attributes(d, p, place->first_vertex));
         place->version = p->version;
