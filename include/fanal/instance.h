@@ -68,8 +68,8 @@ FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance
  * skins of other nodes; decals below it are no longer shown. All other ids stay valid.
  *
  * Removing a file's root (fnl_loaded.root) unloads the file: its meshes, materials, images, light profiles, animations, cameras, probes and decals
- * are removed, and their memory is freed. If an instance, material, decal or light outside the file uses one of its meshes, materials, images or
- * profiles, those four kinds stay until the last such user is removed; unused images are freed at once. While a renderer decodes images in the
+ * are removed, and their memory is freed. If something outside the file still uses any of its meshes, materials, images or light profiles, then
+ * all meshes, materials and profiles of the file, and the images in use, stay until the last user is removed. Unused images are freed at once. While a renderer decodes images in the
  * background (fnl_load_params.async), the memory is freed by a later removal.
  */
 FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);

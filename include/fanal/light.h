@@ -120,7 +120,7 @@ FNL_API fnl_result fnl_scene_refresh_shadows(fnl_scene *scene, const fnl_light_i
  * Adds a luminaire's photometric data for lights to have (fnl_light_params.profile): a file of IESNA LM-63 (.ies) of 1986 to 2019, type C, B or A.
  * It is `size` bytes at `data`, which are not kept; with data NULL the file called `name` is read. `name` is for messages besides.
  * `candela`, unless NULL, gets the intensity of the brightest direction: a light of this intensity shines as the luminaire does. What tilting does
- * to lamps (TILT) is left out. FNL_ERROR_FORMAT: it is no such file.
+ * to lamps (TILT) is left out. FNL_ERROR_FORMAT if the data is not in LM-63 format.
  */
 FNL_API fnl_result fnl_scene_add_light_profile(fnl_scene *scene, const char *name, const void *data, size_t size, fnl_light_profile_id *out,
                                                float *candela);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Images, materials and meshes of a scene. To remove them, remove their users first: instances, then meshes, materials and images. Removing
- * the root of a file removes everything that came with it (fnl_scene_remove_instance). Memory of the file that a scene was created from is freed
- * with the scene. Renderers keep on the device only images that a material uses. Calls on one scene are not thread-safe.
+ * the root of a file removes everything that came with it (fnl_scene_remove_instance). The memory of a file loaded by fnl_scene_load() is freed only by
+ * fnl_scene_destroy(). Renderers keep on the device only images that a material uses. Calls on one scene are not thread-safe.
  */
 #ifndef FANAL_MESH_H
 #define FANAL_MESH_H

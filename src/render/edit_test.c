@@ -227,7 +227,7 @@ static void expect_same_trace(const struct stage *a, const struct stage *b) {
     for (int i = 0; i < 2; i++) fnl_trace_free(&scenes[i]->host, &traces[i]);
 }
 
-/* Files come and go while a renderer shows them: each looks as it does alone, whatever was in its place before, and no memory stays. */
+/* Loads and unloads files while they are rendered: each renders as it would in its own scene, and no memory leaks. */
 static void test_files_that_come_and_go(void **state) {
     UNUSED(state);
     struct file others[2] = {plain, plain};
@@ -245,15 +245,15 @@ static void test_files_that_come_and_go(void **state) {
     uint64_t device_bytes = 0;
     for (uint32_t round = 0; round < 16; round++) {
         const struct file *other = &others[round % 2];
-        const bool before = round % 4 < 2; /* its place is then free below those of the file that is shown, or above */
+        const bool before = round % 4 < 2; /* whether the freed indices are below those of the remaining file, or above */
         fnl_loaded first = before ? load_file(&stage, other) : load_file(&stage, &plain), second = before ? load_file(&stage, &plain) : load_file(&stage, other);
-        if (round % 3 == 0) { /* all has been on the device */
+        if (round % 3 == 0) { /* uploads both files first */
             fnl_image both = shoot(&stage);
             fnl_image_free(gpu_host(harness_device()), &both);
         }
         const fnl_loaded *shown = before ? &second : &first, *gone = before ? &first : &second;
         assert_int_equal(fnl_scene_remove_instance(stage.scene, gone->root), FNL_OK);
-        assert_int_equal(fnl_scene_set_time(stage.scene, 2, 0.6), FNL_OK); /* the first two are those of the scene itself */
+        assert_int_equal(fnl_scene_set_time(stage.scene, 2, 0.6), FNL_OK); /* animations 0 and 1 belong to the scene itself */
         fnl_image picture = shoot(&stage);
         if (count_differing(&picture, &wanted)) fail_msg("round %u: %llu pixels differ", round, (unsigned long long)count_differing(&picture, &wanted));
         fnl_image_free(gpu_host(harness_device()), &picture);

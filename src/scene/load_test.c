@@ -350,7 +350,7 @@ static void let_go(fnl_scene *scene, enum holder by, const struct held *held) {
     if (by == A_MATERIAL) assert_int_equal(fnl_scene_remove_material(scene, held->material), FNL_OK);
     if (by == A_DECAL) assert_int_equal(fnl_scene_remove_decal(scene, held->decal), FNL_OK);
     if (by != A_READER) return;
-    atomic_fetch_sub(&scene->readers, 1); /* the next removal finds it */
+    atomic_fetch_sub(&scene->readers, 1); /* the next removal frees the file */
     assert_int_equal(fnl_scene_add_image(scene, &pixel, true, &image), FNL_OK);
     assert_int_equal(fnl_scene_remove_image(scene, image), FNL_OK);
 }
@@ -371,7 +371,7 @@ static void count_all(const fnl_scene *scene, uint32_t counts[FNL_ENTITY_COUNT])
     for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) counts[kind] = fnl_scene_count(scene, (fnl_entity)kind);
 }
 
-/* A file goes with its root, or with the last that uses a part of it. */
+/* A file is freed with its root, or with the last user of any of its parts. */
 static void test_files_go_with_their_last_user(void **state) {
     UNUSED(state);
     for (int by = NOBODY; by < HOLDERS; by++) {
@@ -407,7 +407,7 @@ static void test_files_go_with_their_last_user(void **state) {
     }
 }
 
-/* An instance that shows the file's mesh keeps what it shows, and no more. */
+/* While an instance outside the file shows its mesh, its meshes, materials and used images stay. */
 static void test_what_is_used_stays_whole(void **state) {
     UNUSED(state);
     size_t size_a, size_b;
@@ -436,14 +436,14 @@ static void test_what_is_used_stays_whole(void **state) {
     assert_int_equal(fnl_scene_remove_material(scene, material), FNL_ERROR_INVALID);
     assert_int_equal(fnl_scene_remove_image(scene, look.base_color_image), FNL_ERROR_INVALID);
 
-    /* What is loaded meanwhile takes other places. */
+    /* A file loaded meanwhile gets other indices. */
     fnl_loaded other;
     assert_int_equal(fnl_scene_load_into(scene, (fnl_instance_id){0, 0}, "b.glb", &params, &other), FNL_OK);
     const fnl_material_id second = entity_at(scene, FNL_ENTITY_MATERIAL, other.first[FNL_ENTITY_MATERIAL]).id.material;
     assert_int_not_equal(second.index, material.index);
     assert_int_equal(fnl_scene_remove_instance(scene, held.instance), FNL_OK);
     assert_string_equal(entity_at(scene, FNL_ENTITY_MATERIAL, counts[FNL_ENTITY_MATERIAL] - 1).name, "b paint");
-    assert_int_equal(fnl_scene_set_material(scene, material, &look), FNL_ERROR_INVALID); /* the old id is not that of the new one */
+    assert_int_equal(fnl_scene_set_material(scene, material, &look), FNL_ERROR_INVALID); /* the old id does not name the new material */
     assert_int_equal(fnl_scene_query_material(scene, counts[FNL_ENTITY_MATERIAL] - 1, &look), FNL_OK);
     assert_int_equal(fnl_scene_set_material(scene, second, &look), FNL_OK);
     fnl_scene_destroy(&scene);
@@ -453,7 +453,7 @@ static void test_what_is_used_stays_whole(void **state) {
     free(b);
 }
 
-/* Files of different sizes come and go in any order: memory does not grow, and each is whole as long as it is there. */
+/* Loads and unloads files of different sizes in any order: memory does not grow, and each loaded file stays intact. */
 static void test_rounds_of_loading_keep_memory_flat(void **state) {
     UNUSED(state);
     enum { FILES = 3, ROUNDS = 10000 };
@@ -548,7 +548,7 @@ static void test_rounds_of_adding_keep_memory_flat(void **state) {
         assert_int_equal(fnl_scene_add_light(scene, &light, &lamp), FNL_OK);
         assert_int_equal(fnl_scene_add_camera(scene, "eye", &camera), FNL_OK);
 
-        /* Nothing goes as long as something uses it, and nothing twice. */
+        /* Nothing can be removed while it is in use, or removed twice. */
         assert_int_equal(fnl_scene_remove_image(scene, image), FNL_ERROR_INVALID);
         assert_int_equal(fnl_scene_remove_material(scene, material), FNL_ERROR_INVALID);
         assert_int_equal(fnl_scene_remove_mesh(scene, mesh), FNL_ERROR_INVALID);
@@ -570,7 +570,7 @@ static void test_rounds_of_adding_keep_memory_flat(void **state) {
     }
     if (memory.live_bytes != bytes) fail_msg("%lld bytes more", (long long)memory.live_bytes - bytes);
 
-    /* An id counts the reuses of its own index. What is there at the end goes with the scene. */
+    /* The generation of an id counts the reuses of its index. Destroying the scene frees the elements that remain. */
     fnl_image pixel = {1, 1, FNL_PIXEL_FORMAT_RGBA8, (uint8_t[4]){1, 2, 3, 4}};
     const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     const fnl_mesh_params shape = {.vertex_count = 3, .positions = positions};

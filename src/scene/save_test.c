@@ -589,7 +589,7 @@ static void test_what_was_added_to_a_file(void **state) {
     fnl_scene_destroy(&again);
 }
 
-/* Of a file that came and went nothing is written, nor what it left room for; of the document's cameras and animations, those that are left. */
+/* Saving omits unloaded files and their holes, and writes only the remaining cameras and animations of the document. */
 static void test_what_was_removed(void **state) {
     UNUSED(state);
     fnl_scene *scene = load_document(), *again;

@@ -21,7 +21,7 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->cutoff_roughness = 1;
     scene->reach.structure_version = UINT64_MAX;
     scene->anisotropy = 8;
-    for (uint32_t i = 0; i < SCENE_POOLS; i++) scene->holes[i].end = RANGES_NONE; /* their gaps alone are used */
+    for (uint32_t i = 0; i < SCENE_POOLS; i++) scene->holes[i].end = RANGES_NONE; /* only the gaps are used */
     scene->profile_floats.end = 1;
     scene->stage = (struct scene_stage){.node = SCENE_NONE, .mesh = SCENE_NONE, .material = SCENE_NONE, .placed_version = UINT64_MAX};
     struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
@@ -242,7 +242,7 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
 }
 
 void scene_put_node(fnl_scene *scene, uint32_t index, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh) {
-    const bool reused = index < scene->nodes.count; /* then it may still be in the lists, where it must not stand twice */
+    const bool reused = index < scene->nodes.count; /* a reused node may still be in the lists; do not add it twice */
     const uint64_t moved_version = reused ? scene->nodes.data[index].moved_version : 0;
     const uint64_t edited_version = reused ? scene->nodes.data[index].edited_version : 0;
     scene->nodes.count = MAX(scene->nodes.count, index + 1);

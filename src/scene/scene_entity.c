@@ -2,7 +2,7 @@
 /* The public calls that go through what a scene has, by index and name, and those that change its instances. */
 #include "scene/scene.h"
 
-/* What is removed leaves a hole, which indices skip; so is what the stage adds. */
+/* Removed elements leave holes, and elements of the stage count as holes. Public indices skip both. */
 static bool is_hole(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
     switch (kind) {
     case FNL_ENTITY_INSTANCE: return scene->nodes.data[slot].removed;
